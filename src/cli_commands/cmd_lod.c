@@ -70,8 +70,7 @@ static const cli_argument lod_rows[] = {
 
 /* ---- what is requested ---- */
 
-/* Options of the methods that sample a solid, and of the one that collapses
- * edges; each with what only it understands. */
+/* Options of the methods that sample a solid, and of the one that collapses edges. */
 #define OF_SOLID "--levels --threshold --edge-samples --collapse --fill --close-gaps --padding"
 #define OF_COLLAPSE                                                                            \
     "--error --error-kind --count --strict --even --attributes --lock-border --keep-vertices " \
@@ -145,8 +144,7 @@ static int check_lod_options(cli_run *run, cli_chain *c)
 
 /* ---- the levels ---- */
 
-/* Samples coarser than what they see break it. That the solid has the mesh's walls is reported with the
- * solid. */
+/* Samples coarser than what they see break it. The solid's walls are reported with the solid. */
 static void warn_of_broken_level(const cli_run *run, const cli_chain *c, int i, cli_made *made)
 {
     const bvx_certificate *const level = &run->report.mesh[i].certificate;
@@ -207,7 +205,6 @@ static bvx_status build_level(cli_run *run, cli_chain *c, int number)
     int32_t const resolution = c->by_triangles ? 0 : cli_level_resolution(run, c, number);
     uint64_t const target = c->by_triangles ? (uint64_t)run->options->triangles.value[number] : 0;
     bvx_lod_options l = own->samples;
-
     l.struct_size = sizeof l;
     if (own->method != 0) l.sampling.method = own->method - METHOD_OF;
     if (c->by_triangles) l.target_triangles = &target;
@@ -223,10 +220,9 @@ static int make_level(cli_run *run, cli_chain *c, int number, cli_made *made)
     int const i = c->count;
     cli_mesh_entry *const entry = &run->report.mesh[i];
     char stage[32];
-    bvx_status status;
 
     cli_stage_begin(run, "level %d", number);
-    status = build_level(run, c, number);
+    bvx_status const status = build_level(run, c, number);
     entry->milliseconds = cli_stage_end(run) * 1e3;
     if (cannot_be(run, status)) return leave_out(run, c, status, number, made);
     if (status != BVX_OK) {
@@ -251,7 +247,6 @@ static int measure_level(cli_run *run, cli_chain *c, int i)
 {
     uint64_t const samples = cli_samples(run);
     bvx_mesh_view view;
-
     if (samples == 0) return CLI_DONE;
     bvx_mesh_view_of(&c->mesh[i], &view);
     cli_stage_begin(run, "distance %d", run->report.mesh[i].number);
@@ -287,27 +282,9 @@ static void tell_chain_head(const cli_run *run, const cli_chain *c, cli_made *ma
     cli_report_solid(run, &made->members, l, &c->solid_report);
 }
 
-static void tell_chain_levels(const cli_run *run, const cli_chain *c, cli_made *made)
-{
-    cli_tell(made,
-             "level  resolution      ratio  triangles  simplification rate        ms  closed, manifold, "
-             "oriented\n");
-    for (int i = 0; i < c->count; i++) {
-        const bvx_lod_report *const l = &c->lod[i];
-        const cli_mesh_entry *const m = &run->report.mesh[i];
-        char size[48];
-        snprintf(size, sizeof size, "%" PRId32 "x%" PRId32 "x%" PRId32, l->resolution[0], l->resolution[1],
-                 l->resolution[2]);
-        cli_tell(made, "%5d  %-14s %6.2f %10" PRIu64 " %19.2f%% %9.2f  %s\n", m->number, size, l->ratio[0],
-                 m->certificate.triangles, m->rate * 100.0, m->milliseconds,
-                 cli_is_sound(&m->certificate) ? "yes" : "NO");
-    }
-}
-
 static int write_chain(cli_run *run, void *work)
 {
     const cli_chain *const c = work;
-
     run->source = &c->input;
     return cli_write_levels(run, c->mesh, c->count, c->path);
 }
@@ -316,7 +293,6 @@ static int make_chain(cli_run *run, void *work, cli_made *made)
 {
     cli_chain *const c = work;
     int status = cli_input_kind(run, run->options->input[0], &c->kind);
-
     made->untitled = 1;
     if (status == CLI_DONE) status = check_lod_options(run, c);
     /* Known before the first stage, so that the bar knows how many rounds follow. */
@@ -333,10 +309,22 @@ static void tell_chain(const cli_run *run, const void *work, cli_made *made)
 {
     const cli_chain *const c = work;
     int const grid = c->kind == CLI_GRID;
-
     for (int i = 0; i < c->count; i++) warn_of_broken_level(run, c, i, made);
     tell_chain_head(run, c, made);
-    tell_chain_levels(run, c, made);
+    cli_tell(made,
+             "level  resolution      ratio  triangles  simplification rate        ms  closed, manifold, "
+             "oriented\n");
+    for (int i = 0; i < c->count; i++) {
+        const bvx_lod_report *const l = &c->lod[i];
+        const cli_mesh_entry *const m = &run->report.mesh[i];
+        char size[48];
+        snprintf(size, sizeof size, "%" PRId32 "x%" PRId32 "x%" PRId32, l->resolution[0], l->resolution[1],
+                 l->resolution[2]);
+        cli_tell(made, "%5d  %-14s %6.2f %10" PRIu64 " %19.2f%% %9.2f  %s\n", m->number, size, l->ratio[0],
+                 m->certificate.triangles, m->rate * 100.0, m->milliseconds,
+                 cli_is_sound(&m->certificate) ? "yes" : "NO");
+    }
+
     cli_tell_distances(run, c->count, c->diagonal, 3, grid ? "to the voxels' surface, " : "",
                        grid ? "grid" : "mesh", made);
     cli_tell_written(run, c->count, made);
@@ -354,7 +342,6 @@ static int choose_lod(cli_run *run, const cli_job **job)
 {
     const cli_lod_options *const own = run->own;
     int kind, collapses;
-
     CLI_TRY(cli_input_kind(run, run->options->input[0], &kind));
     /* A mesh collapses unless something asks for samples of a solid. */
     /* So does the surface of a grid where a target says how far. */

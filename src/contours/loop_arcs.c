@@ -1,11 +1,10 @@
 /* loop_arcs.c - the loops of a section cut at the grid's lines: crossings, the arcs between them by cell, the
  * grid points inside.
  *
- * A loop is walked once; along a segment the next line to cross is found by the exact order of two crossings.
- * Each crossing of a line of one v turns the grid points beyond it on that line; the bits inside are the
- * running parity of a row. How many crossings there will be is counted before, so all planes share arrays and
- * none grows. Arcs are put into the order of the cells, by counting columns, then rows: cells that are gone
- * through in that order find theirs one after the other. */
+ * A loop is walked once; along a segment the next line to cross is found by the exact order of two
+ * crossings. Each crossing of a line of one v turns the grid points beyond it on that line; the bits inside
+ * are the running parity of a row. Arcs are put into the order of the cells, by counting columns, then rows:
+ * cells that are gone through in that order find theirs one after the other. */
 #include "contours/section.h"
 
 /* Crossings of a nesting level are its section's: one ring holds them all. */
@@ -18,7 +17,6 @@ bvx_status bvxi_plane_add_cut(bvxi_stack *s, bvxi_plane *p, uint32_t segment, in
     if (of->cut_count == of->cut_room) {
         uint64_t const room = of->cut_room < 256 ? 256 : (uint64_t)of->cut_room + of->cut_room / 2;
         bvxi_line_cut *larger;
-
         if (room > INT32_MAX)
             return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                                  "%s: section %i crosses the grid more than 2^31 times", s->function,
@@ -132,7 +130,6 @@ static void walk_segment(arc_walk *w, uint32_t i)
 static void walk_loop(arc_walk *w, const bvxi_contour *c)
 {
     const bvxi_plane *const p = w->p;
-
     w->last = BVXI_NONE;
     w->count = 0;
     w->cell[0] = p->q[c->first][0] >> w->s->fine;
@@ -141,9 +138,7 @@ static void walk_loop(arc_walk *w, const bvxi_contour *c)
         if (w->count++ == 0) w->point = i;
         walk_segment(w, i);
     }
-
-    /* A loop within one cell is an arc without ends; else
-     * the last arc goes on into the first one's beginning. */
+    /* A loop within one cell is an arc without ends; else the last arc joins the first one. */
     if (w->last == BVXI_NONE) add_arc(w, BVXI_NONE, BVXI_NONE, c->first, c->count);
     else add_arc(w, w->last, w->head.to, w->count != 0 ? w->point : w->head.point, w->count + w->head.count);
 }
@@ -158,16 +153,6 @@ static void count_by(const bvxi_plane *p, const bvxi_arc_scratch *x, int shift, 
     for (uint32_t i = 0; i < p->arc_count; i++) {
         uint32_t const a = from == NULL ? i : from[i];
         to[x->start[x->cell[a] >> shift & 0xffff]++] = a;
-    }
-}
-
-static void sort_arcs(const bvxi_stack *s, bvxi_plane *p, const bvxi_arc_scratch *x)
-{
-    count_by(p, x, 0, s->size[0], NULL, x->order[0]);
-    count_by(p, x, 16, s->size[1], x->order[0], x->order[1]);
-    for (uint32_t i = 0; i < p->arc_count; i++) {
-        p->arc[i] = x->arc[x->order[1][i]];
-        p->arc_cell[i] = x->cell[x->order[1][i]];
     }
 }
 
@@ -208,7 +193,6 @@ void bvxi_plane_look_at_cells(const bvxi_stack *s, bvxi_plane *p)
 uint32_t bvxi_plane_arcs_in(const bvxi_plane *p, uint32_t key, uint32_t *count)
 {
     uint32_t low = 0, high = p->arc_count;
-
     while (low < high) {
         uint32_t const middle = low + (high - low) / 2;
         if (p->arc_cell[middle] < key) low = middle + 1;
@@ -235,10 +219,14 @@ void bvxi_plane_fill_rows(const bvxi_stack *s, uint64_t *inside)
 void bvxi_plane_cut(bvxi_stack *s, bvxi_plane *p, const bvxi_arc_scratch *scratch)
 {
     arc_walk w = {.s = s, .p = p, .out = scratch};
-
     for (uint32_t i = 0; i < p->contour_count; i++) walk_loop(&w, &p->contour[i]);
     p->grid_cut_count = p->cut_count;
-    sort_arcs(s, p, scratch);
+    count_by(p, scratch, 0, s->size[0], NULL, scratch->order[0]);
+    count_by(p, scratch, 16, s->size[1], scratch->order[0], scratch->order[1]);
+    for (uint32_t i = 0; i < p->arc_count; i++) {
+        p->arc[i] = scratch->arc[scratch->order[1][i]];
+        p->arc_cell[i] = scratch->cell[scratch->order[1][i]];
+    }
     bvxi_plane_look_at_cells(s, p);
     bvxi_plane_fill_rows(s, p->inside);
 }

@@ -6,10 +6,7 @@
  * all. */
 #include "contours/section.h"
 
-#include "lattice/wide.h"
 #include "mesh/mesh.h"
-
-#include <math.h>
 
 enum { LEAST_CUBIC = 5 }; /* sections */
 
@@ -33,16 +30,14 @@ bvx_status bvxi_choose_label(bvx_context *ctx, const char *function, const bvx_s
 
 static uint64_t sortable(double v)
 {
-    /* All bits of negative ones are turned, of others the
-     * sign alone: then whole numbers sort as doubles do. */
+    /* All bits of negative ones are turned, else the sign alone: then integers sort as doubles do. */
     uint64_t k;
     v += 0.0;
     memcpy(&k, &v, 8);
     return (k >> 63) != 0 ? ~k : k | UINT64_C(0x8000000000000000);
 }
 
-/* Sections in the order of their positions, from the first to the last with
- * a loop. counts: points of each section. */
+/* Sections in the order of their positions, first to last with a loop. counts: points of each section. */
 static bvx_status order_planes(bvxi_stack *s, const uint64_t *loops, uint32_t *order, uint64_t *key)
 {
     const bvx_sections *const g = s->given;
@@ -233,7 +228,6 @@ bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_se
                             const bvx_sections_options *options, bvxi_stack *s)
 {
     const bvxi_plane *p;
-    uint32_t n;
 
     *s = (bvxi_stack){.ctx = ctx,
                       .function = function,
@@ -245,7 +239,7 @@ bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_se
     BVXI_TRY(bvxi_choose_label(ctx, function, given, &s->options.label));
     BVXI_TRY(gather_planes(s));
     p = s->plane;
-    n = s->plane_count;
+    uint32_t const n = s->plane_count;
     /* Of few sections most are a first or last one, whose slope is a guess. The paper's way and marching cubes
      * are straight. A stack that is begun again with sections put in between keeps what was chosen. */
     if (s->options.slabs.blend == BVX_BLEND_AUTO)

@@ -16,13 +16,6 @@ static bvx_status sign_band(bvxi_call call, const bvx_mesh_view *mesh, const bvx
                                    : bvxi_sign_pseudonormal(call, mesh, band, inside);
 }
 
-static void set_every_voxel(bvx_grid *grid)
-{
-    uint64_t const rows = bvxi_grid_rows(grid);
-    for (uint64_t r = 0; r < rows; r++)
-        bvxi_set_run(grid->words + r * (uint64_t)grid->words_per_row, 0, grid->size[0]);
-}
-
 /* All of inside's window as the first centre of the lattice. */
 static bvx_status sign_by_first_centre(bvxi_call call, const bvxi_nearest *nearest, const bvx_mesh_view *mesh,
                                        int32_t sign, bvx_grid *inside)
@@ -33,18 +26,21 @@ static bvx_status sign_by_first_centre(bvxi_call call, const bvxi_nearest *neare
     uint8_t feature = 0;
     bvxi_sparse one = {
         .first = first, .count = 1, .value_type = BVX_F32, .triangles = &triangle, .features = &feature};
-    bvx_grid its_side;
 
     one.where.lattice = inside->lattice;
     one.where.words = &word;
     one.where.word_capacity = 1;
     one.where.words_per_row = one.where.size[0] = one.where.size[1] = one.where.size[2] = 1;
-    its_side = one.where;
+    bvx_grid its_side = one.where;
     its_side.words = &set;
     BVXI_TRY(bvxi_nearest_fill(at_once, nearest, HUGE_VAL, &one));
     BVXI_TRY(sign_band(at_once, mesh, &one, sign, &its_side));
     memset(inside->words, 0, (size_t)bvxi_grid_words(inside) * 8);
-    if (set != 0) set_every_voxel(inside);
+    if (set != 0) {
+        uint64_t const rows = bvxi_grid_rows(inside);
+        for (uint64_t r = 0; r < rows; r++)
+            bvxi_set_run(inside->words + r * (uint64_t)inside->words_per_row, 0, inside->size[0]);
+    }
     return BVX_OK;
 }
 
@@ -54,7 +50,6 @@ static bvx_status measure_whole_band(bvxi_call call, const bvxi_nearest *nearest
 {
     double const middle = call.from + (call.to - call.from) * 0.4;
     uint64_t const rows = bvxi_grid_rows(&band->where);
-
     BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, (rows + 1) * 8, "the band's rows", &band->first));
     BVXI_TRY(bvxi_nearest_band(bvxi_call_part(call, call.from, middle), nearest, width, &band->where,
                                band->first));
@@ -63,39 +58,35 @@ static bvx_status measure_whole_band(bvxi_call call, const bvxi_nearest *nearest
     return bvxi_nearest_fill(bvxi_call_part(call, middle, call.to), nearest, HUGE_VAL, band);
 }
 
-/* The bits of whole in the window of part. */
-static void cut_window(const bvx_grid *whole, bvx_grid *part)
-{
-    int32_t const shift = part->low[0] & 63, column = part->low[0] >> 6;
-
-    for (int32_t z = 0; z < part->size[2]; z++)
-        for (int32_t y = 0; y < part->size[1]; y++) {
-            uint64_t const row = (uint64_t)(z + part->low[2]) * (uint64_t)whole->size[1] +
-                                 (uint64_t)(y + part->low[1]);
-            const uint64_t *const from = whole->words + row * (uint64_t)whole->words_per_row;
-            uint64_t *const to = part->words + ((uint64_t)z * (uint64_t)part->size[1] + (uint64_t)y) *
-                                                   (uint64_t)part->words_per_row;
-
-            /* The window need not begin at a word: each of its words comes from two. */
-            for (int32_t k = 0; k < part->words_per_row; k++) {
-                uint64_t w = from[column + k] >> shift;
-                if (shift != 0 && column + k + 1 < whole->words_per_row)
-                    w |= from[column + k + 1] << (64 - shift);
-                to[k] = k + 1 == part->words_per_row ? w & bvxi_tail_mask(part->size[0]) : w;
-            }
-        }
-}
-
 static bvx_status sign_whole_band(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,
                                   int32_t sign, bvx_grid *inside)
 {
     bvx_grid whole = band->where;
-
     BVXI_TRY(bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, bvxi_grid_words(&whole) * 8, "the lattice's inside",
                              &whole.words));
     BVXI_TRY(sign_band(call, mesh, band, sign, &whole));
     BVXI_TRY(bvxi_carry_signs(bvxi_call_part(call, call.to, call.to), &band->where, &whole));
-    cut_window(&whole, inside);
+
+    /* The bits of whole in the window of part. */
+    int32_t const shift = inside->low[0] & 63, column = inside->low[0] >> 6;
+
+    for (int32_t z = 0; z < inside->size[2]; z++)
+        for (int32_t y = 0; y < inside->size[1]; y++) {
+            uint64_t const row = (uint64_t)(z + inside->low[2]) * (uint64_t)whole.size[1] +
+                                 (uint64_t)(y + inside->low[1]);
+            const uint64_t *const from = whole.words + row * (uint64_t)whole.words_per_row;
+            uint64_t *const to = inside->words + ((uint64_t)z * (uint64_t)inside->size[1] + (uint64_t)y) *
+                                                     (uint64_t)inside->words_per_row;
+
+            /* The window need not begin at a word: each of its words comes from two. */
+            for (int32_t k = 0; k < inside->words_per_row; k++) {
+                uint64_t w = from[column + k] >> shift;
+                if (shift != 0 && column + k + 1 < whole.words_per_row)
+                    w |= from[column + k + 1] << (64 - shift);
+                to[k] = k + 1 == inside->words_per_row ? w & bvxi_tail_mask(inside->size[0]) : w;
+            }
+        }
+
     bvxi_drop(call.ctx, whole.words);
     return BVX_OK;
 }
@@ -126,7 +117,6 @@ bvx_status bvxi_sign_features(bvxi_call call, const bvxi_nearest *nearest, doubl
 {
     int const whole = memcmp(inside->size, inside->lattice.dims, sizeof inside->size) == 0;
     double const voxel = bvxi_largest_spacing(&inside->lattice), enough = width < voxel ? voxel : width;
-
     if (band->count == bvxi_grid_rows(inside) * (uint64_t)inside->size[0])
         return sign_band(call, mesh, band, sign, inside);
     if (!whole || width < voxel) return sign_as_whole(call, nearest, enough, mesh, sign, inside);

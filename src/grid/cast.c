@@ -37,8 +37,7 @@ typedef struct voxel_bricks {
 /* Bit i of the result says whether byte i of w is not 0. */
 static uint64_t bytes_to_bits(uint64_t w)
 {
-    /* The lowest bit of each byte becomes the OR of its eight,
-     * with some of the byte above mixed into the others. */
+    /* The lowest bit of each byte becomes the OR of its eight, others get some of the byte above. */
     w |= w >> 4;
     w |= w >> 2;
     w |= w >> 1;
@@ -51,7 +50,6 @@ static uint64_t join_brick_words(const bvx_grid *g, int32_t k, int32_t y, int32_
     int32_t const y_end = g->size[1] - y < 8 ? g->size[1] : y + 8;
     int32_t const z_end = g->size[2] - z < 8 ? g->size[2] : z + 8;
     uint64_t w = 0;
-
     for (int32_t j = z; j < z_end; j++) {
         const uint64_t *at = g->words +
                              ((size_t)j * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row +
@@ -64,7 +62,6 @@ static uint64_t join_brick_words(const bvx_grid *g, int32_t k, int32_t y, int32_
 static void make_brick_rows(void *user, uint64_t begin, uint64_t end)
 {
     voxel_bricks *const b = user;
-
     for (uint64_t r = begin; r < end; r++) {
         /* Rows of bricks are eight rows of voxels along y and eight slices. */
         int32_t const y = (int32_t)(r % (uint64_t)b->size[1]) * 8;
@@ -86,8 +83,6 @@ static void free_bricks(bvx_context *ctx, voxel_bricks *bricks)
 static bvx_status make_bricks(bvx_context *ctx, const char *stage, double from, double to,
                               const bvx_grid *grid, voxel_bricks *bricks)
 {
-    bvx_status status;
-
     memset(bricks, 0, sizeof *bricks);
     bricks->grid = grid;
     for (int32_t a = 0; a < 3; a++) bricks->size[a] = (grid->size[a] + 7) >> BRICK_SHIFT;
@@ -97,9 +92,10 @@ static bvx_status make_bricks(bvx_context *ctx, const char *stage, double from, 
                         (uint64_t)bricks->size[1] * (uint64_t)bricks->size[2] *
                             (uint64_t)bricks->words_per_row * 8,
                         "the grid's bricks", &bricks->words));
-    status = BVXI_SHARE(ctx, from, to,
-                        bvxi_for(ctx, stage, (uint64_t)bricks->size[1] * (uint64_t)bricks->size[2],
-                                 BRICK_GRAIN, make_brick_rows, bricks));
+    bvx_status const status = BVXI_SHARE(ctx, from, to,
+                                         bvxi_for(ctx, stage,
+                                                  (uint64_t)bricks->size[1] * (uint64_t)bricks->size[2],
+                                                  BRICK_GRAIN, make_brick_rows, bricks));
     if (status != BVX_OK) free_bricks(ctx, bricks);
     return status;
 }
@@ -153,10 +149,8 @@ static inline double cast_place(const cast_axis *a, double t)
 /* The voxels of a row that can be met between two places, and perhaps one more at each end. */
 static inline int cast_reach(const cast_axis *a, int32_t n, double p, double q, int32_t *low, int32_t *high)
 {
-    /* The slack covers the rounding of both places: one
-     * voxel too many is tested and refused, none is missed. */
+    /* The slack covers the rounding of both places: at most one voxel too many is tested. */
     double const least = (p < q ? p : q) - a->slack, most = (p < q ? q : p) + a->slack;
-
     if (a->way == 0) {
         *low = a->first;
         *high = a->last;
@@ -167,15 +161,13 @@ static inline int cast_reach(const cast_axis *a, int32_t n, double p, double q, 
     return *low <= *high;
 }
 
-/* Take voxel x of a row that is met during [from, to] when it is the best;
- * 0 when those after it come too late. */
+/* Take voxel x of a row that is met during [from, to] when it is the best; 0: those after it are late. */
 static int try_cast_voxel(cast_ray *r, int32_t x, int32_t y, int32_t z, double from, double to)
 {
     double const enter = cast_enter(&r->axis[0], x), t = enter > from ? enter : from;
     int better = r->voxel[0] < 0;
 
-    /* The box is entered after the row is left, or after
-     * the best hit: so are all after it in the ray's order. */
+    /* The box is entered after the row is left, or after the best hit: so are all after it. */
     if (enter > to || t > r->t) return 0;
     /* Left before the row was entered: the voxels after it may still be met. */
     if (cast_leave(&r->axis[0], x) < from) return 1;
@@ -239,7 +231,6 @@ static int cast_bricks_hold(const voxel_bricks *b, int32_t low, int32_t high, in
 static inline int32_t cast_start(const cast_axis *a, int32_t shift, int32_t n, double t)
 {
     int32_t i = a->first;
-
     /* By rounding the place is right up to a voxel; the exact planes decide, in steps of one. */
     if (a->way == 0) return i >> shift;
     double const p = cast_place(a, t);
@@ -270,8 +261,7 @@ static inline void cast_rows(cast_ray *r, int32_t shift, int32_t y, int32_t z, c
     int32_t const z_end = a[2].way == 0 ? a[2].last >> shift : z;
     int32_t low, high;
 
-    /* Where the ray lies exactly between two rows, y or z
-     * has two voxels, and all rows beside it are looked at. */
+    /* Where the ray lies exactly between two rows, all rows beside it are looked at. */
     if (!cast_reach(&a[0], r->grid->size[0], s.p, s.q, &low, &high)) return;
     for (int32_t k = z; k <= z_end; k++)
         for (int32_t j = y; j <= y_end; j++) {
@@ -362,10 +352,9 @@ static int clip_cast_ray(const double *ray, double t_max, cast_ray *r, double *b
     /* A finite end keeps t finite, also where a plane lies at infinity. */
     r->end = t_max < 0x1.fffffffffffffp+1023 ? t_max : 0x1.fffffffffffffp+1023;
     for (int32_t i = 0; i < 3; i++) {
-        double enter, leave;
         if (!plan_cast_axis(r->grid, i, ray[i], ray[3 + i], &r->axis[i])) return 0;
-        enter = cast_enter(&r->axis[i], r->axis[i].first);
-        leave = cast_leave(&r->axis[i], r->axis[i].last);
+        double const enter = cast_enter(&r->axis[i], r->axis[i].first);
+        double const leave = cast_leave(&r->axis[i], r->axis[i].last);
         *begin = enter > *begin ? enter : *begin;
         r->end = leave < r->end ? leave : r->end;
     }

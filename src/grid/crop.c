@@ -14,7 +14,6 @@ typedef struct content_box {
 static void widen_content(const uint64_t *row, int32_t words, int32_t y, int32_t z, content_box *box)
 {
     int32_t first = 0, last = words - 1;
-
     while (first < words && row[first] == 0) first++;
     if (first == words) return;
     while (row[last] == 0) last--;
@@ -30,7 +29,6 @@ static void widen_content(const uint64_t *row, int32_t words, int32_t y, int32_t
 void bvxi_grid_content(const bvx_grid *grid, bvx_window *window)
 {
     content_box box = {{INT32_MAX, INT32_MAX, INT32_MAX}, {-1, -1, -1}};
-
     for (int32_t z = 0; z < grid->size[2]; z++)
         for (int32_t y = 0; y < grid->size[1]; y++)
             widen_content(bvxi_grid_row(grid, y, z), grid->words_per_row, y, z, &box);
@@ -64,8 +62,7 @@ static void crop_piece(void *user, uint64_t begin, uint64_t end)
         }
         bvxi_shift_row(bvxi_grid_row(g, (int32_t)y, (int32_t)z), g->words_per_row, job->from[0], row,
                        to->words_per_row);
-        /* The shift brings bits past the result's row. */
-        row[to->words_per_row - 1] &= tail;
+        row[to->words_per_row - 1] &= tail; /* The shift brings bits past the result's row. */
     }
 }
 
@@ -75,11 +72,9 @@ static bvx_status move_grid(bvx_context *ctx, const char *function, const bvx_gr
                             bvx_grid *result)
 {
     crop_job job;
-    int made_here;
-
     bvxi_grid_renew(ctx, lattice, window, result);
     /* Whose words the result has decides who frees them after a failure. */
-    made_here = result->words == NULL;
+    int const made_here = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(ctx, function, lattice, window, result));
     job.grid = grid;
     job.result = result;
@@ -96,10 +91,8 @@ static bvx_status run_grid_crop(bvx_context *context, const bvx_grid *grid, cons
     static const char *const function = "bvx_grid_crop";
     int32_t from[3];
     bvx_window w;
-
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     BVXI_TRY(bvxi_window_take(context, function, &grid->lattice, window, &w));
-
     /* Both windows count from the lattice's origin. */
     for (int32_t a = 0; a < 3; a++) from[a] = w.low[a] - grid->low[a];
     return move_grid(context, function, grid, &grid->lattice, &w, from, result);
@@ -135,8 +128,7 @@ static bvx_status run_grid_pad(bvx_context *context, const bvx_grid *grid, const
                                  function, (int64_t)grid->lattice.dims[a] + low[a] + high[a], (int64_t)a,
                                  (int64_t)BVXI_MAX_SIDE);
 
-        /* The voxels stay where they are in space: the origin
-         * moves down by the rim, and the window's size grows. */
+        /* The voxels stay where they are in space: the origin moves by the rim, the window grows. */
         dims[a] = grid->lattice.dims[a] + low[a] + high[a];
         origin[a] = grid->lattice.origin[a] - (double)low[a] * grid->lattice.spacing[a];
         from[a] = -low[a];

@@ -75,7 +75,6 @@ bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bv
                                 const bvxi_downsample_by *by, bvxi_downsample *d)
 {
     const int32_t *const n = by->n, *const r = by->r;
-    int32_t *memory;
     uint64_t entries = 0;
 
     memset(d, 0, sizeof *d);
@@ -105,7 +104,7 @@ bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bv
     /* Six tables an axis, in one block. */
     d->table_bytes = entries * sizeof *d->tables;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, d->table_bytes, "the samples' places", &d->tables));
-    memory = d->tables;
+    int32_t *memory = d->tables;
     for (int32_t a = 0; a < 3; a++) fill_axis(&d->axis[a], &memory);
     d->pieces = bvxi_piece_count((uint64_t)d->axis[1].count * (uint64_t)d->axis[2].count, EXTENDED_GRAIN);
     return open_coarse(ctx, function, d);
@@ -145,7 +144,6 @@ static void gather_rows(const bvxi_downsample *d, int32_t j, int32_t k, sample_r
     const bvxi_sample_axis *const y = &d->axis[1], *const z = &d->axis[2];
     int64_t const high_y = y->high_weight[j], low_y = 2 * (int64_t)y->r - high_y;
     int64_t const high_z = z->high_weight[k], low_z = 2 * (int64_t)z->r - high_z;
-
     /* A row of weight 0 is not read: it may lie beyond the grid. */
     for (int32_t i = 0; i < 4; i++) {
         s->weight[i] = ((i & 1) != 0 ? high_y : low_y) * ((i >> 1) != 0 ? high_z : low_z);
@@ -161,8 +159,7 @@ static inline int64_t sum_at(const sample_rows *s, int32_t i, int32_t voxels)
     return sum;
 }
 
-/* Of the voxels of word w and their right neighbours: is any set in any row
- * that counts, are all set in all of them? */
+/* Of the voxels of word w and their right neighbours: is any set in any row, all in all? */
 static void see_pairs(const sample_rows *s, int32_t w, int32_t words, uint64_t *any_pair, uint64_t *all_pair)
 {
     uint64_t any = 0, all = ~UINT64_C(0), next_any = 0, next_all = ~UINT64_C(0);
@@ -199,7 +196,6 @@ static void sample_row(const bvxi_downsample *d, int32_t j, int32_t k)
     if (s.row[0] == NULL && s.row[1] == NULL && s.row[2] == NULL && s.row[3] == NULL) return;
     for (int32_t i = 0; i < x->count; i++) {
         int32_t const at = x->at[i];
-        uint64_t inside;
         /* The words change every few samples only, so both answers are found for 64 voxels at a time. */
         if (at >> 6 != word) {
             word = at >> 6;
@@ -208,7 +204,7 @@ static void sample_row(const bvxi_downsample *d, int32_t j, int32_t k)
 
         /* Without a set voxel around it the sample is 0, with all of them set it is 1: no sum is needed. */
         if ((any >> (at & 63) & 1) == 0) continue;
-        inside = all >> (at & 63) & 1;
+        uint64_t inside = all >> (at & 63) & 1;
         if (!inside) {
             int64_t const low = sum_at(&s, at, x->voxels), high = sum_at(&s, at + 1, x->voxels);
             inside = (uint64_t)(low * (voxel - x->high_weight[i]) + high * x->high_weight[i] > d->limit);
@@ -238,8 +234,7 @@ bvx_status bvxi_extended_sample(bvx_context *ctx, bvxi_downsample *d)
     uint64_t total = 1, most = 1;
     int fits = 1;
 
-    /* The largest sum is the product of all weights; with
-     * the steps of an edge it must stay inside 63 bits. */
+    /* The largest sum is the product of all weights; with an edge's steps it must fit 63 bits. */
     for (int32_t a = 0; a < 3; a++) {
         uint64_t const steps = (uint64_t)edge_steps(d, a);
         total = bvxi_mul(total, 2 * (uint64_t)d->axis[a].r, &fits);
@@ -268,8 +263,7 @@ static void place_sample(const bvxi_sample_axis *a, int32_t i, int32_t *at, int6
     *high = centre - down * voxel;
 }
 
-/* The four lines of voxels along an edge: the voxel of each at place i of
- * the axis, weights bilinear in the other two. */
+/* The four lines of voxels along an edge: each voxel at place i of the axis, weights bilinear. */
 typedef struct edge_lines {
     const uint64_t *word[4]; /* of place 0, NULL where the line counts for nothing */
     int32_t shift[4];
@@ -324,7 +318,6 @@ double bvxi_extended_ratio(const void *downsample, int32_t axis, int32_t i, int3
     int64_t high[3], place, low_sum, high_sum, sum;
     int32_t at[3], voxel;
     edge_lines e;
-    int start;
 
     /* The edge begins at sample (i, j, k), which lies somewhere between two voxels of its line. */
     for (int32_t b = 0; b < 3; b++) place_sample(&d->axis[b], sample[b], &at[b], &high[b]);
@@ -334,7 +327,7 @@ double bvxi_extended_ratio(const void *downsample, int32_t axis, int32_t i, int3
     low_sum = sum_across(&e, voxel);
     high_sum = sum_across(&e, voxel + 1);
     sum = low_sum * (unit - place) + high_sum * place;
-    start = sum > limit;
+    int const start = sum > limit;
     for (int32_t s = 1; s <= steps; s++) {
         int64_t const before = sum;
         /* One step further may cross several voxels: only the last two of them count. */

@@ -56,8 +56,7 @@ static double sample_point(const bvx_grid *g, const double point[3], double grad
     for (int32_t a = 0; a < 3; a++)
         if (!sample_cell(g, a, point[a], &c[a], &f[a])) return 0.0;
 
-    /* Along x first, then y, then z; each slope is blended
-     * like the values, as the gradient of the same blend. */
+    /* Along x first, then y, then z; slopes are blended alike, as the blend's gradient. */
     for (int32_t k = 0; k < 2; k++) {
         for (int32_t j = 0; j < 2; j++) {
             double pair[2];
@@ -90,7 +89,6 @@ static bvx_status run_grid_sample(bvx_context *context, const bvx_grid *grid, co
 {
     static const char *const function = "bvx_grid_sample";
     sample_work w = {grid, points, values, gradients};
-
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     if (points == NULL && count != 0) return bvxi_fail_null(context, function, "points");
     if (values == NULL && count != 0) return bvxi_fail_null(context, function, "values");
@@ -129,7 +127,6 @@ typedef struct resample_job {
 static int32_t source_voxel(const resample_job *job, int32_t axis, int32_t index)
 {
     const bvx_grid *const g = job->grid, *const to = job->result;
-
     /* Divided rather than stepped, so that no error adds up from voxel to voxel. */
     double const centre = to->lattice.origin[axis] +
                           ((double)to->low[axis] + (double)index + 0.5) * to->lattice.spacing[axis];
@@ -153,8 +150,7 @@ static bvx_status lay_resample_tables(bvx_context *ctx, resample_job *job)
             job->source[a - 1][i] = v < g->size[a] ? v : -1;
         }
 
-    /* Voxels of the grid between two centres have the next
-     * one's place: a run that no centre meets is empty. */
+    /* Voxels of the grid between two centres have the next one's place. */
     for (int32_t i = 0; i < to->size[0]; i++)
         for (int32_t const v = source_voxel(job, 0, i); next <= v; next++) job->first[next] = i;
     /* Those after the last centre end where the row does. */
@@ -199,20 +195,18 @@ static bvx_status run_grid_resample(bvx_context *context, const bvx_grid *grid, 
     static const char *const function = "bvx_grid_resample";
     resample_job job;
     bvx_window w;
-    bvx_status status;
-    int mine;
 
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     BVXI_TRY(bvxi_lattice_check(context, function, lattice));
     BVXI_TRY(bvxi_window_take(context, function, lattice, window, &w));
     bvxi_grid_renew(context, lattice, &w, result);
-    mine = result->words == NULL;
+    int const mine = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(context, function, lattice, &w, result));
     job.grid = grid;
     job.result = result;
 
     /* The grid was checked before memory for the tables is made, and its words are freed if that fails. */
-    status = lay_resample_tables(context, &job);
+    bvx_status status = lay_resample_tables(context, &job);
     if (status != BVX_OK && mine) bvx_grid_free(context, result);
     if (status != BVX_OK) return status;
     status = bvxi_grid_made(context,

@@ -6,8 +6,6 @@
 #include "io_grid/grid_formats.h"
 #include "io/formats.h"
 
-/* ---- The lattice ---- */
-
 bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double origin[3],
                          const double spacing[3], const uint64_t dims[3], bvx_lattice *box)
 {
@@ -96,8 +94,6 @@ void bvxi_set_file_run(bvx_grid *grid, const bvx_window *part, int64_t x, int64_
     bvxi_set_run(bvxi_grid_row(grid, (int32_t)j, (int32_t)k), (int32_t)first, (int32_t)stop);
 }
 
-/* ---- Read ---- */
-
 enum { TEXT_ASK_BYTES = 1 << 20 };
 
 bvx_status bvxi_fail_short_array(const bvxi_source *source, const char *array, uint64_t size, const char *at)
@@ -147,8 +143,7 @@ static bvx_status read_text_grid(const bvxi_grid_source *source, const bvxi_dens
                         bvxi_progress(source->ctx, "read", all > 0.0 ? (double)(p - d->begin) / all : 0.0));
                     ask = d->end - p > TEXT_ASK_BYTES ? p + TEXT_ASK_BYTES : d->end;
                 }
-                /* Each sample is parsed, also outside the part:
-                 * where the next one begins is not known otherwise. */
+                /* Samples outside the part are parsed too: else the next one's begin is unknown. */
                 BVXI_TRY(bvxi_take_sample(&d->source, n, done++, &p, &v));
                 if (v != 0.0) bvxi_set_file_run(grid, part, x, (int64_t)x + 1, y, z); /* NaN is not 0 */
             }
@@ -182,7 +177,6 @@ bvx_status bvxi_check_written_corner(bvx_context *ctx, const char *format, const
 {
     static const char axis_name[3][2] = {"x", "y", "z"};
     double corner[3];
-
     bvxi_grid_corner(grid, corner);
     for (int a = 0; a < 3; a++) {
         /* Both are checked: formats keep the corner, the centre, or both. */

@@ -39,8 +39,7 @@ BVXI_VECTOR_INLINE uint64_t pack_64_bytes(const uint8_t *p)
     return w;
 }
 
-/* 64 numbers one after the other: 1 for each that is not 0, into bytes by
- * a loop that compilers make vectors of. */
+/* 64 numbers in turn: 1 for each that is not 0, into bytes by a loop that vectorizes. */
 #define PACK_64(name, type)                                                 \
     BVXI_VECTOR_INLINE uint64_t name(const uint8_t *p, uint64_t mask_bytes) \
     {                                                                       \
@@ -135,7 +134,6 @@ static uint64_t pack_mask(const bvxi_samples *samples, uint32_t size)
                          samples->kind == BVX_SAMPLE_F64;
     uint8_t byte[8];
     uint64_t mask;
-
     /* A float of -0 is 0: its sign is in the last byte of the file's order, or in the first one. */
     memset(byte, 0xff, sizeof byte);
     if (is_float) byte[samples->big ? 0 : size - 1] = 0x7f;
@@ -167,26 +165,22 @@ bvx_status bvxi_pack_samples(bvx_context *ctx, const bvxi_samples *samples, cons
 
 /* ---- numbers in a text ---- */
 
-/* A number at p with white space or the end after it; returns its bytes, 0
- * for none. Most samples are single digits. */
+/* A number at p with white space or the end after it; returns its bytes or 0. Most are single digits. */
 static size_t pack_text_number(const char *p, const char *end, double *value)
 {
-    size_t used;
     if (end - p >= 2 && *p >= '0' && *p <= '9' && bvxi_is_space(p[1])) {
         *value = *p - '0';
         return 1;
     }
-    used = bvxi_parse_double(p, end, value);
+    size_t const used = bvxi_parse_double(p, end, value);
     return p + used < end && !bvxi_is_space(p[used]) ? 0 : used;
 }
 
 bvx_status bvxi_take_sample(const bvxi_source *source, const int32_t dims[3], uint64_t done, const char **p,
                             double *value)
 {
-    size_t used;
-
     *p = bvxi_skip_space(*p, source->end);
-    used = pack_text_number(*p, source->end, value);
+    size_t const used = pack_text_number(*p, source->end, value);
     if (*p == source->end)
         return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "%s: line %u: the samples end after %u of %u x %u x %u",
                          source->format, bvxi_source_line(source, *p), done, (uint64_t)dims[0],
@@ -198,8 +192,7 @@ bvx_status bvxi_take_sample(const bvxi_source *source, const int32_t dims[3], ui
 
 /* ---- bits to bytes ---- */
 
-/* Eight voxels, the lowest bit first: the multiplication copies them into
- * every byte, of which each keeps another one. */
+/* Eight voxels, lowest bit first: copied into every byte, of which each keeps another one. */
 static inline void unpack_eight(uint8_t *p, uint64_t bits)
 {
     /* One byte holds one bit of eight; adding the constant lifts any set bit to the top of its byte. */

@@ -66,12 +66,10 @@ static int machine_is_big(void)
 static uint32_t widen_half(uint16_t h)
 {
     uint32_t const sign = (uint32_t)(h & 0x8000) << 16, exponent = h >> 10 & 31, rest = h & 1023;
-
     /* Infinity and NaN keep their bits; a normal number has its exponent moved from bias 15 to 127. */
     if (exponent == 31) return sign | UINT32_C(0x7f800000) | rest << 13;
     if (exponent != 0) return sign | (exponent + 112) << 23 | rest << 13;
     if (rest == 0) return sign;
-
     /* A subnormal half is a normal float: its leading bit moves up, and each step costs the exponent one. */
     uint32_t shift = 0, r = rest;
     while ((r & 1024) == 0) {
@@ -118,7 +116,6 @@ static void turn_piece(void *user, uint64_t row, uint64_t end)
     const turn_samples_job *const j = user;
     const bvxi_samples *const s = j->from;
     uint64_t const nx = (uint64_t)j->dims[0], ny = (uint64_t)j->dims[1];
-
     /* Rows are the unit, so that pieces write apart from each other. */
     for (; row < end; row++) {
         const uint8_t *const p = s->first + (ptrdiff_t)((int64_t)(row % ny) * s->stride[1] +
@@ -186,28 +183,6 @@ static int put_text_sample(double v, int32_t type, uint8_t *out)
     return 1;
 }
 
-static bvx_status read_text_samples(const bvxi_grid_source *source, const bvxi_dense *d, uint8_t *out)
-{
-    uint32_t const size = bvxi_sample_size(d->samples.kind);
-    uint64_t const all = d->size / size;
-    const char *p = d->begin;
-
-    for (uint64_t n = 0; n < all; n++) {
-        /* Where the number begins is kept for the message. */
-        const char *const before = bvxi_skip_space(p, d->end);
-        double v;
-        if (n % VOLUME_ASK_SAMPLES == 0)
-            BVXI_TRY(bvxi_progress(source->ctx, "read", (double)n / (double)all));
-        BVXI_TRY(bvxi_take_sample(&d->source, d->box.dims, n, &p, &v));
-        if (!put_text_sample(v, d->samples.kind, out + n * size))
-            return bvxi_fail_expected(&d->source, before, "a number that the type of the samples holds");
-    }
-
-    /* A sample more than the size says would be left out without a word. */
-    p = bvxi_skip_space(p, d->end);
-    return p == d->end ? BVX_OK : bvxi_fail_expected(&d->source, p, d->behind);
-}
-
 /* ---- steps ---- */
 
 /* Samples that are needed as they stand: in bytes that are there, or in those just unpacked. */
@@ -223,7 +198,26 @@ static bvx_status unpack_volume(const bvxi_grid_source *source, const bvxi_dense
     uint32_t const to_size = d->samples.kind == BVXI_SAMPLE_F16 ? 4 : bvxi_sample_size(d->samples.kind);
 
     /* Text and raw samples go to the result at once; packed ones need a block between only to be turned. */
-    if (d->encoding == BVXI_DENSE_TEXT) return read_text_samples(source, d, to);
+    if (d->encoding == BVXI_DENSE_TEXT) {
+        uint32_t const size = bvxi_sample_size(d->samples.kind);
+        uint64_t const all = d->size / size;
+        const char *p = d->begin;
+
+        for (uint64_t n = 0; n < all; n++) {
+            /* Where the number begins is kept for the message. */
+            const char *const before = bvxi_skip_space(p, d->end);
+            double v;
+            if (n % VOLUME_ASK_SAMPLES == 0)
+                BVXI_TRY(bvxi_progress(source->ctx, "read", (double)n / (double)all));
+            BVXI_TRY(bvxi_take_sample(&d->source, d->box.dims, n, &p, &v));
+            if (!put_text_sample(v, d->samples.kind, to + n * size))
+                return bvxi_fail_expected(&d->source, before, "a number that the type of the samples holds");
+        }
+
+        /* A sample more than the size says would be left out without a word. */
+        p = bvxi_skip_space(p, d->end);
+        return p == d->end ? BVX_OK : bvxi_fail_expected(&d->source, p, d->behind);
+    }
     if (d->encoding == BVXI_DENSE_RAW) return turn_samples(source->ctx, &samples, d->box.dims, to_size, to);
     if (stands_ready(&samples)) return bvxi_unpack_dense(source, d, to);
     BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, d->size, "the unpacked samples", &bytes));
@@ -251,7 +245,6 @@ static bvx_status make_volume(const bvxi_grid_source *source, const bvxi_dense *
 {
     int const half = d->samples.kind == BVXI_SAMPLE_F16;
     uint8_t *made = NULL;
-    bvx_status status = BVX_OK;
     int fits = 1;
 
     v->view.sample_type = half ? BVX_SAMPLE_F32 : d->samples.kind;
@@ -269,7 +262,7 @@ static bvx_status make_volume(const bvxi_grid_source *source, const bvxi_dense *
     /* A half becomes a float of twice the size, as C99 has no type for halves. */
     v->bytes = half ? bvxi_mul(d->size, 2, &fits) : d->size;
     BVXI_TRY(bvxi_alloc(source->ctx, BVXI_RESULT, v->bytes, "the volume", &made));
-    status = unpack_volume(source, d, made);
+    bvx_status const status = unpack_volume(source, d, made);
     if (status != BVX_OK) {
         bvxi_free(source->ctx, made, v->bytes);
         return status;

@@ -24,8 +24,7 @@ static void bvx_put_head(const bvx_lattice *lattice, const bvx_window *window, u
     bvxi_store_u32(head + BVXI_BVX_AT_VERSION, BVXI_BVX_VERSION);
     bvxi_store_u32(head + BVXI_BVX_AT_HEAD_SIZE, BVXI_BVX_HEAD);
 
-    /* Fields stand at fixed places, so the order of writing
-     * does not matter; the checksum needs all of them. */
+    /* Fields stand at fixed places, in any order; the checksum needs all of them. */
     for (int32_t a = 0; a < 3; a++) {
         bvxi_store_f64(head + BVXI_BVX_AT_ORIGIN + 8 * a, lattice->origin[a]);
         bvxi_store_f64(head + BVXI_BVX_AT_SPACING + 8 * a, lattice->spacing[a]);
@@ -59,7 +58,6 @@ static uint64_t bvx_measure_slice(const bvx_packing *job, int32_t k)
 {
     bvxi_runs runs;
     uint64_t left = bvx_slice_voxels(job->grid), bytes = 0;
-
     bvx_start_runs(job, k, &runs);
     while (left > 0) {
         /* Seven bits of a length take a byte. Words win a tie, as they are read faster. */
@@ -75,7 +73,6 @@ static void bvx_put_runs(const bvx_packing *job, int32_t k, uint8_t *p)
 {
     bvxi_runs runs;
     uint64_t left = bvx_slice_voxels(job->grid);
-
     bvx_start_runs(job, k, &runs);
     while (left > 0) {
         uint64_t length = bvxi_runs_next(&runs);
@@ -101,13 +98,11 @@ static void bvx_put_slice(const bvx_packing *job, int32_t k)
     /* The kind follows from the length alone: runs are only taken where they are shorter than the words. */
     uint64_t const n = job->place[k + 1] - job->place[k] - BVXI_BVX_SLICE_HEAD;
     int const raw = n == job->raw;
-
     bvxi_store_u32(p + 8, (uint32_t)(job->grid->low[2] + k));
     bvxi_store_u32(p + 12, raw ? BVXI_BVX_RAW : BVXI_BVX_RUNS);
     bvxi_store_u64(p + 16, n);
     if (raw) bvx_put_words(job, k, p + BVXI_BVX_SLICE_HEAD);
     else bvx_put_runs(job, k, p + BVXI_BVX_SLICE_HEAD);
-
     /* The checksum covers what stands after it, so it comes last. */
     bvxi_store_u64(p, bvxi_bvx_slice_check(p, n, job->frame));
 }
@@ -130,8 +125,7 @@ static void bvx_put_piece(void *user, uint64_t k, uint64_t end)
 static uint64_t bvx_place_slices(uint64_t *place, int32_t count, uint64_t first)
 {
     for (int32_t k = 0; k < count; k++) {
-        /* The bytes of the slice give way to its place; the last
-         * entry is the end, so each length is a difference. */
+        /* The bytes of the slice give way to its place; the last is the end: lengths are differences. */
         uint64_t const n = place[k];
         place[k] = first;
         first += BVXI_BVX_SLICE_HEAD + n;
@@ -197,10 +191,8 @@ static bvx_status run_write_head(bvx_context *context, const bvx_lattice *lattic
 {
     static const char *const function = "bvx_write_head";
     bvx_buffer made = {0};
-
     /* The head alone names the window: its slices may be written by other calls, or other machines. */
     bvx_window whole;
-
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_lattice_check(context, function, lattice));
     BVXI_TRY(bvxi_window_take(context, function, lattice, window, &whole));

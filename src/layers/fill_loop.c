@@ -59,8 +59,7 @@ static int fill_by_table(const bvxi_trace *l, fill_table *t)
         for (uint32_t i = 0; i + gap < n; i++) {
             uint32_t const j = i + gap;
             double best = FILL_NEVER;
-            /* A chord within one face might be an edge of the
-             * neighbour's; the loop's own last side is no chord. */
+            /* A chord within one face might be an edge of the neighbour's; the last side is none. */
             if ((l->faces[i] & l->faces[j]) == 0 || gap == n - 1) {
                 for (uint32_t k = i + 1; k < j; k++) {
                     double const c = t->cost[i][k] + t->cost[k][j];
@@ -91,7 +90,6 @@ static uint32_t find_stretches(const bvxi_trace *l, uint32_t *below, uint32_t *a
 {
     uint32_t const n = l->count;
     uint32_t start = 0, m = 0;
-
     while (start < n && !((l->faces[start] & FILL_BELOW) != 0 &&
                           (l->faces[start == 0 ? n - 1 : start - 1] & FILL_ABOVE) != 0))
         start++;
@@ -214,7 +212,6 @@ bvx_status bvxi_fill_loop(bvxi_trace *l)
     uint32_t common = 0xff;
 
     l->strip = 0;
-
     for (uint32_t i = 0; i < l->count; i++) common &= l->faces[i];
     if (l->count == 3 && common == 0 && !l->cone)
         return bvxi_section_add_triangle(l->s, l->vertex[0], l->vertex[1], l->vertex[2]);

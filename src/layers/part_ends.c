@@ -23,10 +23,9 @@ typedef struct ends_work {
 double bvxi_contour_distance(const bvxi_plane *p, double u, double v, uint32_t *hint, uint32_t *contour)
 {
     uint32_t segment;
-    double d;
     *contour = 0;
     if (p->contour_count == 1) return bvxi_plane_distance(p, u, v, hint); /* which segment does not matter */
-    d = bvxi_plane_nearest(p, u, v, &segment);
+    double const d = bvxi_plane_nearest(p, u, v, &segment);
     *contour = bvxi_contour_of(p, segment);
     return d;
 }
@@ -44,25 +43,6 @@ static void meet_part(ends_work *w, uint32_t part)
     if (w->met[part]) return;
     w->met[part] = 1;
     w->left--;
-}
-
-/* Grid points inside both planes, at the ends of runs along the rows: enough to meet what most parts are. */
-static void meet_by_grid(ends_work *w)
-{
-    const bvxi_stack *const s = w->s;
-
-    for (int32_t j = 0; j <= s->size[1] && w->left != 0; j++) {
-        int was_inside = 0;
-        for (int32_t i = 0; i <= s->size[0] + 1; i++) {
-            int const inside = i <= s->size[0] && bvxi_grid_bit(s, w->plane, i, j) &&
-                               bvxi_grid_bit(s, w->other, i, j);
-            double d;
-            if (inside != was_inside)
-                meet_part(w, part_of_place(w, s->origin[0] + (inside ? i : i - 1) * s->step[0],
-                                           s->origin[1] + j * s->step[1], &d));
-            was_inside = inside;
-        }
-    }
 }
 
 static int is_met_by_points(ends_work *w, uint32_t part)
@@ -85,10 +65,11 @@ static int is_met_by_points(ends_work *w, uint32_t part)
     return 0;
 }
 
-static void box_of_unmet(const ends_work *w, int32_t low[2], int32_t high[2])
+static void depth_by_grid(ends_work *w, double *depth)
 {
+    const bvxi_stack *const s = w->s;
+    int32_t low[2], high[2];
     const bvxi_plane *const p = w->plane;
-
     low[0] = low[1] = INT32_MAX;
     high[0] = high[1] = 0;
     for (uint32_t c = 0; c < p->contour_count; c++) {
@@ -96,24 +77,15 @@ static void box_of_unmet(const ends_work *w, int32_t low[2], int32_t high[2])
         for (uint32_t i = p->contour[c].first; i < p->contour[c].first + p->contour[c].count; i++)
             for (int k = 0; k < 2; k++) {
                 int32_t const line = p->q[i][k] >> w->s->fine;
-
                 if (line < low[k]) low[k] = line;
                 if (line > high[k]) high[k] = line;
             }
     }
-}
 
-static void depth_by_grid(ends_work *w, double *depth)
-{
-    const bvxi_stack *const s = w->s;
-    int32_t low[2], high[2];
-
-    box_of_unmet(w, low, high);
     for (int32_t j = low[1]; j <= high[1]; j++)
         for (int32_t i = low[0]; i <= high[0]; i++) {
             double d;
             uint32_t part;
-
             if (!bvxi_grid_bit(s, w->plane, i, j)) continue;
             part = part_of_place(w, s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], &d);
             if (!w->met[part] && d > depth[part]) depth[part] = d;
@@ -129,16 +101,13 @@ static void depth_by_area(const ends_work *w, double *depth)
         const bvxi_contour *const l = &p->contour[c];
         const double *const first = p->uv[l->first];
         double twice_area = 0.0, border = 0.0;
-
         if (w->owner[c] != c || w->met[c] || depth[c] > 0.0) continue;
         for (uint32_t i = l->first; i < l->first + l->count; i++) {
             const double *const a = p->uv[i], *const b = p->uv[p->next[i]];
-
             twice_area += (a[0] - first[0]) * (b[1] - first[1]) - (a[1] - first[1]) * (b[0] - first[0]);
             border += sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
         }
-        /* 2 * area / border: the radius where the part is a disc. */
-        depth[c] = twice_area / border;
+        depth[c] = twice_area / border; /* 2 * area / border: the radius where the part is a disc. */
     }
 }
 
@@ -149,8 +118,7 @@ void bvxi_plane_parts(const bvxi_plane *p, uint32_t *part)
         if (!p->contour[c].hole || part[c] == BVXI_NONE) part[c] = c;
 }
 
-/* Sets end[side] of every contour whose part meets nothing of other: the section on that side, or NULL where
- * there is none. */
+/* Sets end[side] of every contour whose part meets nothing of other: the section on that side, or NULL. */
 static void mark_part_ends(ends_work *w, int side, const bvxi_plane *other, double *depth)
 {
     bvxi_plane *const p = w->plane;
@@ -165,7 +133,22 @@ static void mark_part_ends(ends_work *w, int side, const bvxi_plane *other, doub
     }
     /* The grid meets most parts; only the others are looked at point by point. */
     if (other != NULL) {
-        meet_by_grid(w);
+        /* Grid points inside both planes, at the ends of runs along the rows: enough for most parts. */
+        const bvxi_stack *const s = w->s;
+
+        for (int32_t j = 0; j <= s->size[1] && w->left != 0; j++) {
+            int was_inside = 0;
+            for (int32_t i = 0; i <= s->size[0] + 1; i++) {
+                int const inside = i <= s->size[0] && bvxi_grid_bit(s, w->plane, i, j) &&
+                                   bvxi_grid_bit(s, w->other, i, j);
+                double d;
+                if (inside != was_inside)
+                    meet_part(w, part_of_place(w, s->origin[0] + (inside ? i : i - 1) * s->step[0],
+                                               s->origin[1] + j * s->step[1], &d));
+                was_inside = inside;
+            }
+        }
+
         for (uint32_t c = 0; c < p->contour_count && w->left != 0; c++)
             if (w->owner[c] == c && !w->met[c] && is_met_by_points(w, c)) meet_part(w, c);
     }

@@ -47,8 +47,7 @@ static void number_ring(bvxi_plane *p, const uint32_t *start, const uint32_t *so
         p->ring[k] = n++;
         for (uint32_t i = start[k]; i < end; i++) {
             bvxi_line_cut *const c = &p->cut[sorted[i]];
-            /* Only a cut of a subdivided cell may repeat one:
-             * the slabs above and below may both have made it. */
+            /* Only a cut of a subdivided cell may repeat one: both slabs may have made it. */
             int const may_repeat = i > start[k] &&
                                    (sorted[i] >= p->grid_cut_count || sorted[i - 1] >= p->grid_cut_count);
             if (may_repeat && order_on_segment(p, c, &p->cut[sorted[i - 1]]) == 0) n--;
@@ -99,7 +98,6 @@ typedef struct ring_job {
 static void ring_count_piece(void *user, uint64_t begin, uint64_t end)
 {
     const ring_job *const job = user;
-
     for (uint64_t i = begin; i < end; i++) {
         /* Pieces take whole planes, and arrays are shared: no worker writes where another does. */
         bvxi_plane *const p = &job->s->plane[i];
@@ -114,7 +112,6 @@ static void ring_count_piece(void *user, uint64_t begin, uint64_t end)
 static void ring_place_piece(void *user, uint64_t begin, uint64_t end)
 {
     const bvxi_stack *const s = ((const ring_job *)user)->s;
-
     for (const bvxi_plane *p = s->plane + begin; p < s->plane + end; p++) {
         double *const position = s->mesh.position + 3 * (uint64_t)p->vertex;
         for (uint32_t i = 0; i < p->point_count; i++)

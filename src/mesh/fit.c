@@ -42,8 +42,7 @@ static bvx_status check_fit_options(bvx_context *ctx, const char *function, bvx_
 static double least_cover(double extent, double spacing)
 {
     double const n = extent / spacing;
-    /* 2^-40 of the count is taken off before rounding up:
-     * the rounding of the division must not cost a layer. */
+    /* 2^-40 of the count is taken off before rounding up: the division's rounding must not cost a layer. */
     double const whole = -floor(n * (1.0 / 1099511627776.0) - n);
     return whole < 1 ? 1 : whole;
 }
@@ -54,7 +53,6 @@ static bvx_status take_bounds(bvx_context *ctx, const char *name, const bvx_mesh
     /* A cloud of points is a mesh without triangles: all its vertices count. */
     if (mesh->triangle_count == 0) {
         bvx_mesh_view cloud;
-
         BVXI_TRY(bvxi_view_take_points(ctx, name, mesh, &cloud));
         return bvxi_view_point_bounds(ctx, name, &cloud, low, high);
     }
@@ -127,7 +125,6 @@ static bvx_status run_lattice_fit(bvx_context *context, const bvx_mesh_view *mes
                                   bvx_lattice *lattice)
 {
     bvx_lattice_options const o = {.struct_size = sizeof o, .resolution = resolution};
-
     if (resolution < 1)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                              "bvx_lattice_fit: resolution %d is outside 1 to %d", (int64_t)resolution,

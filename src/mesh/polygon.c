@@ -43,7 +43,6 @@ static void side_product(double a, double b, double *high, double *low)
     double const product = a * b;
     side_split(a, &a1, &a0);
     side_split(b, &b1, &b0);
-
     /* The product's error as the sum of the halves' products, each of which is exact. */
     *low = a0 * b0 - (((product - a1 * b1) - a0 * b1) - a1 * b0);
     *high = product;
@@ -56,25 +55,6 @@ static void side_grow(double *parts, int count, double value)
     parts[count] = value;
 }
 
-static int32_t side_of_products(const double a[2], const double b[2], const double c[2])
-{
-    /* The determinant written out in coordinates, which are exact where differences are not. */
-    const double factors[6][2] = {{a[0], b[1]},  {-a[1], b[0]}, {b[0], c[1]},
-                                  {-b[1], c[0]}, {c[0], a[1]},  {-c[1], a[0]}};
-    double parts[SIDE_TERMS] = {0};
-    int n = 0;
-
-    for (size_t i = 0; i < 6; i++, n += 2) {
-        double high, low;
-        side_product(factors[i][0], factors[i][1], &high, &low);
-        side_grow(parts, n, low);
-        side_grow(parts, n + 1, high);
-    }
-    /* Parts do not overlap, so the largest one that is not 0 has the sign of the sum. */
-    while (n > 0 && parts[n - 1] == 0.0) n--;
-    return n == 0 ? 0 : parts[n - 1] > 0.0 ? 1 : -1;
-}
-
 int32_t bvxi_side_exact(const double a[2], const double b[2], const double c[2])
 {
     double ac[2], bc[2], rest[4], left, left_low, right, right_low;
@@ -84,8 +64,23 @@ int32_t bvxi_side_exact(const double a[2], const double b[2], const double c[2])
         side_sum(a[k], -c[k], &ac[k], &rest[k]);
         side_sum(b[k], -c[k], &bc[k], &rest[k + 2]);
     }
-    if (rest[0] != 0.0 || rest[1] != 0.0 || rest[2] != 0.0 || rest[3] != 0.0)
-        return side_of_products(a, b, c);
+    if (rest[0] != 0.0 || rest[1] != 0.0 || rest[2] != 0.0 || rest[3] != 0.0) {
+        /* The determinant written out in coordinates, which are exact where differences are not. */
+        const double factors[6][2] = {{a[0], b[1]},  {-a[1], b[0]}, {b[0], c[1]},
+                                      {-b[1], c[0]}, {c[0], a[1]},  {-c[1], a[0]}};
+        double parts[SIDE_TERMS] = {0};
+        int n = 0;
+
+        for (size_t i = 0; i < 6; i++, n += 2) {
+            double high, low;
+            side_product(factors[i][0], factors[i][1], &high, &low);
+            side_grow(parts, n, low);
+            side_grow(parts, n + 1, high);
+        }
+        /* Parts do not overlap, so the largest one that is not 0 has the sign of the sum. */
+        while (n > 0 && parts[n - 1] == 0.0) n--;
+        return n == 0 ? 0 : parts[n - 1] > 0.0 ? 1 : -1;
+    }
     /* rounding keeps order, so the errors decide only between equals */
     side_product(ac[0], bc[1], &left, &left_low);
     side_product(ac[1], bc[0], &right, &right_low);
@@ -223,13 +218,12 @@ static void polygon_scale(const double (*corner)[3], uint64_t count, double fact
 {
     double greatest = 0.0;
     uint64_t bits;
-    int32_t exponent;
 
     for (uint64_t i = 0; i < count; i++)
         for (size_t a = 0; a < 3; a++)
             if (bvxi_absolute(corner[i][a]) > greatest) greatest = bvxi_absolute(corner[i][a]);
     memcpy(&bits, &greatest, sizeof bits);
-    exponent = 1023 - (int32_t)(bits >> 52); /* -1023..1023 */
+    int32_t exponent = 1023 - (int32_t)(bits >> 52); /* -1023..1023 */
     /* In two factors, since one alone might leave the range of doubles. */
     small_factors[0] = polygon_power_of_two(exponent / 2);
     small_factors[1] = polygon_power_of_two(exponent - exponent / 2);
@@ -242,9 +236,7 @@ static double polygon_place(double v, const double factors[2])
 {
     double const scaled = v * factors[0] * factors[1];
     double const round = 0x1.8p-447; /* its last bit is 2^-499 */
-
-    /* Far above the last digit nothing is rounded; below, adding
-     * and subtracting the constant rounds to its last bit. */
+    /* Far above the last digit nothing is rounded; below, adding the constant rounds to its last bit. */
     if (bvxi_absolute(scaled) >= 0x1p-448) return scaled;
     return (scaled + round) - round;
 }
@@ -314,8 +306,7 @@ static bvx_status polygon_room(bvxi_polygon *work, bvxi_ring *ring, uint64_t cou
 {
     uint64_t const size = count * 20 + more;
 
-    /* The block grows and is kept for the next polygon; what
-     * it held before is still needed, so it is resized. */
+    /* The block grows and is kept for the next polygon; its contents stay, so it is resized. */
     if (work->block == NULL) {
         BVXI_TRY(bvxi_alloc(work->ctx, BVXI_SCRATCH, size, "the corners of a polygon", &work->block));
         work->block_size = size;
@@ -332,8 +323,7 @@ static bvx_status polygon_room(bvxi_polygon *work, bvxi_ring *ring, uint64_t cou
     return BVX_OK;
 }
 
-/* Cut a ring that is no line. sense: its turn at the lowest corner; area:
- * the sense of its area, where that is known. */
+/* Cut a ring that is no line. sense: its turn at the lowest corner; area: that of its area, if known. */
 static bvx_status polygon_cut_ring(bvxi_polygon *work, bvxi_ring *ring, uint64_t count, int32_t sense,
                                    int32_t area)
 {
@@ -486,28 +476,10 @@ static int ear_may_go(polygon_ears *e, uint32_t v, uint32_t round)
 {
     uint32_t const p = e->previous[v], q = e->next[v];
     int32_t const turn = bvxi_ring_side(e->ring, p, v, q);
-
     /* Each round in vain allows more, so that the loop always goes on. */
     if (round >= 3 || (round == 2 && turn > 0) || (round == 1 && turn == 0)) return 1;
     if (round > 0) return 0;
     return turn == 0 ? ear_is_fold(e, p, v, q) : turn > 0 && ear_is_free(e, p, v, q);
-}
-
-static void ear_cut(polygon_ears *e, uint32_t v)
-{
-    uint32_t const p = e->previous[v], q = e->next[v];
-    bvxi_ring_triangle(e->ring, p, v, q);
-    e->next[p] = q;
-    e->previous[q] = p;
-    e->state[v] = EAR_CUT;
-    ear_set_state(e, p);
-    ear_set_state(e, q);
-}
-
-static void ear_make_fan(polygon_ears *e, uint32_t v)
-{
-    for (uint32_t a = e->next[v], b = e->next[a]; b != v; a = b, b = e->next[b])
-        bvxi_ring_triangle(e->ring, v, a, b);
 }
 
 static void ears_prepare(polygon_ears *e, void *scratch)
@@ -519,8 +491,7 @@ static void ears_prepare(polygon_ears *e, void *scratch)
     e->reflex = e->previous + n;
     e->state = (uint8_t *)(e->reflex + n);
 
-    /* Bounded work: a ring made to have no ears would cost
-     * the square of its corners, times the reflex ones. */
+    /* Bounded work: a ring made to have no ears would cost its corners squared, times the reflex ones. */
     e->looks_left = (uint64_t)n * EAR_LOOKS_EACH < EAR_LOOKS_MOST ? (uint64_t)n * EAR_LOOKS_EACH
                                                                   : EAR_LOOKS_MOST;
     for (uint32_t i = 0; i < n; i++) {
@@ -553,7 +524,14 @@ bvx_status bvxi_polygon_ears(bvxi_ring *ring, void *scratch)
         }
         e.looks++;
         if (ear_may_go(&e, v, round)) {
-            ear_cut(&e, v);
+            uint32_t const p = e.previous[v], q = e.next[v];
+            bvxi_ring_triangle(e.ring, p, v, q);
+            e.next[p] = q;
+            e.previous[q] = p;
+            e.state[v] = EAR_CUT;
+            ear_set_state(&e, p);
+            ear_set_state(&e, q);
+
             left--;
             /* A cut changes what its neighbours are, so the stricter rules get another chance. */
             vain = round = 0;
@@ -565,6 +543,7 @@ bvx_status bvxi_polygon_ears(bvxi_ring *ring, void *scratch)
     }
 
     /* Three corners, or all that is left when the looks are used up. */
-    ear_make_fan(&e, v);
+    for (uint32_t a = e.next[v], b = e.next[a]; b != v; a = b, b = e.next[b])
+        bvxi_ring_triangle(e.ring, v, a, b);
     return BVX_OK;
 }

@@ -22,8 +22,7 @@ static double centre_along(const bvx_grid *grid, int32_t axis, int32_t i)
            ((double)grid->low[axis] + (double)i + 0.5) * grid->lattice.spacing[axis];
 }
 
-/* The layer of the hollow nearest to the side: its number, how many voxels,
- * and the sums of their indices across. */
+/* The layer of the hollow nearest to the side: its number, voxels, and the sums of their indices. */
 static int32_t nearest_layer(const bvx_grid *hollow, const drain_hole *hole, uint64_t *count, uint64_t sum[2])
 {
     int32_t best = -1;
@@ -176,8 +175,7 @@ static bvx_status check_hollow(bvx_context *ctx, const char *function, bvx_hollo
     return BVX_OK;
 }
 
-/* A face voxel's nearest empty centre is a spacing away: with less the shell would be open there, or
- * nothing. */
+/* A face voxel's nearest empty centre is a spacing away: with less the shell would be open. */
 static bvx_status check_shell(bvx_context *ctx, const char *function, const bvx_lattice *lattice,
                               double thickness)
 {
@@ -201,7 +199,6 @@ static bvx_status make_shell(bvx_context *ctx, const char *function, const bvx_g
 {
     bvxi_morph morph = {"hollow", {BVXI_ERODE, BVXI_ERODE}, 1, 0, 0, 0, {0, 0, 0}, 0};
     uint64_t const words = bvxi_grid_words(grid);
-
     BVXI_TRY(bvxi_ball_set(ctx, function, &grid->lattice, o->thickness, &morph));
     morph.beyond = o->beyond;
     BVXI_TRY(bvxi_morph_run(ctx, &morph, grid, hollow));
@@ -220,7 +217,6 @@ static bvx_status run_grid_hollow(bvx_context *context, const bvx_grid *grid,
     bvx_hollow_options o;
     bvx_hollow_report report;
     bvx_window window;
-    bvx_grid made, hollow;
     bvx_status status;
 
     memset(&report, 0, sizeof report);
@@ -233,9 +229,9 @@ static bvx_status run_grid_hollow(bvx_context *context, const bvx_grid *grid,
     memcpy(window.low, grid->low, sizeof window.low);
     memcpy(window.size, grid->size, sizeof window.size);
     bvxi_grid_renew(context, &grid->lattice, &window, result);
-    made = *result;
+    bvx_grid made = *result;
     BVXI_TRY(bvxi_grid_open(context, function, &grid->lattice, &window, &made));
-    hollow = made;
+    bvx_grid hollow = made;
     status = bvxi_alloc(context, BVXI_SCRATCH, bvxi_grid_words(grid) * 8, "the hollow", &hollow.words);
     if (status == BVX_OK) status = make_shell(context, function, grid, &o, &hollow, &made, &report);
     BVXI_TRY(bvxi_grid_put(context, status, &made, result));

@@ -70,28 +70,11 @@ typedef struct near_builder {
 
 /* ---- Boxes ---- */
 
-/* Corners of the leaf's triangles as the caller gave them, coordinate by coordinate. */
-static void gather_near_leaf(const bvxi_nearest *n, const uint32_t order[BVXI_NEAR_WIDTH],
-                             double corner[9][BVXI_NEAR_WIDTH])
-{
-    /* Coordinate by coordinate, so that eight triangles are one vector of each. */
-    for (uint64_t k = 0; k < BVXI_NEAR_WIDTH; k++) {
-        uint32_t c[3];
-        bvxi_view_triangle(&n->view, order[k], c);
-        for (int v = 0; v < 3; v++) {
-            double p[3];
-            bvxi_view_position(&n->view, c[v], p);
-            for (int a = 0; a < 3; a++) corner[3 * v + a][k] = p[a];
-        }
-    }
-}
-
 BVXI_VECTOR_INLINE void bound_near_leaf(const bvxi_nearest *n, double corner[9][BVXI_NEAR_WIDTH],
                                         near_box *box, float local[9][BVXI_NEAR_WIDTH])
 {
     for (int a = 0; a < 3; a++) {
-        /* Moved and scaled in doubles first, so that a float's digits are spent on the lattice's
-         * surroundings. */
+        /* Moved and scaled in doubles first, so that floats' digits go to the surroundings. */
         double low[BVXI_NEAR_WIDTH], high[BVXI_NEAR_WIDTH];
         for (int k = 0; k < BVXI_NEAR_WIDTH; k++) low[k] = HUGE_VAL, high[k] = -HUGE_VAL;
         for (int v = a; v < 9; v += 3)
@@ -109,8 +92,7 @@ BVXI_VECTOR_INLINE void bound_near_leaf(const bvxi_nearest *n, double corner[9][
         box->low[a] = bvxi_float_below(low[0]);
         box->high[a] = bvxi_float_above(high[0]);
 
-        /* Corners relative to the leaf's box, whose rounded corner is exact: small numbers, small
-         * roundings. */
+        /* Corners relative to the leaf's box, whose rounded corner is exact: so roundings are small. */
         for (int v = a; v < 9; v += 3)
             for (int k = 0; k < BVXI_NEAR_WIDTH; k++)
                 local[v][k] = (float)(corner[v][k] - (double)box->low[a]);
@@ -127,7 +109,6 @@ static inline void prefetch_near(const near_builder *b, uint64_t i, uint64_t end
 {
     const bvx_mesh_view *const v = &b->n->view;
     uint32_t c[3];
-
     /* Meshes with indices wait twice, for those and then for the vertices. */
     if (i + 2 * NEAR_AHEAD >= end || v->indices == NULL) return;
     BVXI_PREFETCH(bvxi_view_index_at(v, bvxi_near_order_number(&b->order, i + 2 * NEAR_AHEAD)));
@@ -143,13 +124,24 @@ static void fill_near_leaf(const near_builder *b, uint64_t first, uint32_t count
     double corner[9][BVXI_NEAR_WIDTH];
     float local[9][BVXI_NEAR_WIDTH];
 
-    /* A leaf that is not full holds its last triangle again: eight are always measured, and none needs a
-     * mask. */
+    /* A leaf that is not full holds its last triangle again: eight are always measured. */
     for (uint32_t k = 0; k < BVXI_NEAR_WIDTH; k++) {
         order[k] = bvxi_near_order_number(&b->order, first + (k < count ? k : count - 1));
         prefetch_near(b, first + k, end);
     }
-    gather_near_leaf(n, order, corner);
+
+    /* Corners of the leaf's triangles as the caller gave them, coordinate by coordinate. */
+    /* Coordinate by coordinate, so that eight triangles are one vector of each. */
+    for (uint64_t k = 0; k < BVXI_NEAR_WIDTH; k++) {
+        uint32_t c[3];
+        bvxi_view_triangle(&n->view, order[k], c);
+        for (int v = 0; v < 3; v++) {
+            double p[3];
+            bvxi_view_position(&n->view, c[v], p);
+            for (int a = 0; a < 3; a++) corner[3 * v + a][k] = p[a];
+        }
+    }
+
     BVXI_PATH(b->fast, bound_near_leaf(n, corner, &b->boxes[leaf], local),
               bound_near_leaf_avx2(n, corner, &b->boxes[leaf], local));
     bvxi_near_make_leaf(order, (const float(*)[BVXI_NEAR_WIDTH])local, b->boxes[leaf].low, b->fast,
@@ -164,7 +156,6 @@ static void count_near_leaves(void *user, int32_t index, uint64_t begin, uint64_
 {
     near_builder *const b = user;
     uint64_t leaves = 0;
-
     /* Cuts are looked for within the piece only, so that pieces need not wait for each other. */
     for (; begin < end; leaves++) begin += bvxi_near_order_run(&b->order, begin, end);
     b->first[index + 1] = leaves;
@@ -174,7 +165,6 @@ static void fill_near_leaves(void *user, int32_t index, uint64_t begin, uint64_t
 {
     const near_builder *const b = user;
     uint64_t leaf = b->first[index];
-
     /* The same cuts as were counted. */
     while (begin < end) {
         uint32_t const count = bvxi_near_order_run(&b->order, begin, end);
@@ -218,8 +208,7 @@ static inline float near_box_sides(const near_box *b)
     return (b->high[0] - b->low[0]) + (b->high[1] - b->low[1]) + (b->high[2] - b->low[2]);
 }
 
-/* How many of the next boxes, at most eight, make a node: those before the
- * best place to cut, when that is worth it. */
+/* How many of the next boxes, at most eight, make a node: those before the best cut, if worth it. */
 static uint32_t near_box_run(const near_box *boxes, uint64_t left, int cut)
 {
     uint32_t count = left < BVXI_NEAR_WIDTH ? (uint32_t)left : BVXI_NEAR_WIDTH;

@@ -1,11 +1,10 @@
 /* nearest_order.c - triangles in the order of a curve through space, and where that jumps.
  *
  * Source: Morton. A computer oriented geodetic data base. 1966. The curve runs over the sums of the
- * triangles' corners, ten bits an axis, which one sort of 30-bit keys arranges; where many triangles crowd in
- * few cells all are sorted again by 21 bits an axis. It jumps: eight neighbours may be two groups far apart,
- * in a box that reaches through half of the mesh. Such a run is cut in two where that makes the boxes
- * smaller.
- * The order shows in no answer, so it needs to be no particular one. */
+ * triangles' corners, ten bits an axis, which one sort of 30-bit keys arranges; where many triangles crowd
+ * in few cells all are sorted again by 21 bits an axis. It jumps: eight neighbours may be two groups far
+ * apart, in a box that reaches through half of the mesh. Such a run is cut in two where that makes the boxes
+ * smaller. */
 #include "nearest/nearest_tree.h"
 #include "bits/sort.h"
 #include "mesh/mesh.h"
@@ -105,7 +104,6 @@ static void sort_near_keys(uint64_t *keys, uint64_t *spare, uint64_t count,
 static uint64_t count_near_crowds(const uint64_t *keys, uint64_t count)
 {
     uint64_t crowded = 0;
-
     /* In order, so equal cells at this distance have as many between them. */
     for (uint64_t i = NEAR_CROWD; i < count; i++) crowded += keys[i] >> 32 == keys[i - NEAR_CROWD] >> 32;
     return crowded;
@@ -142,7 +140,6 @@ bvx_status bvxi_near_order_make(bvx_context *ctx, const char *stage, double from
     double const middle = from + (to - from) * 0.25;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertex_bytes, "the search tree's vertices", &k.vertex));
-
     o->count = n->triangle_count;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, key_bytes, "the search tree's keys", &o->keys));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, key_bytes, "the search tree's keys", &o->spare));
@@ -177,7 +174,6 @@ static inline uint32_t pack_near_bits(uint64_t x)
 static uint64_t near_key_sides(const uint64_t *keys, uint32_t begin, uint32_t end, int shift)
 {
     uint64_t sum = 0;
-
     /* In cells of the curve: sums of sides tell which box is small, and cost no square. */
     for (int a = 0; a < 3; a++) {
         uint32_t low = UINT32_MAX, high = 0;

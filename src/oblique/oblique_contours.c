@@ -14,8 +14,7 @@ enum { CONTOUR_STEPS = 1000000 };
 /* Points and segments between two reports. */
 enum { CONTOUR_REPORT = 1024 };
 
-/* In cells: a place farther outside of every triangle than rounding explains lies where the plane is not
- * split. */
+/* In cells: a place outside of every triangle by more than rounding lies where the plane is not split. */
 #define FACE_MISS 1e-3
 
 /* A cell with more tetrahedra than that is crowded: its triangles are looked for from the point before. */
@@ -54,8 +53,7 @@ static void keep_better_face(const bvxi_oblique *o, uint32_t plane, uint32_t t, 
         which[n++] = k;
     }
 
-    /* Seen from one side or the other, the triangle may run either way: its area's sign says which is
-     * inside. */
+    /* Seen from either side the triangle may run either way: its area's sign decides. */
     area = cross_uv(at[0], at[1], at[2]);
     for (int k = 0; k < 3; k++) {
         const double *const a = at[(k + 1) % 3], *const b = at[(k + 2) % 3];
@@ -79,7 +77,6 @@ static uint32_t judge_cell_faces(const bvxi_oblique *o, uint32_t plane, uint32_t
                                  plane_face *best)
 {
     uint32_t count = 0;
-
     for (uint32_t t = 6 * cell; t != BVXI_NONE; t = o->chain[t], count++)
         for (int k = 0; k < 4; k++) keep_better_face(o, plane, t, k, uv, best);
     return count;
@@ -100,7 +97,6 @@ static bvx_status find_face(bvxi_oblique *o, uint32_t plane, const double at[3],
     plane_face best = {BVXI_NONE, 0, -1e300, 0};
     double uv[2];
     int32_t c[3];
-    uint32_t cell;
 
     bvxi_oblique_uv(&o->plane[plane], at, uv);
     if (search->crowded && search->vertex != BVXI_NONE) {
@@ -114,7 +110,7 @@ static bvx_status find_face(bvxi_oblique *o, uint32_t plane, const double at[3],
     }
 
     for (int k = 0; k < 3; k++) c[k] = (int32_t)floor(at[k]);
-    cell = bvxi_oblique_cell_at(o, c);
+    uint32_t cell = bvxi_oblique_cell_at(o, c);
     search->crowded = 0;
     if (cell != BVXI_NONE) search->crowded = judge_cell_faces(o, plane, cell, uv, &best) > CROWDED_CELL;
 
@@ -172,7 +168,6 @@ static bvx_status insert_knots(bvxi_oblique *o)
         bvxi_knot *const k = &o->knot[i];
         face_search alone = {BVXI_NONE, 0};
         double at[3];
-
         /* Knots that agree are one place, whose root stands for all of them. */
         if (k->joined != i) continue;
         bvxi_knot_place(o, (uint32_t)i, at);
@@ -305,8 +300,7 @@ static bvx_status insert_segment(bvxi_oblique *o, uint32_t plane, uint32_t from,
         BVXI_TRY(next_step(o, plane, from, to, &step));
         if (step.vertex == BVXI_NONE && step.tetra != BVXI_NONE)
             BVXI_TRY(bvxi_tetra_split_edge(o, step.tetra, step.edge[0], step.edge[1], step.at, &step.vertex));
-        /* Where contours contradict each other a way may lead nowhere: it is counted, and the surface is
-         * closed without it. */
+        /* Where contours contradict each other a way may lead nowhere: it is counted and left out. */
         if (step.vertex == BVXI_NONE || steps == CONTOUR_STEPS) {
             o->report.unkept_edges++;
             return BVX_OK;
@@ -323,10 +317,8 @@ static bvx_status insert_segment(bvxi_oblique *o, uint32_t plane, uint32_t from,
 static bvx_status insert_way(bvxi_oblique *o, uint32_t plane, uint32_t segment, uint32_t from, uint32_t to)
 {
     uint32_t knot = bvxi_knot_after(o, plane, segment, 0.0);
-
     for (; knot != BVXI_NONE; knot = bvxi_knot_after(o, plane, segment, o->knot[knot].share)) {
         uint32_t const way = o->knot[bvxi_knot_root(o, knot)].vertex;
-
         /* A knot that was moved off this plane is left out rather than gone to. */
         if (way == BVXI_NONE || !bvxi_is_on(o, way, plane)) continue;
         BVXI_TRY(insert_segment(o, plane, from, way));

@@ -15,6 +15,7 @@
  * No vertex of a plane or contour changes; a cut that would tear a contour's surface is taken back. A handle
  * that is half a cell thick at its thinnest on both sides stays: it is the body's rather than the lattice's. */
 #include "oblique/oblique.h"
+#include "bits/sort.h"
 
 #define HANDLE_MIDDLE 0.001F /* cells: the number of a vertex put into an edge between planes */
 
@@ -98,10 +99,8 @@ static bvx_status count_surface_patches(handle_work *w)
     for (uint32_t c = 0; c < 3 * w->triangles; c++) w->loop[c] = c;
     for (uint32_t c = 0; c < 3 * w->triangles; c++) {
         int32_t *const euler = &w->euler[bvxi_root(w->patch, c / 3)];
-
         BVXI_TRY(report_patches(w, 0.2, c));
-        /* Triangles and vertices count, edges count against them; an inner edge is counted at one of its
-         * sides. */
+        /* Triangles and vertices count for, edges against; an inner edge at one of its sides. */
         if (c % 3 == 0) ++*euler;
         if (bvxi_root(w->fan, c) == c) ++*euler;
         if (w->side[c] != 2) --*euler;
@@ -144,35 +143,11 @@ static bvx_status find_surface_patches(handle_work *w)
     return count_surface_patches(w);
 }
 
-/* Edges from plane to plane with both ends on one side get a vertex, on that side as well. */
-static bvx_status loosen_tetrahedron(bvxi_oblique *o, uint32_t t)
-{
-    for (int a = 0; a < 4; a++)
-        for (int b = a + 1; b < 4; b++) {
-            uint32_t const x = o->tetra[t].v[a], y = o->tetra[t].v[b];
-            int const inside = o->vertex[x].sign > 0 || o->vertex[y].sign > 0;
-            uint32_t const ends[2] = {x, y};
-            double at[3];
-            uint32_t m;
-
-            /* An edge within a plane must not be cut: what is on the plane is fixed. */
-            if (bvxi_share_plane(o, ends, 2) || o->vertex[x].sign * o->vertex[y].sign < 0 ||
-                bvxi_first_plane(o, x) == BVXI_NONE || bvxi_first_plane(o, y) == BVXI_NONE)
-                continue;
-            bvxi_oblique_middle(o, ends, 2, at);
-            BVXI_TRY(bvxi_tetra_split_edge(o, t, x, y, at, &m));
-            o->vertex[m].sign = inside ? 1 : -1;
-            o->vertex[m].value = inside ? HANDLE_MIDDLE : -HANDLE_MIDDLE;
-        }
-    return BVX_OK;
-}
-
 /* ---- what lies around ---- */
 
 static bvx_status add_handle_tetra(handle_work *w, uint32_t t)
 {
     bvxi_oblique *const o = w->o;
-
     if (o->stamp[t] == o->stamps) return BVX_OK;
     BVXI_TRY(BVXI_GROW(o, w->tetra, w->tetras, w->tetra_room, "the tetrahedra of a handle"));
     o->stamp[t] = o->stamps;
@@ -184,14 +159,13 @@ static bvx_status add_handle_tetra(handle_work *w, uint32_t t)
 static bvx_status gather_patch(handle_work *w, const uint32_t *owner, uint32_t patch)
 {
     bvxi_oblique *const o = w->o;
-    uint32_t most;
 
     w->tetras = 0;
     bvxi_tetra_new_stamp(o);
     for (uint64_t t = o->plain_triangles; t < w->triangles; t++)
         if (bvxi_root(w->patch, (uint32_t)t) == patch)
             BVXI_TRY(add_handle_tetra(w, owner[t - o->plain_triangles]));
-    most = w->tetras + HANDLE_TETRA;
+    uint32_t const most = w->tetras + HANDLE_TETRA;
     for (uint32_t i = 0; i < w->tetras && w->tetras < most; i++)
         for (int k = 0; k < 4; k++) {
             uint32_t const t = w->tetra[i], next = o->tetra[t].n[k];
@@ -212,7 +186,27 @@ static bvx_status look_around_patch(handle_work *w, const uint32_t *owner, uint3
     uint64_t const before = o->vertex_count;
 
     BVXI_TRY(gather_patch(w, owner, patch));
-    for (uint32_t i = 0; i < w->tetras; i++) BVXI_TRY(loosen_tetrahedron(o, w->tetra[i]));
+    for (uint32_t i = 0; i < w->tetras; i++) {
+        /* Edges from plane to plane with both ends on one side get a vertex, on that side as well. */
+        uint32_t const t = w->tetra[i];
+        for (int a = 0; a < 4; a++)
+            for (int b = a + 1; b < 4; b++) {
+                uint32_t const x = o->tetra[t].v[a], y = o->tetra[t].v[b];
+                int const inside = o->vertex[x].sign > 0 || o->vertex[y].sign > 0;
+                uint32_t const ends[2] = {x, y};
+                double at[3];
+                uint32_t m;
+
+                /* An edge within a plane must not be cut: what is on the plane is fixed. */
+                if (bvxi_share_plane(o, ends, 2) || o->vertex[x].sign * o->vertex[y].sign < 0 ||
+                    bvxi_first_plane(o, x) == BVXI_NONE || bvxi_first_plane(o, y) == BVXI_NONE)
+                    continue;
+                bvxi_oblique_middle(o, ends, 2, at);
+                BVXI_TRY(bvxi_tetra_split_edge(o, t, x, y, at, &m));
+                o->vertex[m].sign = inside ? 1 : -1;
+                o->vertex[m].value = inside ? HANDLE_MIDDLE : -HANDLE_MIDDLE;
+            }
+    }
     /* Halves of tetrahedra that were split are no part of what was gathered. */
     if (o->vertex_count > before) BVXI_TRY(gather_patch(w, owner, patch));
     bvxi_drop(o->ctx, w->number);
@@ -240,8 +234,7 @@ static uint32_t count_handle_stretches(handle_work *w, int inside)
     for (uint32_t i = 0; i < w->tetras; i++) {
         const uint32_t *const v = o->tetra[w->tetra[i]].v;
         uint32_t last = BVXI_NONE;
-        /* Vertices of one side that share an edge are one stretch: in a tetrahedron the surface parts the
-         * sides. */
+        /* Vertices of one side that share an edge are one stretch: the surface parts the two sides. */
         for (int k = 0; k < 4; k++) {
             if ((o->vertex[v[k]].sign > 0) != inside) continue;
             if (last != BVXI_NONE) bvxi_join(w->joined, w->number[last], w->number[v[k]]);
@@ -322,14 +315,7 @@ static bvx_status list_loose(handle_work *w, double depth, int inside)
         w->loose[n++] = (uint64_t)bits << 32 | x;
     }
     w->loose_count = n;
-    /* By insertion with growing steps back (Shell 1959). */
-    for (uint64_t gap = n / 2; gap > 0; gap /= 2)
-        for (uint64_t i = gap; i < n; i++) {
-            uint64_t const x = w->loose[i];
-            uint64_t j = i;
-            for (; j >= gap && w->loose[j - gap] > x; j -= gap) w->loose[j] = w->loose[j - gap];
-            w->loose[j] = x;
-        }
+    bvxi_sort_u64(w->loose, n);
     return BVX_OK;
 }
 
@@ -346,7 +332,6 @@ static bvx_status thin_side(handle_work *w, int inside)
         for (uint64_t i = 0; i < w->loose_count; i++) {
             uint32_t const v = (uint32_t)w->loose[i];
             uint32_t around = 0;
-
             if ((o->vertex[v].sign > 0) == inside) BVXI_TRY(change_side(w, v, 1, &around));
             if (around == 0) continue;
             BVXI_TRY(BVXI_GROW(o, w->flip, w->flips, w->flip_room, "the vertices of a handle"));
@@ -385,7 +370,6 @@ static bvx_status cut_thread(handle_work *w, int inside, int32_t *gain)
     for (uint64_t i = 0; i < w->loose_count && tries < HANDLE_TRIES; i++) {
         uint32_t const v = (uint32_t)w->loose[i];
         uint32_t around;
-        int hold = 0;
 
         if ((o->vertex[v].sign > 0) != inside) continue;
         BVXI_TRY(change_side(w, v, 2, &around));
@@ -394,7 +378,7 @@ static bvx_status cut_thread(handle_work *w, int inside, int32_t *gain)
         BVXI_TRY(bvxi_progress(o->ctx, "surface", w->done));
         if (count_handle_stretches(w, inside) == stretches) {
             BVXI_TRY(thicken_side(w));
-            hold = 1;
+            int hold = 1;
             BVXI_TRY(contours_hold(w, v, &hold));
             for (uint32_t k = 0; k < w->flips && hold; k++)
                 if (!w->back[k]) BVXI_TRY(contours_hold(w, w->flip[k], &hold));
@@ -415,11 +399,9 @@ static bvx_status cut_thread(handle_work *w, int inside, int32_t *gain)
 static bvx_status settle_surface_patch(handle_work *w, int32_t handles)
 {
     static const double depth[HANDLE_DEPTHS] = {0.01, 0.05, 0.5}; /* cells */
-
     for (int k = 0; k < 4 * HANDLE_DEPTHS && handles > 0;) {
         int const inside = (k & 1) == 0;
         int32_t gain;
-
         w->strict = (k & 2) == 0;
         BVXI_TRY(list_loose(w, depth[k / 4], inside));
         BVXI_TRY(thin_side(w, inside));
@@ -438,7 +420,6 @@ static void give_middle_numbers(const bvxi_oblique *o, uint64_t first)
     for (uint64_t v = first; v < o->vertex_count; v++) {
         bvxi_tetra_vertex *const x = &o->vertex[v];
         float const middle = 0.5F * (o->vertex[x->parent[0]].value + o->vertex[x->parent[1]].value);
-
         if ((x->sign > 0 && middle > 0.0F) || (x->sign < 0 && middle < 0.0F)) x->value = middle;
     }
 }
@@ -451,8 +432,7 @@ bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t
     w.look = bvxi_look_in(w.block, BVXI_LOOK_MOST);
     BVXI_TRY(find_surface_patches(&w));
     for (uint32_t t = 0; t < w.triangles; t++) {
-        /* Of a patch with that many loops as its border: Euler's number is 2 less the loops and two for
-         * each handle. */
+        /* Of a patch with that many loops as its border: Euler's number is 2 - loops - 2 * handles. */
         int32_t const handles = (2 - w.euler[t] - w.loops[t]) / 2;
         uint64_t const vertices = o->vertex_count;
 

@@ -5,8 +5,6 @@
  * plane on which there is no body. */
 #include "oblique/oblique.h"
 
-#include <math.h>
-
 enum { OBLIQUE_CELLS = 64, OBLIQUE_MOST_CELLS = 1024, OBLIQUE_FINE = 29 };
 
 #define OBLIQUE_OFF 1e-3 /* of the longest side: how far a point may lie off its plane */
@@ -18,7 +16,6 @@ static bvx_status lay_lattice(bvxi_oblique *o, const double low[3], const double
 {
     static const double shift[3] = {0.3137, 0.1429, 0.2253}; /* round coordinates on no lattice plane */
     double longest = 0.0, cells, largest = 0.0;
-    int32_t pad;
 
     for (int k = 0; k < 3; k++) {
         double const side = high[k] - low[k];
@@ -31,8 +28,7 @@ static bvx_status lay_lattice(bvxi_oblique *o, const double low[3], const double
     if (!(longest > 0.0))
         return bvxi_fail_for(o->ctx, BVX_ERR_EMPTY, BVX_REASON_EMPTY, "%s: all points are one", o->function);
 
-    /* Contours far from the origin have few digits left for their extent; beyond this, places in a cell are
-     * noise. */
+    /* Contours far from the origin have few digits left for their extent; beyond this, cells are noise. */
     if (!(longest > 1e-9 * largest) || !(longest < 1e300))
         return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: the contours' extent %g is too small beside their coordinates", o->function,
@@ -47,9 +43,8 @@ static bvx_status lay_lattice(bvxi_oblique *o, const double low[3], const double
     o->step = o->options.spacing > 0.0 ? o->options.spacing : longest / cells;
     o->longest = cells;
 
-    /* The body may bulge beyond its contours by an eighth; three cells more keep the lattice's border outside
-     * of it. */
-    pad = (int32_t)(cells / 8.0) + 3;
+    /* The body may bulge beyond its contours by an eighth; three cells more keep the border outside. */
+    int32_t const pad = (int32_t)(cells / 8.0) + 3;
     for (int k = 0; k < 3; k++) {
         /* Whole blocks, so that no block needs a look at where the lattice ends. */
         int32_t const least = (int32_t)((high[k] - low[k]) / o->step) + 2 + 2 * pad;
@@ -72,7 +67,6 @@ static bvx_status bound_contours(bvxi_oblique *o)
 {
     const bvx_sections *const g = o->given;
     double low[3] = {1e300, 1e300, 1e300}, high[3] = {-1e300, -1e300, -1e300};
-
     for (uint64_t i = 0; i < g->loop_count; i++) {
         /* Other bodies neither widen the lattice nor make its cells coarser. */
         if (g->loops[i].label != o->options.label && !o->of_all) continue;
@@ -83,26 +77,6 @@ static bvx_status bound_contours(bvxi_oblique *o)
 }
 
 /* ---- planes ---- */
-
-static bvx_status frame_plane(bvxi_oblique *o, uint32_t i)
-{
-    bvxi_oblique_plane *const p = &o->plane[i];
-    double axis[3][3], world;
-
-    BVXI_TRY(bvxi_section_frame(o->ctx, o->function, o->given->normals + 3 * (uint64_t)i, axis));
-    memcpy(p->axis, axis, sizeof p->axis);
-    memcpy(p->normal, axis[2], sizeof p->normal);
-
-    /* The plane in cells: its offset is counted from the lattice's origin, whose own height is taken off
-     * first. */
-    world = (p->normal[0] * o->origin[0] + p->normal[1] * o->origin[1]) + p->normal[2] * o->origin[2];
-    p->offset = (o->given->positions[i] - world) / o->step;
-
-    p->knot = BVXI_NONE;
-    p->plane.section = i;
-    p->plane.w = o->given->positions[i];
-    return BVX_OK;
-}
 
 static bvx_status place_points(bvxi_oblique *o, bvxi_oblique_plane *f)
 {
@@ -117,8 +91,7 @@ static bvx_status place_points(bvxi_oblique *o, bvxi_oblique_plane *f)
 
         bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[i], at);
         bvxi_oblique_uv(f, at, p->uv[i]);
-        /* A point beside its plane counts as its foot on it, but keeps its coordinates as a vertex: it may
-         * not be far. */
+        /* A point beside its plane counts as its foot on it, but keeps its coordinates as a vertex. */
         off = bvxi_absolute(bvxi_oblique_height(f, at));
         if (off > OBLIQUE_OFF * o->longest)
             return bvxi_fail_for(
@@ -128,7 +101,6 @@ static bvx_status place_points(bvxi_oblique *o, bvxi_oblique_plane *f)
                 OBLIQUE_OFF * o->longest * o->step);
         bvxi_widen(f->low, f->high, p->uv[i], 2);
     }
-
     return BVX_OK;
 }
 
@@ -214,7 +186,22 @@ bvx_status bvxi_oblique_lay_planes(bvxi_oblique *o)
     o->report.planes = n;
 
     o->agree = o->options.agree > 0.0 ? o->options.agree / o->step : 0.01 * o->longest;
-    for (uint32_t i = 0; i < o->plane_count; i++) BVXI_TRY(frame_plane(o, i));
+    for (uint32_t i = 0; i < o->plane_count; i++) {
+        bvxi_oblique_plane *const p = &o->plane[i];
+        double axis[3][3], world;
+
+        BVXI_TRY(bvxi_section_frame(o->ctx, o->function, o->given->normals + 3 * (uint64_t)i, axis));
+        memcpy(p->axis, axis, sizeof p->axis);
+        memcpy(p->normal, axis[2], sizeof p->normal);
+
+        /* The plane in cells: its offset is counted from the lattice's origin. */
+        world = (p->normal[0] * o->origin[0] + p->normal[1] * o->origin[1]) + p->normal[2] * o->origin[2];
+        p->offset = (o->given->positions[i] - world) / o->step;
+
+        p->knot = BVXI_NONE;
+        p->plane.section = i;
+        p->plane.w = o->given->positions[i];
+    }
     return refuse_one_plane(o);
 }
 
@@ -255,7 +242,6 @@ double bvxi_oblique_exact(const bvxi_oblique *o, uint32_t plane, const double at
     const bvxi_oblique_plane *const p = &o->plane[plane];
     uint32_t hint = 0;
     double uv[2], d;
-
     if (p->plane.contour_count == 0) return -0.25 * o->longest;
     bvxi_oblique_uv(p, at, uv);
     d = bvxi_plane_distance(&p->plane, uv[0], uv[1], &hint);
@@ -264,12 +250,10 @@ double bvxi_oblique_exact(const bvxi_oblique *o, uint32_t plane, const double at
 
 int bvxi_oblique_encloses(const bvxi_oblique *o, uint32_t plane, const double uv[2])
 {
-    const bvxi_plane *const p = &o->plane[plane].plane;
-
     /* Of several bodies what any of them encloses: where two overlap by a hair they do not cancel out. */
     for (uint32_t i = 0; i < o->body_count; i++)
         if (bvxi_oblique_in_bounds(&o->body[i].plane[plane], uv, 0.0) &&
             bvxi_oblique_encloses(&o->body[i], plane, uv))
             return 1;
-    return o->body_count == 0 && bvxi_plane_encloses(p, uv[0], uv[1]);
+    return o->body_count == 0 && bvxi_plane_encloses(&o->plane[plane].plane, uv[0], uv[1]);
 }

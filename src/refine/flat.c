@@ -12,7 +12,6 @@ static void flat_corners(const bvxi_refine_job *job, uint32_t triangle, const in
 {
     uint32_t corner[3];
     bvxi_view_triangle(job->view, triangle, corner);
-
     /* Differences of whole numbers first: they are exact, and near 0 where doubles are densest. */
     for (int c = 0; c < 3; c++)
         for (int a = 0; a < 3; a++)
@@ -42,8 +41,7 @@ int bvxi_refine_is_flat(const bvxi_refine_job *job, const uint32_t *list, const 
     int32_t origin[3] = {0, 0, 0};
     uint32_t best = UINT32_MAX;
 
-    /* The largest triangle has the plane that is known best; of equals the least number, so that order
-     * does not show. */
+    /* The largest triangle has the plane that is known best; of equals the least number. */
     for (uint64_t i = 0; i < count; i++) {
         uint32_t corner[3];
         int32_t first[3];

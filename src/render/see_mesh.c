@@ -24,10 +24,8 @@ bvx_status bvxi_mesh_scene_normals(bvx_context *ctx, bvxi_mesh_scene *s)
 {
     double p[3][3], n[3];
     uint32_t c[3];
-
     BVXI_TRY(
         bvxi_alloc_zero(ctx, BVXI_SCRATCH, s->view->vertex_count * 12, "the picture's normals", &s->normal));
-
     /* As long as twice the area, so larger facets count for more. */
     for (uint64_t t = 0; t < s->view->triangle_count; t++) {
         bvxi_mesh_scene_corners(s, (uint32_t)t, c, p);
@@ -57,8 +55,7 @@ static void blend_vertex_normals(const bvxi_mesh_scene *s, const uint32_t c[3], 
         double const area = area_across(p, k, x, y);
         double m[3];
         for (int i = 0; i < 3; i++) m[i] = (double)s->normal[(size_t)c[k] * 3 + (size_t)i];
-        /* A corner whose mean is far from the facet is a
-         * sharp edge's: its own normal keeps the edge sharp. */
+        /* A corner whose mean is far from the facet is a sharp edge's: its own normal keeps it sharp. */
         int const sharp = scene_unit(m) == 0.0 || bvxi_vec_dot(m, flat) < SCENE_SHARP;
         for (int i = 0; i < 3; i++) blend[i] += area * (sharp ? flat[i] : m[i]);
         whole += area; /* negative where the facet is seen from behind: so are all three */

@@ -54,7 +54,6 @@ static int32_t end_of_run(const uint64_t *row, int32_t words, int32_t begin)
 static int take_run(uint64_t *row, int32_t begin, int32_t end)
 {
     int32_t const first = begin / BVXI_WORD_BITS, last = (end - 1) / BVXI_WORD_BITS;
-
     /* First look, then clear: a run that is not whole stays for a rectangle of its own. */
     for (int32_t k = first; k <= last; k++)
         if ((~row[k] & run_in_word(begin, end, k)) != 0) return 0;
@@ -69,8 +68,7 @@ typedef struct face_plane {
     int32_t axis, positive, plane;
 } face_plane;
 
-/* Cut a plane's bits into rectangles from number `at` on; they are listed
- * when there is a list. Returns the next number. */
+/* Cut a plane's bits into rectangles from number `at` on; list may be NULL. Returns the next number. */
 static uint64_t cut_plane(const face_merge *m, const face_plane *p, uint64_t at)
 {
     int32_t const rows = p->rows, words = p->words;
@@ -88,8 +86,7 @@ static uint64_t cut_plane(const face_merge *m, const face_plane *p, uint64_t at)
                 while (next < rows && take_run(p->bits + (size_t)next * (size_t)words, begin, end)) next++;
                 if (m->list != NULL) {
                     face_rectangle const r = {p->axis, p->positive, p->plane, begin, end, v, next};
-                    /* Counting and listing go the same way, so numbers agree. */
-                    m->list[at] = r;
+                    m->list[at] = r; /* Counting and listing go the same way, so numbers agree. */
                 }
                 at++;
             }
@@ -127,8 +124,7 @@ static uint64_t cut_across_x(const face_merge *m, uint64_t *bits, int32_t w, uin
     size_t const plane_words = (size_t)words * (size_t)nz;
     uint64_t *const sides[2] = {bits, bits + 64 * plane_words};
 
-    /* 64 planes at once, since a word holds one bit of each: turned over, every plane has rows of words of
-     * its own. */
+    /* 64 planes at once, since a word holds one bit of each: turned over, each plane has its own words. */
     for (int32_t k = 0; k < nz; k++)
         for (int32_t v = 0; v < words; v++) {
             uint64_t block[2][64];
@@ -146,8 +142,7 @@ static uint64_t cut_across_x(const face_merge *m, uint64_t *bits, int32_t w, uin
             }
         }
 
-    /* Plane after plane, both sides of one before the next: the order of the result, which the words' order
-     * would not give. */
+    /* Plane after plane, both sides of one before the next: the order of the result. */
     for (int32_t i = 0; i < 64; i++)
         for (int32_t s = 0; s < 2; s++) {
             face_plane const plane = {sides[s] + (size_t)i * plane_words, nz, words, 0, s, w * 64 + i};
@@ -166,9 +161,7 @@ static void cut_task(void *user, int32_t task, int32_t worker)
     uint64_t const to = across_y < 0   ? cut_across_x(m, bits, task, from)
                         : across_z < 0 ? cut_across(m, bits, 1, across_y, from)
                                        : cut_across(m, bits, 2, across_z, from);
-
-    /* The first run only counts. Prefix sums then give every task its place in the list, whichever worker
-     * comes first. */
+    /* The first run only counts. Prefix sums then give every task its place in the list. */
     if (m->list == NULL) m->before[task] = to;
 }
 
@@ -177,7 +170,6 @@ static void rectangle_corners(const face_merge *m, const face_rectangle *r, uint
 {
     /* ends of u (1) and v (2) */
     static const uint8_t turn[3][4] = {{0, 1, 3, 2}, {0, 2, 3, 1}, {0, 1, 3, 2}};
-
     for (int n = 0; n < 4; n++) {
         int32_t const u = (turn[r->axis][n] & 1) != 0 ? r->u1 : r->u0;
         int32_t const v = (turn[r->axis][n] & 2) != 0 ? r->v1 : r->v0;
@@ -188,27 +180,14 @@ static void rectangle_corners(const face_merge *m, const face_rectangle *r, uint
     }
 }
 
-static void mark_corners(face_merge *m)
-{
-    for (uint64_t n = 0; n < m->f->face_count; n++) {
-        uint64_t bit[4];
-        rectangle_corners(m, &m->list[n], bit);
-        /* Rectangles share corners: a bit is set as often as needed. */
-        for (int c = 0; c < 4; c++)
-            m->corners[bit[c] / BVXI_WORD_BITS] |= UINT64_C(1) << (bit[c] % BVXI_WORD_BITS);
-    }
-}
-
 static void emit_corner_rows(void *user, uint64_t begin, uint64_t end)
 {
     const face_merge *const m = user;
     const bvxi_faces *const f = m->f;
     uint64_t const rows = (uint64_t)f->grid->size[1] + 1;
-    uint64_t vertex;
 
-    /* A piece begins with the rank of its first bit and counts from there, so pieces need not wait for each
-     * other. */
-    vertex = bvxi_rank_before(&m->rank, begin * (uint64_t)f->words * BVXI_WORD_BITS);
+    /* A piece begins with the rank of its first bit and counts from there, so none waits for another. */
+    uint64_t vertex = bvxi_rank_before(&m->rank, begin * (uint64_t)f->words * BVXI_WORD_BITS);
     for (uint64_t row = begin; row < end; row++) {
         const uint64_t *const corners = m->corners + (size_t)row * (size_t)f->words;
         double const y = bvxi_corner_along(f, 1, (int32_t)(row % rows));
@@ -223,7 +202,6 @@ static void emit_corner_rows(void *user, uint64_t begin, uint64_t end)
 static void emit_rectangles(void *user, uint64_t begin, uint64_t end)
 {
     const face_merge *const m = user;
-
     for (uint64_t n = begin; n < end; n++) {
         uint64_t bit[4];
         rectangle_corners(m, &m->list[n], bit);
@@ -233,31 +211,10 @@ static void emit_rectangles(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-static bvx_status count_rectangles(bvx_context *ctx, face_merge *m)
-{
-    BVXI_TRY(bvxi_parallel(ctx, "faces", 0.0, 0.3, m->tasks, cut_task, m));
-    m->f->face_count = bvxi_place_counts(m->before, (uint64_t)m->tasks);
-    return bvxi_faces_check_counts(ctx, m->f);
-}
-
-static bvx_status list_rectangles(bvx_context *ctx, face_merge *m)
-{
-    uint64_t const words = m->f->row_count * (uint64_t)m->f->words;
-
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, m->f->face_count * sizeof *m->list, "the rectangles", &m->list));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, words * 8, "the corners", &m->corners));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bvxi_rank_bytes(words), "the corners' ranks", &m->prefix));
-    BVXI_TRY(bvxi_parallel(ctx, "faces", 0.3, 0.6, m->tasks, cut_task, m));
-    mark_corners(m);
-    m->f->vertex_count = bvxi_rank_build(&m->rank, m->corners, words, m->prefix);
-    return bvxi_faces_check_counts(ctx, m->f);
-}
-
 static bvx_status emit_merged(bvx_context *ctx, face_merge *m, bvx_mesh *mesh)
 {
     int const mine = mesh->positions == NULL;
     bvx_status status;
-
     BVXI_TRY(bvxi_faces_open_mesh(ctx, m->f, mesh));
     status = bvxi_for_ranges(ctx, "faces", 0.6, 0.8, m->f->pieces, m->f->row_count, emit_corner_rows, m);
     if (status == BVX_OK)
@@ -280,7 +237,6 @@ bvx_status bvxi_faces_merge(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
 {
     uint64_t const threads = (uint64_t)bvxi_threads(ctx), mark = bvxi_scratch_begin(ctx);
     face_merge m;
-
     memset(&m, 0, sizeof m);
     m.f = f;
     m.tasks = f->words + f->grid->size[1] + 1 + f->grid->size[2] + 1;
@@ -288,7 +244,23 @@ bvx_status bvxi_faces_merge(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, ((uint64_t)m.tasks + 1) * 8, "the planes' counts", &m.before));
     /* Scratch for each worker, as planes are cut side by side. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, threads * m.scratch_words * 8, "planes of faces", &m.scratch));
-    BVXI_TRY(count_rectangles(ctx, &m));
-    BVXI_TRY(list_rectangles(ctx, &m));
+    BVXI_TRY(bvxi_parallel(ctx, "faces", 0.0, 0.3, m.tasks, cut_task, &m));
+    m.f->face_count = bvxi_place_counts(m.before, (uint64_t)m.tasks);
+    BVXI_TRY(bvxi_faces_check_counts(ctx, m.f));
+    uint64_t const words = m.f->row_count * (uint64_t)m.f->words;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, m.f->face_count * sizeof *m.list, "the rectangles", &m.list));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, words * 8, "the corners", &m.corners));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bvxi_rank_bytes(words), "the corners' ranks", &m.prefix));
+    BVXI_TRY(bvxi_parallel(ctx, "faces", 0.3, 0.6, m.tasks, cut_task, &m));
+    for (uint64_t n = 0; n < m.f->face_count; n++) {
+        uint64_t bit[4];
+        rectangle_corners(&m, &m.list[n], bit);
+        /* Rectangles share corners: a bit is set as often as needed. */
+        for (int c = 0; c < 4; c++)
+            m.corners[bit[c] / BVXI_WORD_BITS] |= UINT64_C(1) << (bit[c] % BVXI_WORD_BITS);
+    }
+
+    m.f->vertex_count = bvxi_rank_build(&m.rank, m.corners, words, m.prefix);
+    BVXI_TRY(bvxi_faces_check_counts(ctx, m.f));
     return bvxi_scratch_end(ctx, mark, mesh != NULL ? emit_merged(ctx, &m, mesh) : BVX_OK);
 }

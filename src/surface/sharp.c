@@ -36,7 +36,6 @@ static bvxi_sharp_loop *sharp_loop_alone(const bvxi_sharp_work *w, uint64_t slot
 {
     /* Loops lie in the order of cells: by bisection. */
     uint32_t low = w->first[slot], high = w->first[slot + 1];
-
     while (low < high) {
         uint32_t const middle = low + (high - low) / 2;
         if (w->loops[middle].x < x) low = middle + 1;
@@ -47,15 +46,13 @@ static bvxi_sharp_loop *sharp_loop_alone(const bvxi_sharp_work *w, uint64_t slot
     return &w->loops[low];
 }
 
-/* The kept loop of the neighbour of the cell at x across a face, where it is that cell's only one; else
- * NULL. */
+/* The kept loop of the neighbour across a face of the cell at x, where it is its only one; else NULL. */
 static bvxi_sharp_loop *sharp_beside(const bvxi_sharp_work *w, uint64_t slot, int32_t x, int32_t face)
 {
     uint64_t const rows = (uint64_t)w->march->grid->size[1] + 1;
     uint64_t const step = face >> 1 == 0 ? 0 : face >> 1 == 1 ? 1 : rows;
     int32_t const up = face & 1;
-    /* The neighbour across y and z lies in another row. */
-    if (face >> 1 == 0) x += up ? 1 : -1;
+    if (face >> 1 == 0) x += up ? 1 : -1; /* The neighbour across y and z lies in another row. */
     /* a cell with a cut face has a neighbour there */
     return sharp_loop_alone(w, up ? slot + step : slot - step, x);
 }
@@ -67,8 +64,7 @@ static double follows(const double n[3], const double facet[3], double worst)
     return cosine < worst ? cosine : worst;
 }
 
-/* Would the fans' side from a to b, seen from the cell of apex p, better
- * run from apex p to the neighbour's q? */
+/* Would the fans' side from a to b, seen from apex p, better run from apex p to the neighbour's q? */
 static int better_turned(const bvxi_sharp_work *w, uint32_t a, uint32_t b, const double p[3],
                          const double q[3])
 {
@@ -119,10 +115,8 @@ static void sharp_turn_piece(void *work, int32_t piece, uint64_t begin, uint64_t
 {
     bvxi_sharp_work *const w = work;
     uint64_t count = 0;
-
     for (uint64_t s = begin; s < end; s++) {
         bvxi_cell_walk c;
-        /* No sharp cell in this row. */
         if (w->first[s + 1] == w->first[s]) continue;
         for (bvxi_start_cells(w->march, s, &c); bvxi_next_cell(&c);) {
             bvxi_sharp_loop *const here = sharp_loop_alone(w, s, c.x);
@@ -210,26 +204,7 @@ static void write_slot_triangles(const bvxi_sharp_work *w, uint64_t slot)
 static void write_sharp_piece(void *work, uint64_t begin, uint64_t end)
 {
     const bvxi_sharp_work *const w = work;
-
     for (uint64_t s = begin; s < end; s++) write_slot_triangles(w, s);
-}
-
-static void write_vertices(const bvxi_sharp_work *w)
-{
-    const bvxi_march *const m = w->march;
-    size_t const bytes = m->options.position_type == BVX_F32 ? 12 : 24;
-
-    /* Vertices of the surface first, with their numbers; apexes after them. */
-    memcpy(w->surface->positions, m->mesh->positions, (size_t)m->vertex_count * bytes);
-    for (uint64_t n = 0; n < w->first[m->slot_count]; n++) {
-        const bvxi_sharp_loop *const s = &w->loops[n];
-        size_t const to = 3 * ((size_t)m->vertex_count + s->before);
-        if (!s->kept) continue;
-        for (size_t a = 0; a < 3; a++)
-            if (m->options.position_type == BVX_F32)
-                ((float *)w->surface->positions)[to + a] = (float)s->apex[a];
-            else ((double *)w->surface->positions)[to + a] = s->apex[a];
-    }
 }
 
 static bvx_status number_loops(bvx_context *ctx, bvxi_sharp_work *w, uint64_t *count)
@@ -252,7 +227,6 @@ static bvx_status number_loops(bvx_context *ctx, bvxi_sharp_work *w, uint64_t *c
     return BVX_OK;
 }
 
-/* Number the apexes that stay. */
 static uint32_t number_apexes(bvxi_sharp_work *w, uint64_t count)
 {
     uint32_t kept = 0;
@@ -272,7 +246,20 @@ static bvx_status write_sharp(bvx_context *ctx, bvxi_sharp_work *w, uint32_t kep
                             m->triangle_count + 2 * (uint64_t)kept, surface));
     memcpy(surface->frame, m->mesh->frame, sizeof surface->frame);
     w->surface = surface;
-    write_vertices(w);
+    size_t const bytes = m->options.position_type == BVX_F32 ? 12 : 24;
+
+    /* Vertices of the surface first, with their numbers; apexes after them. */
+    memcpy(w->surface->positions, m->mesh->positions, (size_t)m->vertex_count * bytes);
+    for (uint64_t n = 0; n < w->first[m->slot_count]; n++) {
+        const bvxi_sharp_loop *const s = &w->loops[n];
+        size_t const to = 3 * ((size_t)m->vertex_count + s->before);
+        if (!s->kept) continue;
+        for (size_t a = 0; a < 3; a++)
+            if (m->options.position_type == BVX_F32)
+                ((float *)w->surface->positions)[to + a] = (float)s->apex[a];
+            else ((double *)w->surface->positions)[to + a] = s->apex[a];
+    }
+
     status = bvxi_for_ranges(ctx, "sharp edges", 0.8, 1.0, m->pieces, m->slot_count, write_sharp_piece, w);
     return bvxi_mesh_made(ctx, status, mine, surface);
 }
@@ -284,7 +271,6 @@ bvx_status bvxi_sharpen(bvx_context *ctx, const bvxi_march *march, const bvxi_cu
     uint64_t const slot_bytes = (march->slot_count + 1) * sizeof *w.first;
     uint64_t const piece_bytes = (uint64_t)march->pieces * sizeof *w.counts;
     uint64_t count = 0;
-    uint32_t kept = 0;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, slot_bytes, "the rows' sharp cells", &w.first));
 
@@ -296,7 +282,7 @@ bvx_status bvxi_sharpen(bvx_context *ctx, const bvxi_march *march, const bvxi_cu
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *w.loops, "the sharp cells", &w.loops));
     BVXI_TRY(bvxi_for_ranges(ctx, "sharp edges", 0.3, 0.6, march->pieces, march->slot_count,
                              bvxi_sharp_fill_piece, &w));
-    kept = number_apexes(&w, count);
+    uint32_t const kept = number_apexes(&w, count);
     BVXI_TRY(bvxi_for_pieces(ctx, "sharp edges", 0.6, 0.8, march->pieces, w.march->slot_count,
                              sharp_turn_piece, &w));
     BVXI_TRY(write_sharp(ctx, &w, kept, surface));

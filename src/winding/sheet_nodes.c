@@ -69,7 +69,6 @@ static void join_nodes(const bvxi_sheet_node *a, const bvxi_sheet_node *b, bvxi_
     double const d = bvxi_sheet_distance(a->centre, b->centre), radius = 0.5 * (a->radius + b->radius + d);
     /* The ball around two balls touches both at their far sides; one may hold the other. */
     double const t = d > 0 ? (radius - a->radius) / d : 0; /* on the way from a to b */
-
     memset(both, 0, sizeof *both);
     for (int i = 0; i < 3; i++) {
         both->normal[i] = a->normal[i] + b->normal[i];
@@ -90,8 +89,7 @@ static uint64_t loop_place(const bvxi_sheet *s, uint32_t loop)
     return key;
 }
 
-/* Groups from small to large: a group's halves come after it on the walk,
- * so a list of them is gone through backwards. */
+/* Groups from small to large: a group's halves come after it on the walk, so their list is read backwards. */
 static bvx_status group_loops(bvx_context *ctx, bvxi_sheet *s)
 {
     uint64_t const loops = s->holes->loops;

@@ -81,11 +81,10 @@ static bvx_status wind_block(bvx_context *ctx, bvxi_solid_job *job, const bvxi_r
     double const part = from + (to - from) / 8;
     bvxi_row_lists crossed;
     bvxi_turns_job turns = {0};
-    bvx_status status;
 
     /* The same gathering, of the sheet's triangles: its crossings are taken off the mesh's. */
     job->view = w->sheet_view;
-    status = bvxi_solid_gather(ctx, job, from, part, &crossed);
+    bvx_status status = bvxi_solid_gather(ctx, job, from, part, &crossed);
     job->view = mesh;
     if (status != BVX_OK) return status;
     turns.sheet = w->sheet;
@@ -99,6 +98,40 @@ static bvx_status wind_block(bvx_context *ctx, bvxi_solid_job *job, const bvxi_r
                                             bvxi_solid_progress(job, to), &w->report->unbalanced_rows));
     bvxi_row_lists_free(ctx, &crossed);
     return status;
+}
+
+/* A vertex in voxels, moved to the lattice's side where it lies beyond. */
+static void place_on_lattice(const bvx_mesh_view *mesh, uint64_t vertex, const bvx_lattice *l, double at[3])
+{
+    bvxi_view_position(mesh, vertex, at);
+    for (int a = 0; a < 3; a++) {
+        at[a] = (at[a] - l->origin[a]) / l->spacing[a];
+        at[a] = at[a] < 0.0 ? 0.0 : at[a] > l->dims[a] ? l->dims[a] : at[a];
+    }
+}
+
+/* Rows along y and z that pass through holes, by the loops' shadows: those along x balance beside faces that miss
+ * triangles along x. */
+static uint64_t rows_through(const bvx_mesh_view *mesh, const bvxi_holes *holes, const bvx_lattice *lattice)
+{
+    uint64_t begin = 0, rows = 0;
+
+    for (uint64_t l = 0; l < holes->loops; begin = holes->loop_end[l++]) {
+        double from[3], p[3], q[3], shadow[3] = {0.0, 0.0, 0.0};
+
+        place_on_lattice(mesh, holes->vertex[begin], lattice, from);
+        memcpy(p, from, sizeof p);
+        for (uint64_t i = begin + 1; i < holes->loop_end[l]; i++, memcpy(p, q, sizeof p)) {
+            place_on_lattice(mesh, holes->vertex[i], lattice, q);
+            for (int a = 1; a < 3; a++) {
+                int const u = (a + 1) % 3, v = (a + 2) % 3;
+
+                shadow[a] += (p[u] - from[u]) * (q[v] - from[v]) - (p[v] - from[v]) * (q[u] - from[u]);
+            }
+        }
+        for (int a = 1; a < 3; a++) rows += (uint64_t)(0.5 * bvxi_absolute(shadow[a]));
+    }
+    return rows;
 }
 
 static bvx_status wind_over_holes(bvx_context *ctx, bvxi_solid_job *job, const bvxi_holes *holes,
@@ -118,6 +151,9 @@ static bvx_status wind_over_holes(bvx_context *ctx, bvxi_solid_job *job, const b
     BVXI_TRY(bvxi_solid_fill(bvxi_solid_step(ctx, job, from, to), job, solid, 0, BVX_FILL_NONZERO, report));
     job->take_lists = NULL;
     job->user = NULL;
+    /* Windows have their own rows alone. */
+    if (report->unbalanced_rows == 0 && memcmp(solid->size, solid->lattice.dims, sizeof solid->size) == 0)
+        report->unbalanced_rows = rows_through(job->view, holes, &solid->lattice);
     bvxi_sheet_mesh_close(ctx, &view);
     bvxi_sheet_close(ctx, &sheet);
     return BVX_OK;
@@ -137,14 +173,12 @@ bvx_status bvxi_wind(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *soli
 {
     double const part = from + (to - from) / 8;
     bvxi_holes holes;
-    bvx_status status;
-
     /* Axis x: rows of centres along it. */
     BVXI_TRY(bvxi_snap_turn(ctx, 0, from, &job->snapped));
     if (job->holes != NULL) return wind_with_holes(ctx, job, job->holes, solid, part, to, report);
     BVXI_TRY(bvxi_holes_check_corners(ctx, job->function, job->view));
     BVXI_TRY(BVXI_SHARE(ctx, from, part, bvxi_holes_open_signed(ctx, job->view, &job->snapped, &holes)));
-    status = wind_with_holes(ctx, job, &holes, solid, part, to, report);
+    bvx_status const status = wind_with_holes(ctx, job, &holes, solid, part, to, report);
     bvxi_holes_close(ctx, &holes);
     return status;
 }
@@ -176,7 +210,6 @@ bvx_status bvxi_winding_open(bvx_context *ctx, const char *function, const bvx_m
                              bvxi_winding **winding)
 {
     bvxi_winding *w;
-
     *winding = NULL;
     if (holes->loops == 0) return BVX_OK;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *w, "the winding number's holes", &w));
@@ -193,8 +226,6 @@ bvx_status bvxi_winding_open(bvx_context *ctx, const char *function, const bvx_m
  * goes between those that lie nearest to each other on either side of a half. */
 static double ratio_between(double from, double to, int32_t rule)
 {
-    double half, t;
-
     /* Only the fractions count: whole turns are the mesh's, which does not change without a triangle. */
     from -= floor(from);
     to -= floor(to);
@@ -208,8 +239,8 @@ static double ratio_between(double from, double to, int32_t rule)
         to += to > from ? -1 : 1;
     }
     /* The half that lies between both, and where the straight line meets it. */
-    half = floor(from + 0.5) + (to > from ? 0.5 : -0.5);
-    t = (half - from) / (to - from);
+    double const half = floor(from + 0.5) + (to > from ? 0.5 : -0.5);
+    double const t = (half - from) / (to - from);
     return !(t > 0 && t < 1)       ? 0.5
            : t < WINDING_LEAST     ? WINDING_LEAST
            : t > 1 - WINDING_LEAST ? 1 - WINDING_LEAST

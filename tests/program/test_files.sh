@@ -59,7 +59,7 @@ refuses 2 'is for meshes; x.npy is not a mesh' voxelize knot.obj -o x.npy --outp
 # What makes something of files that are not read.
 refuses 1 'Blender makes .glb' info a.fbx
 refuses 1 'FreeCAD and Gmsh make .stl' repair part.STEP -o x.ply
-refuses 1 'the Python package reads it' lod a.3mf -o x.ply
+refuses 1 'the Python package reads it' lod a.amf -o x.ply
 
 # Two cubes that share an edge by numbers of their own: .ply keeps them apart, readers of .stl join them.
 cube() { # FIRST NUMBER, X, Y
@@ -238,10 +238,18 @@ refuses 1 'the file is text in UTF-16; save it as UTF-8' info wide.obj
 printf '\376\377\0v\0 \0001' >wide.off
 refuses 1 'the file is text in UTF-16; save it as UTF-8' info wide.off
 too_wide=0
-for command in info voxelize lod render convert compare faces refine fill sections slice repair boolean morph components simplify; do
+for command in info voxelize lod render convert compare faces refine fill sections slice repair boolean morph components simplify labels; do
     too_wide=$((too_wide + $("$program" $command --help-all | awk 'length($0) > 110 { n++ } END { print n + 0 }')))
 done
 holds 'help fits 110 columns' [ $too_wide = 0 ]
+# ---- 3MF ----
+
+works 'to 3MF' convert "$knot" -o k.3mf
+works 'and back' convert k.3mf -o k2.3mf
+holds 'the same bytes' cmp k.3mf k2.3mf
+printf 'PK' >cut.3mf
+refuses 1 'no directory of a zip file' info cut.3mf
+
 # ---- glTF: text with its bytes in a file beside it, and what no mesh holds ----
 
 mkdir -p scene

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from typing import TYPE_CHECKING, Any, BinaryIO, Iterable, Union
+from typing import TYPE_CHECKING, Any, BinaryIO, Iterable, Sequence, Union
 
 from ._bytes import by_file, bytes_of_open, format_of, new_beside, read_bytes, umask, write_bytes
 from ._calls import call, entered
@@ -13,6 +13,7 @@ from ._field import Field
 from ._grid import Grid, new_grid
 from ._image import Image
 from ._lattice import WindowLike, set_window
+from ._labels import Segment
 from ._mended import mended
 from ._mesh import Mesh, new_mesh, subtract
 from ._nrrd import unpacked
@@ -25,9 +26,9 @@ from ._vti import without_blocks
 MESH_FORMATS = formats_in(lib.BVX_MESHES_READ)
 MESH_OUTPUTS = formats_in(lib.BVX_MESHES_WRITTEN)
 GRID_FORMATS = formats_in(lib.BVX_GRIDS_READ)
-MESHES_BY_LIBRARIES = ("3mf", "vtp")  # trimesh, PyVista
+MESHES_BY_LIBRARIES = ("vtp",)  # PyVista
 _TREE_MAGIC = b"\x89BVO"
-OF_OTHERS = ("amf", "3mf", "vtp", "dxf", "nii", "mha", "dcm")  # trimesh, PyVista, ezdxf, nibabel, SimpleITK, pydicom; amf here
+OF_OTHERS = ("amf", "vtp", "dxf", "nii", "mha", "dcm")  # PyVista, ezdxf, nibabel, SimpleITK, pydicom; amf here
 _LOST = ((lib.BVX_LOST_SKINS, "skins"), (lib.BVX_LOST_MORPHS, "morph targets"), (lib.BVX_LOST_ANIMATIONS, "animations"),
          (lib.BVX_LOST_POINTS, "points and lines"), (lib.BVX_LOST_IMAGES, "images whose file is not there"),
          (lib.BVX_LOST_ATTRIBUTES, "further attributes of vertices"))
@@ -49,8 +50,8 @@ def read(path: str | os.PathLike[str] | BinaryIO, *, format: str | None = None, 
     Parameters
     ----------
     path
-        a name, or an open binary file. .stl .obj .ply .off .glb .gltf (meshes; a .gltf with the files beside it), .npy .binvox .vox .nrrd .vti .bvx (grids; .bvx octrees too), .csl .csv (sections),
-        each also as .gz; .amf; .3mf and other meshes that trimesh reads, with ``bitvox[formats]``; .vtp with ``bitvox[view]``; .dxf (sections)
+        a name, or an open binary file. .stl .obj .ply .off .glb .gltf .3mf (meshes; a .gltf with the files beside it), .npy .binvox .vox .nrrd .vti .bvx (grids; .bvx octrees too), .csl .csv (sections),
+        each also as .gz; .amf; other meshes that trimesh reads (.dae), with ``bitvox[formats]``; .vtp with ``bitvox[view]``; .dxf (sections)
         with ``bitvox[geo]``; with ``bitvox[medical]`` the .dcm of an RTSTRUCT (sections) and a .nii or .mha that was written of a grid, which is known
         by its head (other masks: `bitvox.formats.read_nifti`, `bitvox.read_volume`). Beside .npy and .vox, FILE.json
         gives the lattice.
@@ -94,7 +95,7 @@ def read(path: str | os.PathLike[str] | BinaryIO, *, format: str | None = None, 
         return _loads(read_bytes(path), kind, window, None if beside is None else read_bytes(beside), close_gap, drop_nonfinite,
                       threads, memory_limit, progress, folder=os.path.dirname(os.path.abspath(path)))
     if window is not None or close_gap is not None or drop_nonfinite:
-        raise ArgumentError("window is for grids, close_gap for sections, drop_nonfinite for .stl .obj .ply .off .glb .gltf")
+        raise ArgumentError("window is for grids, close_gap for sections, drop_nonfinite for .stl .obj .ply .off .glb .gltf .3mf")
     return call("read_other", path, kind)
 
 
@@ -126,7 +127,7 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
     data
         the bytes.
     format
-        an ending, such as "ply". Bytes of .nii, .3mf and others that other libraries read are laid into a file of their own first.
+        an ending, such as "ply". Bytes of .nii, .vtp and others that other libraries read are laid into a file of their own first.
     window, close_gap, drop_nonfinite
         as for `read`.
     lattice
@@ -177,6 +178,7 @@ def _read_mesh(held: Any, kind: str, drop_nonfinite: bool, folder: str | None, r
     mesh, report, options = new_mesh(), ffi.new("bvx_read_report *"), options_of("read_options")
     options.drop_nonfinite = int(bool(drop_nonfinite))
     options.report = report
+    options.inflate = lib.bvxpy_inflate
     if folder is not None:
         handle = ffi.new_handle(_Beside(folder))
         options.open_file, options.close_file, options.user = lib.bvxpy_open, lib.bvxpy_close, handle
@@ -243,7 +245,7 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
     thing
         a mesh.
     format
-        stl, obj, ply, off or glb, with ``bitvox[formats]`` 3mf, with ``bitvox[view]`` vtp; a `Grid`: npy, binvox, vox, nrrd, vti, bvx, mha
+        stl, obj, ply, off, glb or 3mf, with ``bitvox[view]`` vtp; a `Grid`: npy, binvox, vox, nrrd, vti, bvx, mha
         or nii; a `Volume`: nrrd, mha, nii or vti; an `Octree`: vtu or bvx; a `Field`: npy, nrrd or vti; `Sections`: csl, csv or svg; an `Image`: png.
     states
         of an octree's vtu: which leaves, by default ("surface", "inside").
@@ -251,7 +253,7 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
         of a field: vectors in place of signed distances.
     normals
         of a mesh's ply or obj: also normals of the vertices, smooth ones averaged by area over sharp edges too; glb has them
-        always, stl and off are refused.
+        always, stl, off and 3mf are refused.
     origin
         of a mesh: (x, y, z) that is taken from all positions, for formats of 32-bit floats far from the origin.
     allow_rounding
@@ -372,16 +374,31 @@ def write_levels(path: str | os.PathLike[str], levels: Iterable[Any], *, up: str
         raise UnsupportedError(f"{path}: levels of detail are not written as {kind!r}; take .glb, or write one file a level")
     if isinstance(levels, Mesh):
         raise TypeError("levels are several meshes, not one; Mesh.save writes one")
-    meshes = [Mesh.of(level) for level in levels]
-    out = ffi.gc(ffi.new("bvx_buffer *"), lib.bvxpy_free_buffer)
     with Run(threads, memory_limit, progress) as run:
-        borrowed = [mesh._struct(run) for mesh in meshes]
-        array = ffi.new("bvx_mesh[]", max(len(borrowed), 1))
-        for i, one in enumerate(borrowed):
-            array[i] = one[0]
-        options = _write_options(up=up, quantize=quantize)
-        run.check(lib.bvx_write_mesh(run.context, array, len(borrowed), options, number_of(kind), out))
+        _write_meshes(run, path, [Mesh.of(level) for level in levels], _write_options(up=up, quantize=quantize))
+
+
+def _write_meshes(run: Run, path: str, meshes: Sequence[Mesh], options: Any) -> None:
+    """One .glb of several meshes."""
+    out = ffi.gc(ffi.new("bvx_buffer *"), lib.bvxpy_free_buffer)
+    borrowed = [mesh._struct(run) for mesh in meshes]
+    array = ffi.new("bvx_mesh[]", max(len(borrowed), 1))
+    for i, one in enumerate(borrowed):
+        array[i] = one[0]
+    run.check(lib.bvx_write_mesh(run.context, array, len(borrowed), options, lib.BVX_FORMAT_GLB, out))
     write_bytes(path, bytes(ffi.buffer(out.bytes, out.size)))
+
+
+@entered
+def write_named(path: str, bodies: Sequence[tuple[Segment, Mesh]]) -> None:
+    """Nodes of one .glb, each with its name and color."""
+    options = _write_options()
+    texts = [ffi.new("char[]", one.name.encode(errors="replace").replace(b"\0", b"?")) for one, _ in bodies]
+    options.names = names = ffi.new("char *[]", texts)
+    options.colours = colors = ffi.new("uint8_t[]", [part for one, _ in bodies for part in (*(one.color or (255,) * 3), 255)])
+    with Run() as run:
+        _write_meshes(run, path, [mesh for _, mesh in bodies], options)
+    del names, colors  # held until now
 
 
 @entered
