@@ -15,6 +15,7 @@ enum { STEPS = 12, CORRECTIONS = 16, VERTEX_GRAIN = 4096 };
 
 static float const relax_step = 0.7F; /* below 1: vertices of two colours would take turns */
 static float const move_limit = 0.49F;
+static double const correct = 2.0;       /* further than any pair moves */
 static double const longest_move = 0.25; /* move of a round [Units: voxels] */
 static double const kept_volume =
     1e-4; /* of the volume that a pair may keep, for each face [Units: voxels] */
@@ -25,6 +26,7 @@ typedef struct net_work {
     uint64_t *pairs; /* of faces, sorted; then where each pair's faces begin */
     uint32_t *faces; /* in the order of pairs */
     uint64_t pair_count;
+    double *moved; /* of each pair, or correct */
 } net_work;
 
 static double limited(double x, double limit)
@@ -94,18 +96,6 @@ void bvxi_read_face(const bvxi_net *net, uint32_t face, bvxi_face *f)
             f->moved[n][a] = (double)net->offset[3 * (size_t)f->vertex[n] + (size_t)a];
 }
 
-/* Twice the area vector of corners a, b, c when they have moved a share t of their way. */
-static void area_at(const bvxi_face *f, int32_t a, int32_t b, int32_t c, double t, double area[3])
-{
-    double p[3], q[3];
-
-    for (int32_t d = 0; d < 3; d++) {
-        p[d] = f->at[b][d] - f->at[a][d] + t * (f->moved[b][d] - f->moved[a][d]);
-        q[d] = f->at[c][d] - f->at[a][d] + t * (f->moved[c][d] - f->moved[a][d]);
-    }
-    bvxi_vec_cross(p, q, area);
-}
-
 static double face_diagonal(const bvxi_face *f, int32_t from)
 {
     double way[3];
@@ -132,16 +122,28 @@ static void split_faces(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-/* The volume that a triangle sweeps: its area vector is a quadratic in t, so Simpson's rule is exact. */
+/* The volume that a triangle sweeps; last gets twice its area vector at the end. That is a quadratic of the share of
+ * the way, whose mean is the mean of both ends less a sixth of the quadratic term. */
 static double swept(const bvxi_face *f, int32_t b, int32_t c, double last[3])
 {
-    double begin[3], middle[3], sum = 0.0;
+    double p[3], q[3], to_p[3], to_q[3], begin[3], bent[3], sum = 0.0;
 
-    area_at(f, 0, b, c, 0.0, begin);
-    area_at(f, 0, b, c, 0.5, middle);
-    area_at(f, 0, b, c, 1.0, last);
+    for (int32_t d = 0; d < 3; d++) {
+        p[d] = f->at[b][d] - f->at[0][d];
+        q[d] = f->at[c][d] - f->at[0][d];
+        to_p[d] = f->moved[b][d] - f->moved[0][d];
+        to_q[d] = f->moved[c][d] - f->moved[0][d];
+    }
+    bvxi_vec_cross(p, q, begin);
+    bvxi_vec_cross(to_p, to_q, bent);
+    for (int32_t d = 0; d < 3; d++) {
+        p[d] += to_p[d];
+        q[d] += to_q[d];
+    }
+    bvxi_vec_cross(p, q, last);
     for (int32_t d = 0; d < 3; d++)
-        sum += (f->moved[0][d] + f->moved[b][d] + f->moved[c][d]) * (begin[d] + 4.0 * middle[d] + last[d]);
+        sum += (f->moved[0][d] + f->moved[b][d] + f->moved[c][d]) *
+               (3.0 * begin[d] + 3.0 * last[d] - bent[d]);
     return sum / 36.0;
 }
 
@@ -199,30 +201,31 @@ static void move_pair(const net_work *w, uint64_t begin, uint64_t end, double di
     }
 }
 
-/* Free vertices have one pair's faces around them, so pairs are corrected apart from each other. */
+/* One step of each pair. Free vertices have one pair's faces around them, so pairs are corrected apart from each
+ * other. */
 static void correct_pairs(void *user, uint64_t first, uint64_t last)
 {
     const net_work *const w = user;
 
     for (uint64_t p = first; p < last; p++) {
         uint64_t const begin = w->pairs[p], end = w->pairs[p + 1];
-        double const faces = (double)(end - begin);
-        double moved = 0.0;
+        double const faces = (double)(end - begin), moved = w->moved[p];
+        uint64_t corners;
+        double area, volume;
 
-        for (int32_t round = 0; round < CORRECTIONS; round++) {
-            uint64_t corners;
-            double area, volume = measure_pair(w, begin, end, &area, &corners);
-            if (area == 0.0 || bvxi_absolute(volume) <= kept_volume * faces) break;
+        if (moved == correct) continue;
+        w->moved[p] = correct;
+        volume = measure_pair(w, begin, end, &area, &corners);
+        if (area == 0.0 || bvxi_absolute(volume) <= kept_volume * faces) continue;
 
-            /* What has shrunk to nearly nothing has no area to divide by. A few free vertices do not make up for what
-             * all faces at junctions have swept. */
-            double const share = (double)corners / (4.0 * faces), limit = share * share;
-            double const way = -volume / (area > 0.5 * faces ? area : 0.5 * faces);
-            double const step = limited(limited(moved + way, limit) - moved, longest_move);
-            moved += step;
-            if (step == 0.0) break;
-            move_pair(w, begin, end, step);
-        }
+        /* What has shrunk to nearly nothing has no area to divide by. A few free vertices do not make up for what
+         * all faces at junctions have swept. */
+        double const share = (double)corners / (4.0 * faces), limit = share * share;
+        double const way = -volume / (area > 0.5 * faces ? area : 0.5 * faces);
+        double const step = limited(limited(moved + way, limit) - moved, longest_move);
+        if (step == 0.0) continue;
+        move_pair(w, begin, end, step);
+        w->moved[p] = moved + step;
     }
 }
 
@@ -283,8 +286,12 @@ bvx_status bvxi_net_smooth(bvx_context *ctx, bvxi_net *net)
     BVXI_TRY(bvxi_for(ctx, "faces", net->flaps, VERTEX_GRAIN, split_faces, &w));
     BVXI_TRY(sort_faces(ctx, &w));
     memset(w.other, 0, (size_t)vertices * 12);
-    BVXI_TRY(bvxi_for_ranges(ctx, "volumes", 0.7, 1.0, bvxi_piece_count(w.pair_count, 1), w.pair_count,
-                             correct_pairs, &w));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, w.pair_count * 8, "the pairs' moves", &w.moved));
+    for (int32_t i = 0; i < CORRECTIONS; i++)
+        BVXI_TRY(bvxi_for_ranges(ctx, "volumes", 0.7 + 0.3 * (double)i / (double)CORRECTIONS,
+                                 0.7 + 0.3 * (double)(i + 1) / (double)CORRECTIONS,
+                                 bvxi_piece_count(w.pair_count, 1), w.pair_count, correct_pairs, &w));
+    bvxi_drop(ctx, w.moved);
     bvxi_drop(ctx, w.pairs);
     bvxi_drop(ctx, w.faces);
     bvxi_drop(ctx, w.other);
