@@ -86,12 +86,15 @@ void bvxi_split_pattern(uint32_t pattern, const uint8_t across[6], bvxi_cell_spl
 
     memset(split, 0, sizeof *split);
     for (uint32_t e = 0; e < 12; e++) parent[e] = e;
-    for (int32_t side = 0; side < 6; side++)
+    for (int32_t side = 0; side < 6; side++) {
+        int32_t in[4], met = 0;
         for (int32_t e = 0; e < 12; e++)
-            for (int32_t f = 0; f < e; f++)
-                if (is_in_side(pattern, e, side) && is_in_side(pattern, f, side) &&
-                    are_joined(e, f, across[side]))
-                    bvxi_join(parent, (uint32_t)f, (uint32_t)e);
+            if (is_in_side(pattern, e, side)) in[met++] = e;
+        for (int32_t i = 0; i < met; i++)
+            for (int32_t k = 0; k < i; k++)
+                if (are_joined(in[i], in[k], across[side]))
+                    bvxi_join(parent, (uint32_t)in[k], (uint32_t)in[i]);
+    }
 
     /* Roots are the lowest edges, so vertices are in the order of theirs. */
     for (uint32_t e = 0; e < 12; e++) {
