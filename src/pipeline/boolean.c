@@ -545,6 +545,7 @@ static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
 
 #define BOOLEAN_OFF    0.02 /* of a volume */
 #define BOOLEAN_LIDDED 0.05 /* where lines of centres see it, which miss lids by half a voxel */
+#define BOOLEAN_CRUMBS 3    /* from which on a wall has broken */
 #define BOOLEAN_SHARED 1.25 /* the factor by which a shared volume counted in voxels may be off */
 
 /* The volume that both bodies share: the part of their voxels, of the smaller one of both volumes. */
@@ -719,6 +720,9 @@ static bvx_status warn_of_boolean(boolean_job *job, const bvx_mesh *result)
         bvxi_warn(job->ctx, BVX_WARN_APART, 0, NULL)->input = 1;
     if ((r->few & BVX_FEW_RESULT) != 0)
         BVXI_WARN(job->ctx, BVX_WARN_FEW_RESULT, bvxi_advised(r->advised_resolution));
+    /* Of walls that arise between both bodies: one or two come off acute edges. */
+    if (job->operation != BVX_BOOLEAN_UNION && r->crumbs >= BOOLEAN_CRUMBS)
+        BVXI_WARN(job->ctx, BVX_WARN_CRUMBS, (double)r->crumbs, finer);
     /* Their room is what the check needs. */
     for (int32_t i = 0; i < 2; i++) bvxi_sparse_close(job->ctx, &job->body[i].values);
     if (result->triangle_count != 0 && job->operation != BVX_BOOLEAN_INTERSECTION) {
