@@ -180,9 +180,8 @@ const cli_command cli_refine = {
     .usage = "IN -o OUT [options]",
     .does = "voxels of several sizes, small ones only at the surface",
     .details =
-        "Reads a mesh (" CLI_MESHES_READ
-        ", also with .gz), lays --base voxels over it and halves those that\n"
-        "triangles touch --halvings times; what a flood from outside cannot reach is inside. Writes the "
+        "Reads a mesh (" CLI_MESHES_READ ", also with .gz), lays --base voxels over it and halves those\n"
+        "that triangles touch --halvings times; what a flood from outside cannot reach is inside. Writes the "
         "octree\n"
         "(.bvx, which is an input too), its leaves with their level and state (.vtu, for ParaView), the "
         "voxels\n"
