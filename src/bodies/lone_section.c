@@ -32,8 +32,8 @@ static int count_lone(const bvx_sections *given, uint32_t section, int32_t label
     return n->loops != 0;
 }
 
-static void add_copy(const bvx_sections *given, const bvx_sections_options *o, const lone_count *n,
-                     const double axis[3], double by, bvx_sections *to)
+static void add_section_copy(const bvx_sections *given, const bvx_sections_options *o, const lone_count *n,
+                             const double axis[3], double by, bvx_sections *to)
 {
     uint32_t const section = (uint32_t)to->section_count++;
 
@@ -71,7 +71,7 @@ static bvx_status copy_section(bvx_context *ctx, const char *function, const bvx
     BVXI_TRY(BVXI_ARRAY(ctx, 3 * (COPIES * n->points), "the points of a slab", to->points));
     BVXI_TRY(BVXI_ARRAY(ctx, COPIES * n->loops, "the loops of a slab", to->loops));
     BVXI_TRY(BVXI_ARRAY(ctx, COPIES, "the positions of a slab", to->positions));
-    for (int k = 0; k < COPIES; k++) add_copy(one, o, n, axis[2], 0.5 * (k - 1) * o->thickness, to);
+    for (int k = 0; k < COPIES; k++) add_section_copy(one, o, n, axis[2], 0.5 * (k - 1) * o->thickness, to);
     return BVX_OK;
 }
 
