@@ -199,8 +199,7 @@ static bvx_status open_mended(const body_job *job, const bvx_sections *sections,
     return BVX_OK;
 }
 
-/* What cannot be mended is refused by its own loops' numbers, as without: only what the loops themselves cause is
- * looked at again with the given ones. */
+/* What cannot be mended is refused by its own loops' numbers, with the given ones. */
 static bvx_status open_sections(const body_job *job, const bvx_sections *sections, bvxi_mended *mended,
                                 bvxi_stack *s)
 {
@@ -213,8 +212,7 @@ static bvx_status open_sections(const body_job *job, const bvx_sections *section
                       bvxi_stack_open(job->ctx, sections_name, sections, job->o, s));
 }
 
-/* Loops that were moved apart by a hair may leave a cap that is not cut into triangles as it should be:
- * such a mesh is refused, not handed out. */
+/* Loops moved apart by a hair may leave a cap that is cut wrongly: such a mesh is refused. */
 static bvx_status check_body(const body_job *job)
 {
     bvx_certificate c;
@@ -248,8 +246,7 @@ static bvx_status put_in_sections(bvxi_stack *s, bvxi_shifted *slanted)
     return BVX_OK;
 }
 
-/* Mended loops may be left in one section only: job->left is its number and no body is made, since but for
- * tapered caps it takes two planes. */
+/* Mended loops may be left in one section only: job->left is its number and no body is made. */
 static bvx_status build_stack(body_job *job, const bvx_sections *sections)
 {
     double const opened = job->o->slabs.join > 0.0 ? 0.4 : 0.15; /* of the bar, with all sections in */
@@ -334,8 +331,7 @@ static bvx_status build_any(body_job *job, const bvx_sections *sections)
 /* Volumes by prismoids are roots of two areas' product: that must not overflow. */
 #define SECTIONS_FARTHEST 1e75
 
-/* At the other end, a product of areas of less than 1e-308 is 0, and so would volumes be. Loops may be much smaller
- * than the widest one. */
+/* Products of areas below 1e-308 are 0, as volumes would be. Loops may be much smaller than the widest. */
 #define SECTIONS_NARROWEST 1e-70
 
 bvx_status bvxi_sections_check_extent(bvx_context *ctx, const char *function, const bvx_sections *given)

@@ -34,8 +34,7 @@ BVXI_VECTOR_INLINE int64_t cover_row(const bvxi_sample_axis *x, const uint64_t *
     return sum;
 }
 
-/* The same summed over neighbouring rows, for boxes of at most 64 voxels: what does not change from row to
- * row is done once, and cut voxels are counted apart. */
+/* The same over neighbouring rows, for boxes of at most 64 voxels; cut voxels are counted apart. */
 BVXI_VECTOR_INLINE int64_t cover_rows(const bvxi_sample_axis *x, const uint64_t *row, int32_t words,
                                       int32_t rows, int32_t i, int fast)
 {

@@ -81,8 +81,7 @@ double bvxi_blend_zero(const bvxi_blend *b, const double f[BVXI_BLEND_SECTIONS])
 
         if (value == 0.0) return t;
 
-        /* The zero stays between low and high, since the cubic has one sign at each; so a wild step of
-         * Newton's cannot lose it. */
+        /* The zero stays between low and high, whatever Newton does: the cubic has one sign at each. */
         if ((value > 0.0) == (first > 0.0)) low = t;
         else high = t;
         double next = slope != 0.0 ? t - value / slope : low;

@@ -102,8 +102,7 @@ static void read_runs(const bvxi_sample_walk *w, void *tally, const sample_tile 
         }
 }
 
-/* Word x / 64 of 64 rows of f from 64 kf on, in each plane of the tile: rows of planes beside one another are
- * written beside one another. */
+/* Word x / 64 of 64 rows of f from 64 kf on, in each plane of the tile, as rows are written. */
 static void write_squares(const bvxi_sample_walk *w, const sample_tile *t, int32_t x, int32_t n, int32_t kf,
                           uint64_t run[TILE_THIRD][64][TILE_F_WORDS])
 {

@@ -261,8 +261,7 @@ static bvx_status put_triangles(bvx_context *ctx, const bvx_mesh_view *view, con
     return BVX_OK;
 }
 
-/* Edges of triangles; same: NULL, or which vertex stands for each. Where
- * more than limit wait in the end what was done is of no use. */
+/* Edges of triangles; same: NULL, or which vertex stands for each. More than limit left: of no use. */
 static bvx_status cancel_triangles(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *same,
                                    uint64_t limit, edge_table *t)
 {

@@ -110,8 +110,7 @@ static void place_on_lattice(const bvx_mesh_view *mesh, uint64_t vertex, const b
     }
 }
 
-/* Rows along y and z that pass through holes, by the loops' shadows: those along x balance beside faces that miss
- * triangles along x. */
+/* Rows along y and z that pass through holes, by the loops' shadows. */
 static uint64_t rows_through(const bvx_mesh_view *mesh, const bvxi_holes *holes, const bvx_lattice *lattice)
 {
     uint64_t begin = 0, rows = 0;
