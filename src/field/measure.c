@@ -151,7 +151,6 @@ static bvx_status check_measure(bvx_context *ctx, const bvx_mesh_view *mesh, con
     return check_measure_range(ctx, job, lattice);
 }
 
-/* Every centre has a value. */
 static void take_every_centre(bvx_field *field)
 {
     uint64_t const rows = bvxi_grid_rows(&field->band);

@@ -171,7 +171,6 @@ static void list_border(patch_work *w, uint64_t at, uint64_t n)
     w->border_count += n;
 }
 
-/* Number the patches; returns how many. */
 static uint64_t number_patches(patch_work *w, uint32_t *number)
 {
     uint32_t count = 0, differs;

@@ -271,7 +271,6 @@ static int walk_fan(const topology *c, uint32_t v, uint32_t h, uint32_t from, ui
     for (;;) {
         uint32_t const over = c->ring[h];
         uint32_t corner;
-        /* The edge has one triangle only: the fan ends here. */
         if (over == h) return 0;
         if (c->corners[over] == v) { /* the neighbour leaves v over this edge: its other edge at v comes in */
             corner = over;

@@ -20,7 +20,6 @@ static uint64_t stride_size(int64_t stride)
     return stride < 0 ? 0 - (uint64_t)stride : (uint64_t)stride;
 }
 
-/* Tiles along the fastest axis. */
 static int32_t tiles_along(const bvxi_sample_walk *w)
 {
     return (w->grid->size[w->axis] + 64 * TILE_F_WORDS - 1) / (64 * TILE_F_WORDS);

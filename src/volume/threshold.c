@@ -330,7 +330,6 @@ static void range_of_signed(double low, double high, int64_t least, int64_t most
 
 static void range_of_unsigned(double low, double high, uint64_t most, double end, bvxi_range *r)
 {
-    /* As with signed ones, from 0 on. */
     r->empty = low >= end || high < 0.0;
     if (r->empty) return;
     low = -floor(-low);

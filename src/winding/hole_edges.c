@@ -220,7 +220,6 @@ static inline int put_beside(uint32_t *beside, uint32_t from, uint32_t to)
     int free = -1;
 
     for (int i = 0; i < HOLE_BESIDE; i++) {
-        /* The edge the other way waits here: both are done. */
         if (slot[i] == other) {
             slot[i] = 0;
             return 1;

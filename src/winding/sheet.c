@@ -73,7 +73,6 @@ static void keep_near_triangle(const bvxi_sheet_node *n, const bvxi_seen_point *
     double const limit = n->radius + sum->reach;
     double r2 = 0, u[3], w[3], normal[3];
 
-    /* The ball around the triangle first, then the distance from its plane. */
     for (int a = 0; a < 3; a++) {
         double const r = n->centre[a] - sum->at[a];
         r2 += r * r;
