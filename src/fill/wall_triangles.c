@@ -39,7 +39,6 @@ typedef struct near_job {
 static bvx_status run_near(near_job *job, uint64_t count, bvxi_range_fn *body)
 {
     bvx_context *const ctx = job->ctx;
-
     return BVXI_SHARE(ctx, 0.2, 0.2, bvxi_for(ctx, "thin", count, NEAR_TRIANGLES, body, job));
 }
 
@@ -70,7 +69,6 @@ static void block_range(const near_job *t, const double low[3], const double hig
     for (int a = 0; a < 3; a++) {
         double const last = (double)t->block_size[a] - 1;
         double const l = low[a] / t->block, h = high[a] / t->block;
-
         from[a] = l > 0 ? (l < last ? (int32_t)l : (int32_t)last) : 0;
         to[a] = h > 0 ? (h < last ? (int32_t)h : (int32_t)last) : 0;
     }
@@ -94,7 +92,6 @@ static void mark_around(near_job *t, uint64_t bit, double reach, uint8_t mark)
     for (int a = 0; a < 3; a++) {
         /* A little more for rounding. */
         double const far = 1.01 * reach / g->lattice.spacing[a];
-
         low[a] = (double)at[a] + 0.5 - far;
         high[a] = (double)at[a] + 0.5 + far;
     }
@@ -113,7 +110,6 @@ static void mark_around(near_job *t, uint64_t bit, double reach, uint8_t mark)
 static void mark_blocks(near_job *t, double reach, uint8_t mark)
 {
     uint64_t const words = bvxi_grid_words(t->grid);
-
     for (uint64_t i = 0; i < words; i++)
         for (uint64_t bits = t->grid->words[i]; bits != 0; bits &= bits - 1)
             mark_around(t, i * 64 + (uint64_t)bvxi_lowest(bits), reach, mark);
@@ -173,7 +169,6 @@ static int is_in_marked_block(const near_job *t, const uint32_t c[3])
         int32_t const p = block_index(corner[0], a), q = block_index(corner[1], a);
         int32_t const r = block_index(corner[2], a);
         int32_t const low = p < q ? p : q, high = p < q ? q : p;
-
         from[a] = r < low ? r : low;
         to[a] = r > high ? r : high;
     }
@@ -245,7 +240,6 @@ bvx_status bvxi_triangles_near(bvx_context *ctx, const bvx_mesh_view *mesh, cons
     BVXI_TRY(take_triangles_nearby(&job, reach));
     for (int32_t i = 0; i < job.pieces; i++) {
         uint64_t begin, end;
-
         bvxi_piece(mesh->triangle_count, job.pieces, i, &begin, &end);
         memmove(job.corner + 3 * taken, job.corner + 3 * begin, (size_t)job.taken[i] * 12);
         taken += job.taken[i];
@@ -296,7 +290,6 @@ static void order_piece_nearby(void *user, int32_t piece, uint64_t begin, uint64
             bvxi_view_position(&t->near, c[k], p);
             for (int a = 0; a < 3; a++) {
                 int const first = n == begin && k == 0;
-
                 p[a] += 0.0; /* -0 is 0 */
                 if (first || p[a] < low[a]) low[a] = p[a];
                 if (first || p[a] > high[a]) high[a] = p[a];
@@ -310,7 +303,6 @@ static void side_piece_nearby(void *user, uint64_t begin, uint64_t end)
 {
     const near_job *const job = user;
     const bvxi_walls *const t = job->walls;
-
     for (uint64_t n = begin; n < end; n++) t->against[n] = (uint8_t)job->sorted[job->numbers[n]];
 }
 
@@ -318,7 +310,6 @@ static void move_piece_nearby(void *user, uint64_t begin, uint64_t end)
 {
     const near_job *const job = user;
     const uint32_t *const corner = job->walls->corner;
-
     for (uint64_t n = begin; n < end; n++)
         memcpy(job->sorted + 3 * n, corner + 3 * (size_t)job->numbers[n], 12);
 }
