@@ -353,7 +353,8 @@ typedef struct bvx_warning {
  *  measure: a report makes them. Its bits, 1 << BVX_WARN_..., are in the report too. */
 BVX_API const bvx_warning *bvx_next_warning(bvx_context *context);
 
-/** Bytes that are held now, results included; and the maximum since creation or the last reset. */
+/** Bytes that are held now, results included; and the maximum since creation or the last reset. In an arena that is
+ *  the size of one that is enough for the same calls: with the context, and what lies unused between blocks. */
 BVX_API uint64_t bvx_memory_used(const bvx_context *context);
 BVX_API uint64_t bvx_memory_peak(const bvx_context *context);
 BVX_API void bvx_memory_reset_peak(bvx_context *context);

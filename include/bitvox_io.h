@@ -183,6 +183,10 @@ typedef struct bvx_write_options {
                                  the file is written again, with other indices
                                  [Default: NULL, those of the mesh, or of the first level that has some] */
     bvx_write_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
+    const char *const *names; /**< of a GLB whose meshes are no levels: each is a node of the scene, and mesh and
+                                   node have its name, in UTF-8 [Size: level_count] [Default: NULL, levels] */
+    const uint8_t *colours; /**< with names: red, green, blue, alpha of each mesh's material, in place of all others
+                                 [Size: level_count * 4] [Default: NULL] */
 } bvx_write_options;
 
 /** Write a mesh, or levels of detail into one file; frames are added. PLY, OBJ (without alpha) and OFF keep
@@ -196,7 +200,7 @@ typedef struct bvx_write_options {
  *  at vertices, so sharp edges are averaged over too. PLY: float nx ny nz after the coordinates; OBJ: vn, with
  *  the vertex's index. Levels of a GLB are nodes "level_0", "level_1", ... with a mesh each, all about one
  *  centre, with materials, textures and images once. Only level_0 is in the scene; MSFT_lod, an extension that
- *  few readers know, attaches the others, and all other viewers show level_0.
+ *  few readers know, attaches the others, and all other viewers show level_0. With names all meshes are in the scene.
  *  levels       [Size: level_count] the finest first, each with triangles
  *  level_count  [Limit: 1..65536] 1 but for GLB
  *  options      NULL: all defaults

@@ -1,6 +1,6 @@
-/* sort.h - two orders of numbers. Crossings of a row are few, so insertion sorts them; a heap takes over
- * where a row is crowded, so that no input makes it quadratic. Positions in space are ordered along a curve.
- * Not installed.
+/* sort.h - orders of numbers. Crossings of a row or edges of a vertex are few, so insertion sorts them; a heap
+ * takes over where there are many, so that no input makes it quadratic, in place and without recursion.
+ * Positions in space are ordered along a curve. Not installed.
  *
  * Source of the curve: Morton. A computer oriented geodetic data base. 1966. */
 #ifndef BVXI_SORT_H
@@ -43,6 +43,48 @@ static inline void bvxi_sort_i32(int32_t *v, uint32_t n)
         uint32_t j = i;
         for (; j > 0 && v[j - 1] > x; j--) v[j] = v[j - 1];
         v[j] = x;
+    }
+}
+
+static inline void bvxi_sort_u64(uint64_t *v, uint64_t n)
+{
+    if (n <= 32) {
+        for (uint64_t i = 1; i < n; i++) {
+            uint64_t const x = v[i];
+            uint64_t j = i;
+            for (; j > 0 && v[j - 1] > x; j--) v[j] = v[j - 1];
+            v[j] = x;
+        }
+        return;
+    }
+    /* First each item from the middle down is sifted into its heap; then the largest go to the end in turn. */
+    for (uint64_t i = n / 2, end = n; end > 1;) {
+        uint64_t const x = i > 0 ? v[--i] : v[--end];
+        uint64_t at = i;
+        if (end < n) v[end] = v[0];
+        for (uint64_t child; (child = 2 * at + 1) < end; at = child) {
+            if (child + 1 < end && v[child + 1] > v[child]) child++;
+            if (v[child] <= x) break;
+            v[at] = v[child];
+        }
+        v[at] = x;
+    }
+}
+
+/* Items by an order of their own: before(of, a, b) is whether item a comes before item b. */
+static inline void bvxi_sort_items(uint32_t *v, uint64_t n, int (*before)(const void *, uint32_t, uint32_t),
+                                   const void *of)
+{
+    for (uint64_t i = n / 2, end = n; end > 1;) {
+        uint32_t const x = i > 0 ? v[--i] : v[--end];
+        uint64_t at = i;
+        if (end < n) v[end] = v[0];
+        for (uint64_t child; (child = 2 * at + 1) < end; at = child) {
+            if (child + 1 < end && before(of, v[child], v[child + 1])) child++;
+            if (!before(of, x, v[child])) break;
+            v[at] = v[child];
+        }
+        v[at] = x;
     }
 }
 

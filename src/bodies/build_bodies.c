@@ -35,9 +35,7 @@ static bvx_status check_labels(bvx_context *ctx, const int32_t *labels, uint32_t
 static bvx_status make_joint(bvxi_oblique *o, const int32_t *labels, uint32_t count, bvx_mesh *meshes)
 {
     bvxi_joint_cut cut = {0};
-
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, bvxi_joint_open(o, labels, count)));
-
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.5, bvxi_oblique_lattice(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.5, 0.55, bvxi_oblique_cells(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.55, 0.6, bvxi_oblique_split_planes(o)));
@@ -46,21 +44,11 @@ static bvx_status make_joint(bvxi_oblique *o, const int32_t *labels, uint32_t co
     return BVXI_SHARE(o->ctx, 0.85, 1.0, bvxi_joint_surfaces(o, &cut, meshes));
 }
 
-static void drop_bodies(bvx_context *ctx, bvx_mesh *meshes, uint32_t count)
-{
-    for (uint32_t i = 0; i < count; i++) {
-        if (meshes[i].owned) bvx_mesh_free(ctx, &meshes[i]);
-        else meshes[i].vertex_count = meshes[i].triangle_count = 0;
-    }
-}
-
 static bvx_status run_build_bodies(bvx_context *context, const bvx_sections *sections,
                                    const bvx_sections_options *options, const int32_t *labels, uint32_t count,
                                    bvx_mesh *meshes)
 {
-    bvx_sections with_normals;
     bvxi_oblique o;
-    bvx_status status;
 
     if (labels == NULL) return bvxi_fail_null(context, bodies_name, "labels");
     if (meshes == NULL) return bvxi_fail_null(context, bodies_name, "meshes");
@@ -80,15 +68,20 @@ static bvx_status run_build_bodies(bvx_context *context, const bvx_sections *sec
     for (uint32_t i = 0; i < count; i++) BVXI_TRY(bvxi_mesh_check_reserved(context, bodies_name, &meshes[i]));
 
     /* Parallel planes get a normal each. */
-    with_normals = *sections;
+    bvx_sections with_normals = *sections;
     if (sections->normals == NULL)
         BVXI_TRY(BVXI_ARRAY(context, 3 * (sections->section_count + 1), "the sections' normals",
                             with_normals.normals));
     for (uint64_t i = 0; i < sections->section_count && sections->normals == NULL; i++)
         memcpy(with_normals.normals + 3 * i, sections->normal, 24);
     o.given = &with_normals;
-    status = make_joint(&o, labels, count, meshes);
-    if (status != BVX_OK) drop_bodies(context, meshes, count);
+    bvx_status const status = make_joint(&o, labels, count, meshes);
+    if (status != BVX_OK) {
+        for (uint32_t i = 0; i < count; i++) {
+            if (meshes[i].owned) bvx_mesh_free(context, &meshes[i]);
+            else meshes[i].vertex_count = meshes[i].triangle_count = 0;
+        }
+    }
     if (status != BVX_OK || o.options.report == NULL) return status;
     bvxi_sections_warn(context, &o.report, o.options.slabs.depth);
     *o.options.report = o.report;

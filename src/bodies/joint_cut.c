@@ -58,13 +58,10 @@ static bvx_status open_plane_faces(bvxi_oblique *o)
 static void joint_kinds_piece(void *user, uint64_t begin, uint64_t end)
 {
     const bvxi_oblique *const o = user;
-
     for (uint64_t i = begin; i < end; i++) {
         bvxi_tetra_vertex *const x = &o->vertex[i];
-        uint32_t plane;
-
         if (x->sign == 0) continue;
-        plane = bvxi_first_plane(o, (uint32_t)i);
+        uint32_t const plane = bvxi_first_plane(o, (uint32_t)i);
         if (!x->lattice) x->value = (float)bvxi_joint_kind(o, plane, x->at, NULL, 0);
         x->sign = 1;
         if (!bvxi_joint_is_beyond(o, plane, x->at)) continue;
@@ -78,7 +75,6 @@ static bvx_status give_kinds(bvxi_oblique *o)
 {
     uint32_t *torn = NULL;
     uint64_t count = 0;
-
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6,
                         bvxi_for(o->ctx, "surface", o->vertex_count, 256, joint_kinds_piece, o)));
     BVXI_TRY(BVXI_RESERVE(o, o->mark, o->tetra_count, o->mark_room, "the marks of tetrahedra"));
@@ -118,14 +114,12 @@ static void place_between(const bvxi_oblique *o, const uint32_t v[2], uint64_t b
 {
     const double *const in = o->vertex[v[0]].at, *const out = o->vertex[v[1]].at;
     double lead[2];
-
     /* On a plane the numbers are exact distances, so that the place lies on it between its contours. */
     for (int k = 0; k < 2; k++)
         lead[k] = bvxi_joint_lead(o, bvxi_first_plane(o, v[k]), o->vertex[v[k]].at, bodies, others);
     lead[0] = lead[0] > 0.0 ? lead[0] : 0.0;
     lead[1] = lead[1] < 0.0 ? -lead[1] : 0.0;
     bvxi_oblique_cross_edge(in, lead[0], out, lead[1], at);
-
     if (!bvxi_share_plane(o, v, 2))
         bvxi_oblique_cross_again(in, lead[0], out, lead[1], bvxi_joint_lead(o, BVXI_NONE, at, bodies, others),
                                  at);
@@ -135,7 +129,6 @@ static bvx_status cut_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t t, con
                            uint64_t among, const double at[3])
 {
     uint32_t m;
-
     BVXI_TRY(bvxi_tetra_split_edge(o, t, v[0], v[1], at, &m));
     BVXI_TRY(BVXI_RESERVE(o, cut->among, o->vertex_room, cut->among_room, "the kinds of vertices"));
     /* From here on the vertex counts as one of a contour: it has several kinds and no number. */
@@ -175,9 +168,7 @@ static bvx_status cut_from_outside(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_
 {
     uint32_t const v[2] = {(cut->among[a] & JOINT_OUTSIDE) != 0 ? b : a,
                            (cut->among[a] & JOINT_OUTSIDE) != 0 ? a : b};
-    uint64_t bodies;
     double at[3];
-    uint32_t m;
 
     /* Beyond the ends everything is outside already, and the caps are the planes' own faces. */
     *made = (cut->among[v[0]] & JOINT_OUTSIDE) == 0 && cut->among[v[1]] == JOINT_OUTSIDE &&
@@ -185,8 +176,8 @@ static bvx_status cut_from_outside(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_
     if (!*made) return BVX_OK;
     place_between(o, v, cut->among[v[0]], JOINT_OUTSIDE, at);
     BVXI_TRY(cut_edge(o, cut, t, v, JOINT_OUTSIDE, at));
-    m = (uint32_t)o->vertex_count - 1;
-    bodies = bodies_at_crossing(o, cut, v, m);
+    uint32_t const m = (uint32_t)o->vertex_count - 1;
+    uint64_t bodies = bodies_at_crossing(o, cut, v, m);
     if ((bodies & (bodies - 1)) != 0)
         bodies = UINT64_C(1) << bvxi_joint_kind_among(o, o->vertex[m].at, bodies);
     cut->among[m] |= bodies;
@@ -203,7 +194,6 @@ static bvx_status cut_between_bodies(bvxi_oblique *o, bvxi_joint_cut *cut, uint3
     uint64_t const first = cut->among[v[0]] & ~(uint64_t)JOINT_OUTSIDE,
                    second = cut->among[v[1]] & ~(uint64_t)JOINT_OUTSIDE;
     double at[3];
-
     *made = first != 0 && second != 0 && (first & second) == 0;
     if (!*made) return BVX_OK;
     place_between(o, v, first, second, at);
@@ -219,7 +209,6 @@ static int has_edges_to_cut(const bvxi_joint_cut *cut, const bvxi_tetra *t)
 {
     uint64_t common = ~(uint64_t)JOINT_OUTSIDE;
     int inside = 0, outside = 0;
-
     for (int k = 0; k < 4; k++) {
         uint64_t const among = cut->among[t->v[k]];
         inside |= (among & JOINT_OUTSIDE) == 0;
@@ -265,10 +254,8 @@ static void look_at_surface_edge(const bvxi_joint_cut *cut, surface_work *w, uin
                                  uint32_t other)
 {
     uint64_t const common = cut->among[v] & cut->among[other] & ~(uint64_t)JOINT_OUTSIDE;
-    uint32_t root;
-
     if (v < first || (cut->among[other] & JOINT_OUTSIDE) == 0 || cut->among[other] == JOINT_OUTSIDE) return;
-    root = bvxi_root(w->joined, v);
+    uint32_t const root = bvxi_root(w->joined, v);
     /* Contours of the body on the surface: its part there is wanted. */
     if (common != 0 && other < first) w->count[root] = UINT32_MAX;
     if (common != 0 || other < first) return;
@@ -281,7 +268,6 @@ static void look_at_surface_edge(const bvxi_joint_cut *cut, surface_work *w, uin
 static int crossings_of(const bvxi_tetra *t, uint64_t first)
 {
     int n = 0;
-
     for (int k = 0; k < 4; k++) n += t->v[k] >= first;
     return n;
 }
@@ -357,7 +343,6 @@ static void tetra_kinds_piece(void *user, uint64_t begin, uint64_t end)
 {
     const tetra_job *const job = user;
     const bvxi_oblique *const o = job->o;
-
     for (uint64_t t = begin; t < end; t++)
         job->cut->kind[t] = (uint8_t)kind_of_tetrahedron(o, job->cut, &o->tetra[t]);
 }
@@ -424,14 +409,13 @@ static bvx_status drop_specks(bvxi_oblique *o, bvxi_joint_cut *cut)
 bvx_status bvxi_joint_cut_all(bvxi_oblique *o, bvxi_joint_cut *cut)
 {
     tetra_job job = {o, cut};
-    uint64_t crossings;
 
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.1, open_plane_faces(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.1, 0.4, give_kinds(o)));
     BVXI_TRY(open_among(o, cut));
 
     /* First the outside is cut off, then the bodies are cut apart, up to where that was. */
-    crossings = o->vertex_count;
+    uint64_t const crossings = o->vertex_count;
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.6, cut_edges(o, cut, cut_from_outside)));
     BVXI_TRY(BVXI_SCOPE(o->ctx, drop_surface_specks(o, cut, crossings)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.8, cut_edges(o, cut, cut_between_bodies)));

@@ -52,7 +52,6 @@ static void kinds_of_face(const bvxi_oblique *o, const bvxi_joint_cut *cut, uint
     uint32_t const n = o->tetra[t].n[k];
     int const own = cut->kind[t];
     int const other = n != BVXI_NONE ? cut->kind[n] : bvxi_joint_border_kind(o, &o->tetra[t], k);
-
     kind[0] = own != other ? own : 0;
     kind[1] = own != other && n == BVXI_NONE ? other : 0;
 }
@@ -61,7 +60,6 @@ static void kinds_of_face(const bvxi_oblique *o, const bvxi_joint_cut *cut, uint
 static bvx_status list_all_faces(const bvxi_oblique *o, const bvxi_joint_cut *cut, joint_list *list)
 {
     uint64_t *const next = list->first + 1; /* next[kind]: where its faces begin, and end once they are in */
-
     memset(list->first, 0, sizeof list->first);
     for (int fill = 0; fill < 2; fill++) {
         for (uint64_t t = 0; t < o->tetra_count; t++)
@@ -84,16 +82,6 @@ static bvx_status list_all_faces(const bvxi_oblique *o, const bvxi_joint_cut *cu
     return BVX_OK;
 }
 
-/* Only one body's are needed at a time. */
-static void close_faces(const joint_faces *f)
-{
-    bvxi_drop(f->o->ctx, f->number);
-    bvxi_drop(f->o->ctx, f->joined);
-    bvxi_drop(f->o->ctx, f->next);
-    bvxi_drop(f->o->ctx, f->from);
-    bvxi_drop(f->o->ctx, f->corner);
-}
-
 /* Of an edge's ends the one with fewer corners has it, so that no vertex has many, also where a contour of
  * many points has a fan (Chiba, Nishizeki 1985). */
 static uint32_t end_with_edge(const joint_list *list, uint32_t a, uint32_t b)
@@ -105,7 +93,6 @@ static uint32_t end_with_edge(const joint_list *list, uint32_t a, uint32_t b)
 static uint32_t other_end(const joint_faces *f, uint32_t side, uint32_t end)
 {
     const uint32_t *const v = f->corner[side / 3];
-
     return v[side % 3] == end ? v[(side + 1) % 3] : v[side % 3];
 }
 
@@ -134,7 +121,6 @@ static void list_sides(joint_faces *f, const joint_list *list)
 {
     uint64_t const sides = 3 * f->count;
     const uint32_t *const corner = f->corner[0];
-
     /* Corners are joined when all sides are listed, so their array serves until then. */
     for (uint64_t i = 0; i < sides; i++) list->degree[corner[i]]++;
     for (uint64_t i = 0; i < sides; i++) list_side(f, list, f->joined, (uint32_t)i);
@@ -181,14 +167,12 @@ static bvx_status cut_pinched_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_
 {
     uint32_t t, m;
     double at[3];
-
     /* An edge that a cut before this one has halved is no longer there. */
     BVXI_TRY(bvxi_tetra_with_edge(o, a, b, &t));
     if (t == BVXI_NONE) return BVX_OK;
     bvxi_oblique_middle(o, (uint32_t[]){a, b}, 2, at);
     BVXI_TRY(bvxi_tetra_split_edge(o, t, a, b, at, &m));
     o->vertex[m].sign = 0;
-
     BVXI_TRY(BVXI_RESERVE(o, cut->kind, o->tetra_room[0], cut->kind_room, "the kinds of tetrahedra"));
     for (uint64_t i = 0; i < o->ring_count; i++) cut->kind[o->twin[o->ring[i]]] = cut->kind[o->ring[i]];
     return BVX_OK;
@@ -197,7 +181,6 @@ static bvx_status cut_pinched_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_
 static int is_pinched(const joint_faces *f, uint32_t first)
 {
     uint32_t n = 0;
-
     for (uint32_t i = first; i != BVXI_NONE; i = f->next[i]) n++;
     return n > 2;
 }
@@ -207,17 +190,21 @@ static bvx_status find_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, const joint
                                pinched_edges *pinched)
 {
     joint_faces f = {.o = o, .cut = cut};
-
     BVXI_TRY(take_faces(&f, list, kind));
     for (uint64_t i = 0; i < 3 * f.count; i++) {
         const uint32_t *const v = f.corner[i / 3];
-
         if (!is_first_side(&f, i) || !is_pinched(&f, (uint32_t)i)) continue;
         BVXI_TRY(BVXI_GROW(o, pinched->edge, pinched->count, pinched->room, "the edges of a body"));
         pinched->edge[pinched->count][0] = v[i % 3];
         pinched->edge[pinched->count++][1] = v[(i + 1) % 3];
     }
-    close_faces(&f);
+
+    /* Only one body's are needed at a time. */
+    bvxi_drop(f.o->ctx, f.number);
+    bvxi_drop(f.o->ctx, f.joined);
+    bvxi_drop(f.o->ctx, f.next);
+    bvxi_drop(f.o->ctx, f.from);
+    bvxi_drop(f.o->ctx, f.corner);
     return BVX_OK;
 }
 
@@ -258,7 +245,6 @@ static uint32_t face_through_body(const joint_faces *f, uint32_t side)
          * not share. */
         int const k = bvxi_corner_of(now, leave);
         uint32_t const n = now->n[k];
-
         if (n == BVXI_NONE && bvxi_joint_border_kind(f->o, now, k) == f->kind) return BVXI_NONE;
         if (n == BVXI_NONE || f->cut->kind[n] != f->kind) return 4 * t + (uint32_t)k;
         leave = other;
@@ -305,26 +291,11 @@ static int passes_through(const joint_faces *f, uint32_t first)
 static void join_pinched(const joint_faces *f, uint32_t first)
 {
     int const through = passes_through(f, first);
-
     for (uint32_t i = first; i != BVXI_NONE; i = f->next[i]) {
         uint32_t const face = through ? face_around_others(f, i) : face_through_body(f, i);
         if (face == BVXI_NONE) continue;
         for (uint32_t j = first; j != BVXI_NONE; j = f->next[j])
             if (f->from[j / 3] == face) join_sides(f, i, j);
-    }
-}
-
-/* Corners that are one vertex: those of faces that follow each other around it. */
-static void find_fans(const joint_faces *f)
-{
-    for (uint64_t i = 0; i < 3 * f->count; i++) f->joined[i] = (uint32_t)i;
-    for (uint64_t i = 0; i < 3 * f->count; i++) {
-        uint32_t const first = (uint32_t)i;
-
-        /* Two faces at an edge belong together; of more it has to be found out which. */
-        if (!is_first_side(f, i)) continue;
-        if (is_pinched(f, first)) join_pinched(f, first);
-        else if (f->next[first] != BVXI_NONE) join_sides(f, first, f->next[first]);
     }
 }
 
@@ -349,7 +320,6 @@ static bvx_status find_points(joint_faces *f)
 static void joint_place(const joint_faces *f, uint32_t v, double at[3])
 {
     const bvxi_oblique *const o = f->o;
-
     if (f->point[v] != 0) {
         memcpy(at, o->given->points + 3 * (uint64_t)(f->point[v] - 1), 24);
         return;
@@ -361,7 +331,6 @@ static int is_kept_point(const joint_faces *f, uint32_t v, const double given[3]
 {
     double const most = JOINT_ONE_PLACE * f->o->longest * f->o->step;
     double at[3];
-
     if (v == BVXI_NONE || f->used[v] != f->kind) return 0;
     joint_place(f, v, at);
     for (int k = 0; k < 3; k++)
@@ -378,7 +347,6 @@ static void count_unkept_points(const joint_faces *f)
     for (uint32_t p = 0; p < o->plane_count; p++) {
         const bvxi_plane *const q = &o->plane[p].plane;
         uint32_t n = 0, end;
-
         for (int b = 0; b + 1 < f->kind; b++) n += o->body[b].plane[p].plane.point_count;
         end = n + o->body[f->kind - 1].plane[p].plane.point_count;
         for (; n < end; n++) {
@@ -412,7 +380,6 @@ static bvx_status write_joint_mesh(joint_faces *f, bvx_mesh *mesh)
         uint32_t const v = f->corner[i / 3][i % 3];
         uint32_t *const number = &f->number[bvxi_root(f->joined, (uint32_t)i)];
         double at[3];
-
         if (*number == BVXI_NONE) {
             *number = (uint32_t)vertices++;
             joint_place(f, v, at);
@@ -436,7 +403,17 @@ static bvx_status make_joint_mesh(joint_faces *f, const joint_list *list, int ki
         return bvxi_fail_for(o->ctx, BVX_ERR_EMPTY, BVX_REASON_EMPTY,
                              "%s: no point of the lattice lies inside label %d; take more cells", o->function,
                              (int64_t)label);
-    find_fans(f);
+
+    /* Corners that are one vertex: those of faces that follow each other around it. */
+    for (uint64_t i = 0; i < 3 * f->count; i++) f->joined[i] = (uint32_t)i;
+    for (uint64_t i = 0; i < 3 * f->count; i++) {
+        uint32_t const first = (uint32_t)i;
+        /* Two faces at an edge belong together; of more it has to be found out which. */
+        if (!is_first_side(f, i)) continue;
+        if (is_pinched(f, first)) join_pinched(f, first);
+        else if (f->next[first] != BVXI_NONE) join_sides(f, first, f->next[first]);
+    }
+
     BVXI_TRY(write_joint_mesh(f, mesh));
     count_unkept_points(f);
     /* Closed by construction, and a manifold once its fans have vertices of their own: looked at all the same. */
@@ -454,13 +431,11 @@ static bvx_status cut_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, joint_list *
 {
     int const count = (int)o->body_count;
     pinched_edges pinched = {0};
-
     for (int kind = 1; kind <= count; kind++)
         BVXI_TRY(BVXI_SHARE(o->ctx, 1.0 * (kind - 1) / count, 1.0 * kind / count,
                             find_pinched(o, cut, list, kind, &pinched)));
     for (uint64_t i = 0; i < pinched.count; i++)
         BVXI_TRY(cut_pinched_edge(o, cut, pinched.edge[i][0], pinched.edge[i][1]));
-
     /* Numbers of faces are those of the tetrahedra before the cuts. */
     return pinched.count != 0 ? list_all_faces(o, cut, list) : BVX_OK;
 }

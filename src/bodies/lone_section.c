@@ -78,14 +78,13 @@ static bvx_status copy_section(bvx_context *ctx, const char *function, const bvx
 bvx_status bvxi_lone_open(bvx_context *ctx, const char *function, const bvx_sections *given, uint32_t section,
                           const bvx_sections_options *o, bvxi_lone *lone)
 {
-    bvx_sections one;
     bvxi_stack stack;
     lone_count n = {0};
 
     memset(lone, 0, sizeof *lone);
     if (o->thickness == 0.0 || !count_lone(given, section, o->label, &n)) return BVX_OK;
     /* The planes beside it are of no use to the body, and theirs may be other normals. */
-    one = *given;
+    bvx_sections one = *given;
     if (given->normals != NULL)
         memcpy(one.normal, given->normals + 3 * (uint64_t)n.section, sizeof one.normal);
     one.normals = NULL;

@@ -132,7 +132,6 @@ static void drop_surface(bvxi_stack *s, uint64_t mark)
     /* Cuts of subdivided cells are freed with the cells; those of the grid stay. */
     for (uint32_t i = 0; i < s->plane_count; i++) {
         bvxi_plane *const p = &s->plane[i];
-
         p->cut = p->shared_cut;
         p->cut_room = p->shared_room;
         p->cut_count = p->grid_cut_count;
@@ -144,13 +143,12 @@ static void drop_surface(bvxi_stack *s, uint64_t mark)
  * at least one slab less has levels, and after some times none. The bar waits meanwhile. */
 static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
 {
-    bvx_sections_report before;
     bvxi_slab *slabs = NULL;
     uint32_t crossed = 0;
 
     BVXI_TRY(BVXI_SHARE(s->ctx, 0.0, 0.02, bvxi_stack_ends(s)));
     BVXI_TRY(bvxi_nesting_open(s));
-    before = s->report;
+    bvx_sections_report const before = s->report;
     for (int times = 0;; times++) {
         uint64_t const mark = bvxi_scratch_begin(s->ctx);
 
@@ -209,7 +207,6 @@ static bvx_status open_sections(const body_job *job, const bvx_sections *section
 {
     uint64_t const mark = bvxi_scratch_begin(job->ctx);
     bvx_status status = BVX_ERR_FORMAT;
-
     memset(mended, 0, sizeof *mended);
     if (job->o->mend) status = BVXI_SHARE(job->ctx, 0.0, 0.7, open_mended(job, sections, mended, s));
     if (bvxi_scratch_keep(job->ctx, mark, status) != BVX_ERR_FORMAT) return status;
@@ -223,10 +220,8 @@ static bvx_status check_body(const body_job *job)
 {
     bvx_certificate c;
     bvx_mesh_view view;
-    bvx_status status;
-
     bvx_mesh_view_of(job->mesh, &view);
-    status = bvx_mesh_check(job->ctx, &view, 0, &c);
+    bvx_status status = bvx_mesh_check(job->ctx, &view, 0, &c);
     if (status == BVX_OK && !(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented))
         status = bvxi_fail_for(
             job->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
@@ -245,7 +240,6 @@ static bvx_status put_in_sections(bvxi_stack *s, bvxi_shifted *slanted)
     bvx_sections_report const given = s->report;
     bvx_sections_options const options = s->options;
     double const reach[2] = {s->reach[0], s->reach[1]};
-
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.8, bvxi_shift_stack(s, slanted)));
     if (slanted->sections == 0) return BVX_OK;
     BVXI_TRY(BVXI_SHARE(ctx, 0.8, 1.0, open_made(ctx, &slanted->body, &options, s)));
@@ -325,7 +319,6 @@ static bvx_status build_several(body_job *job, const bvx_sections *sections)
 static bvx_status build_any(body_job *job, const bvx_sections *sections)
 {
     bvxi_lone lone;
-
     BVXI_TRY(bvxi_lone_open(job->ctx, sections_name, sections, BVXI_NONE, job->o, &lone));
     if (lone.times == 0) {
         BVXI_TRY(BVXI_SCOPE(job->ctx, build_several(job, sections)));
@@ -363,7 +356,6 @@ bvx_status bvxi_sections_check_extent(bvx_context *ctx, const char *function, co
     for (uint64_t i = 0; i < given->loop_count; i++) {
         const bvx_section_loop *const loop = &given->loops[i];
         const double *const first = given->points + 3 * loop->first_point;
-
         for (uint64_t k = 3; k < 3 * (uint64_t)loop->point_count; k++) {
             double const width = bvxi_absolute(first[k] - first[k % 3]);
             if (width > widest) widest = width;
@@ -380,7 +372,6 @@ bvx_status bvxi_sections_check_extent(bvx_context *ctx, const char *function, co
 void bvxi_sections_warn(bvx_context *ctx, bvx_sections_report *r, int32_t depth)
 {
     uint64_t const contradicted = r->unkept_points + r->unkept_edges + r->gaps;
-
     if (r->planes != 0 && contradicted != 0)
         BVXI_WARN(ctx, BVX_WARN_CONTOURS, (double)r->unkept_points, (double)r->unkept_edges, (double)r->gaps);
     /* A finer grid cuts contours in more places; halving cells where two of them run close together helps. */
@@ -396,7 +387,6 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
                                      const bvx_sections_options *options, bvx_mesh *mesh)
 {
     bvx_sections_options o;
-    body_job job;
     bvx_sections_report report = {0};
 
     if (mesh == NULL) return bvxi_fail_null(context, sections_name, "mesh");
@@ -405,7 +395,7 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
     BVXI_TRY(bvxi_sections_check(context, sections_name, sections));
     BVXI_TRY(bvxi_sections_check_extent(context, sections_name, sections));
     BVXI_TRY(bvxi_mesh_check_reserved(context, sections_name, mesh));
-    job = (body_job){context, &o, &report, mesh, mesh->positions == NULL, BVXI_NONE};
+    body_job job = {context, &o, &report, mesh, mesh->positions == NULL, BVXI_NONE};
     BVXI_TRY(build_any(&job, sections));
     if (o.report == NULL) return BVX_OK;
     bvxi_sections_warn(context, &report, o.slabs.depth);

@@ -22,7 +22,8 @@ enum {
     CLI_MORPH = 1 << 16,
     CLI_COMPONENTS = 1 << 19,
     CLI_SIMPLIFY = 1 << 20,
-    CLI_HULL = 1 << 21,
+    CLI_LABELS = 1 << 21,
+    CLI_HULL = 1 << 22,
     CLI_ALL = 0x7fffffff
 };
 

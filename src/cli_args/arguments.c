@@ -58,7 +58,6 @@ const char *cli_nearest(const char *word, const char *(*next)(const void *user, 
 {
     const char *nearest = NULL, *name;
     size_t least = 0;
-
     for (int i = 0; (name = next(user, i)) != NULL; i++) {
         size_t d = name_distance(word, name);
         if (strlen(word) >= 4 && strncmp(word, name, strlen(word)) == 0) d = 1; /* cut short: --res */
@@ -74,7 +73,6 @@ const char *cli_nearest(const char *word, const char *(*next)(const void *user, 
 static const char *next_option(const void *user, int i)
 {
     const cli_run *const run = user;
-
     return i < run->rows ? run->row[i]->name : NULL;
 }
 
@@ -96,7 +94,6 @@ static int find_argument(const cli_argument *const *row, int rows, const char *n
 static int is_taken_by(const cli_command *command, const char *name, size_t length)
 {
     const cli_argument *row[CLI_MAX_OPTIONS];
-
     return find_argument(row, cli_list_rows(command, row), name, length) >= 0;
 }
 
@@ -115,7 +112,6 @@ int cli_takes(const cli_run *run, const char *name)
 const char *cli_given_name(const cli_run *run, const char *name, size_t length)
 {
     int const row = find_argument(run->row, run->rows, name, length);
-
     return row >= 0 && run->given[row] ? run->row[row]->name : NULL;
 }
 
@@ -127,7 +123,6 @@ int cli_given(const cli_run *run, const char *name)
 bvx_parts cli_parts(const cli_run *run)
 {
     const cli_options *const o = run->options;
-
     return (bvx_parts){.least_part = (uint64_t)o->least_part,
                        .keep_largest = (uint64_t)o->keep_largest,
                        .least_cavity = (uint64_t)o->least_cavity,
@@ -147,7 +142,6 @@ static const char *new_name(int32_t bit, const char *name)
         const char *old, *now;
     } renamed[] = {{CLI_REFINE, "--levels",
                     "--halvings, how many times voxels are halved (--levels of lod are resolutions)"}};
-
     for (size_t i = 0; i < sizeof renamed / sizeof renamed[0]; i++)
         if (renamed[i].command == bit && strcmp(renamed[i].old, name) == 0) return renamed[i].now;
     return NULL;
@@ -156,7 +150,6 @@ static const char *new_name(int32_t bit, const char *name)
 static int refuse_option(cli_run *run, const char *word, size_t length)
 {
     char name[64];
-    const char *nearest;
     int32_t const bit = run->command->bit;
 
     snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), word);
@@ -167,7 +160,7 @@ static int refuse_option(cli_run *run, const char *word, size_t length)
     if (is_taken_by_any(run, word, length))
         return cli_usage(run, "%s has no use for %s; see 'bitvox %s --help-all'", run->command->name, name,
                          run->command->name);
-    nearest = strcmp(name, "--output") == 0 ? "-o" : cli_nearest(name, next_option, run);
+    const char *const nearest = strcmp(name, "--output") == 0 ? "-o" : cli_nearest(name, next_option, run);
     if (nearest != NULL)
         return cli_usage(run, "%s is not an option of %s; did you mean %s?", name, run->command->name,
                          nearest);
@@ -265,7 +258,6 @@ int cli_parse(cli_run *run, int count, char **word)
 static int has_word(const char *words, const char *word)
 {
     size_t const n = strlen(word);
-
     for (const char *p = strstr(words, word); p != NULL; p = strstr(p + n, word))
         if ((p == words || p[-1] == ' ') && (p[n] == ' ' || p[n] == 0)) return 1;
     return 0;
@@ -300,7 +292,6 @@ static int group_of(const cli_argument *a)
 static void print_option(const cli_argument *a)
 {
     char left[40];
-
     snprintf(left, sizeof left, "%s %s", a->name, a->value != NULL ? a->value : "");
     printf("  %-24s", left);
     for (const char *p = a->help; *p != 0; p++) {
@@ -317,10 +308,8 @@ void cli_print_options(const cli_command *command, int all)
 
     for (int i = 0; i < (all ? GROUPS : 1); i++) {
         int titled = !all;
-
         for (int k = 0; k < rows; k++) {
             const char *const name = row[k]->name;
-
             if (all ? group_of(row[k]) != i
                     : command->most != NULL && !has_word("-o --help --help-all", name) &&
                           !has_word(command->most, name))

@@ -64,21 +64,18 @@ static void put_options(const cli_command *command, int common)
     }
 }
 
-static void put_command(const cli_command *c)
-{
-    printf(".SS \"bitvox %s ", c->name);
-    put_roff(c->usage);
-    printf("\"\n");
-    put_roff(c->details);
-    putchar('\n');
-    put_options(c, 0);
-}
-
 static void put_commands(const cli_command *const *commands)
 {
     const cli_command *c;
     put_section("COMMANDS");
-    for (int i = 0; (c = commands[i]) != NULL; i++) put_command(c);
+    for (int i = 0; (c = commands[i]) != NULL; i++) {
+        printf(".SS \"bitvox %s ", c->name);
+        put_roff(c->usage);
+        printf("\"\n");
+        put_roff(c->details);
+        putchar('\n');
+        put_options(c, 0);
+    }
     printf(".SS \"bitvox help [COMMAND | \\-\\-man | \\-\\-bash\\-completion]\"\n");
     put_roff("Prints the commands, the options of one, this page, or a script for bash to be read by its "
              "\"source\".\n");
@@ -184,7 +181,6 @@ static void put_option_names(const cli_command *command)
 {
     const cli_argument *row[CLI_MAX_OPTIONS];
     int const rows = cli_list_rows(command, row);
-
     for (int i = 0; i < rows; i++) printf(" %s", row[i]->name);
 }
 

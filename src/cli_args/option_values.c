@@ -13,7 +13,6 @@ static int take_real(const char *text, const char *stops, double *v, const char 
     /* leaves out what strtod would take too: hex, inf, nan, spaces */
     size_t const n = strspn(text, "+-.0123456789eE");
     char *end;
-
     if (n == 0) return 0;
     *v = strtod(text, &end);
     if (end != text + n || *v - *v != 0.0) return 0;
@@ -27,7 +26,6 @@ static int take_whole(const char *text, const char *stops, double low, double hi
 {
     int64_t n = 0;
     const char *p = text;
-
     if (*p < '0' || *p > '9') return 0;
     /* By hand: strtoll would take signs and spaces too. */
     for (; *p >= '0' && *p <= '9'; p++) {
@@ -43,7 +41,6 @@ static int take_whole(const char *text, const char *stops, double low, double hi
 static int take_list(const cli_argument *a, const char *text, const char *stops, cli_list *list)
 {
     const char *p = text;
-
     list->count = 0;
     for (;;) {
         if (list->count == a->most) return 0;
@@ -77,7 +74,6 @@ static int take_triple(const cli_argument *a, const char *text, cli_triple *t)
 static int take_pair(const char *text, cli_pair *t)
 {
     const char *p = text;
-
     t->value[0] = -HUGE_VAL;
     t->value[1] = HUGE_VAL;
     if (*p != ',' && !take_real(p, ",", &t->value[0], &p)) return 0;
@@ -90,10 +86,8 @@ static int take_pair(const char *text, cli_pair *t)
 static int take_errors(const cli_argument *a, const char *text, cli_errors *errors)
 {
     const char *p = text;
-
     for (errors->count = 0; errors->count < a->most;) {
         int const i = errors->count++;
-
         if (!take_real(p, ",%", &errors->value[i], &p) || !(errors->value[i] > 0.0)) return 0;
         /* Each distance has a unit of its own: 0.02,0.1% is understood. */
         errors->percent[i] = *p == '%';
@@ -113,7 +107,6 @@ static int take_axis(const char *text, char stop)
 static int take_planes(const char *text, cli_planes *planes)
 {
     const char *p = text;
-
     for (;;) {
         int const axis = take_axis(p, '=');
         /* Twice the same axis is a mistake: which plane would count is a guess. */
@@ -166,7 +159,6 @@ static int take_choice(const cli_argument *a, const char *text, int32_t *v)
 static int take_set(const cli_argument *a, const char *text, int32_t *set)
 {
     const char *p = text;
-
     *set = 0;
     for (;;) {
         size_t const n = strcspn(p, ",");

@@ -33,7 +33,6 @@ typedef struct batch {
 static const char *last_part(const char *path)
 {
     const char *part = path;
-
     for (const char *p = path; *p != 0; p++) {
 #if defined(_WIN32)
         if (*p == '\\' || *p == ':') part = p + 1;
@@ -68,7 +67,6 @@ static char *path_in_folder(const char *folder, const char *input, const char *n
 static const char *ending_of_outputs(const cli_run *run, const char *input)
 {
     int32_t const bit = run->command->bit;
-
     /* Without --format each file keeps its own; voxels of a mesh and levels of a grid need another. */
     if (run->options->format != 0) return cli_format_name(run->options->format);
     if (bit == CLI_LOD && cli_kind_of_input(bvx_format_of_name(input)) != CLI_MESH) return "ply";
@@ -80,7 +78,6 @@ static const char *ending_of_outputs(const cli_run *run, const char *input)
 static const char *number_of_outputs(const cli_run *run, const cli_options *asked)
 {
     int const several = asked->triangles.count > 1 || asked->errors.count > 1 || asked->count > 1;
-
     if (asked->format == BVX_FORMAT_GLB) return "";
     return run->command->bit == CLI_LOD || ((run->command->bit & (CLI_SIMPLIFY | CLI_HULL)) != 0 && several)
                ? "_%d"
@@ -196,10 +193,8 @@ static void keep_report(cli_run *run, batch *b, int status)
 
 static int run_file(cli_run *run, batch *b, int i)
 {
-    int status;
-
     begin_file(run, b, i);
-    status = cli_check_options(run);
+    int status = cli_check_options(run);
     if (status == CLI_DONE) status = cli_perform(run);
     cli_progress_end(run, status);
     cli_note_peak(run, 0);
@@ -219,10 +214,8 @@ static int run_file(cli_run *run, batch *b, int i)
 int cli_run_batch(cli_run *run)
 {
     static batch b; /* zeroed */
-    int status;
-
     b.asked = *run->options;
-    status = name_outputs(run, &b);
+    int status = name_outputs(run, &b);
     if (status == CLI_DONE && b.asked.output_dir != NULL) status = make_folder(run, b.asked.output_dir);
     if (status != CLI_DONE) return cli_end_of_run(run, status);
 

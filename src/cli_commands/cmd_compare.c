@@ -97,7 +97,6 @@ int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_
 {
     char about[512], more[600] = "";
     bvx_status const status = bvx_grid_compare(run->context, &a->grid, &b->grid, d);
-
     if (status == BVX_OK) return CLI_DONE;
     snprintf(about, sizeof about, "%s and %s", cli_input_name(a->path), cli_input_name(b->path));
     /* Lattices that differ because a side-car is missing are the usual mistake. */
@@ -110,10 +109,8 @@ int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_
 static int compare_grids(cli_run *run, const cli_input in[2], cli_made *made)
 {
     bvx_grid_difference d;
-    int status;
-
     cli_stage_begin(run, "compare");
-    status = cli_compare_grids(run, &in[0], &in[1], &d);
+    int const status = cli_compare_grids(run, &in[0], &in[1], &d);
     cli_stage_end(run);
     if (status != CLI_DONE) return status;
     run->report.lattice = in[0].grid.lattice;
@@ -127,7 +124,6 @@ static int check_mesh(cli_run *run, const cli_input *in)
 {
     cli_mesh_entry *const entry = &run->report.mesh[run->report.meshes];
     bvx_mesh_view view;
-
     bvx_mesh_view_of(&in->mesh, &view);
     cli_stage_begin(run, "check %s", run->report.meshes == 0 ? "A" : "B");
     /* formats differ in what vertices they repeat */
@@ -160,19 +156,6 @@ static void tell_way(cli_made *made, const char *way, double mean, double most, 
     cli_tell(made, "  %-10s %11.4g %8.4f%% %13.4g %8.4f%%\n", way, mean, mean * part, most, most * part);
 }
 
-static void tell_distance_of(cli_made *made, const bvx_distance_report *d, double diagonal)
-{
-    cli_tell(made,
-             "distances in the meshes' unit and in %% of A's diagonal, %.6g, from %" PRIu64
-             " random points on each mesh, seed %" PRIu64 "\n",
-             diagonal, d->samples, d->seed);
-    cli_tell(made, "  %22s%24s\n", "mean", "max");
-    /* Two ways, since a point of A may be near B while B has parts far from A. */
-    tell_way(made, "A to B", d->mean_a_to_b, d->max_a_to_b, diagonal);
-    tell_way(made, "B to A", d->mean_b_to_a, d->max_b_to_a, diagonal);
-    tell_way(made, "both ways", d->mean, d->max, diagonal);
-}
-
 static void report_distance(cli_made *made, const bvx_distance_report *d, double diagonal)
 {
     cli_text *const t = &made->members;
@@ -198,7 +181,6 @@ static int compare_meshes(cli_run *run, const cli_input in[2], cli_made *made)
     uint64_t const seed = cli_given(run, "--seed") ? (uint64_t)own->seed : CLI_SEED;
     bvx_mesh_view a, b;
     bvx_distance_report d;
-    double diagonal;
     int status = check_mesh(run, &in[0]);
 
     if (status == CLI_DONE) status = check_mesh(run, &in[1]);
@@ -211,12 +193,21 @@ static int compare_meshes(cli_run *run, const cli_input in[2], cli_made *made)
         if (measured != BVX_OK) status = cli_fail_status(run, measured, NULL);
     }
     if (status != CLI_DONE) return status;
-    diagonal = cli_diagonal(run->report.mesh[0].certificate.box.low,
-                            run->report.mesh[0].certificate.box.high);
+    double const diagonal = cli_diagonal(run->report.mesh[0].certificate.box.low,
+                                         run->report.mesh[0].certificate.box.high);
     tell_mesh(made, "A", &run->report.mesh[0]);
     tell_mesh(made, "B", &run->report.mesh[1]);
     if (samples == 0) return CLI_DONE;
-    tell_distance_of(made, &d, diagonal);
+    cli_tell(made,
+             "distances in the meshes' unit and in %% of A's diagonal, %.6g, from %" PRIu64
+             " random points on each mesh, seed %" PRIu64 "\n",
+             diagonal, d.samples, d.seed);
+    cli_tell(made, "  %22s%24s\n", "mean", "max");
+    /* Two ways, since a point of A may be near B while B has parts far from A. */
+    tell_way(made, "A to B", d.mean_a_to_b, d.max_a_to_b, diagonal);
+    tell_way(made, "B to A", d.mean_b_to_a, d.max_b_to_a, diagonal);
+    tell_way(made, "both ways", d.mean, d.max, diagonal);
+
     report_distance(made, &d, diagonal);
     return CLI_DONE;
 }
@@ -247,7 +238,6 @@ static int make_compare(cli_run *run, void *work, cli_made *made)
 {
     cli_input *const in = work;
     int status = check_compare_options(run);
-
     for (int i = 0; i < 2 && status == CLI_DONE; i++)
         status = cli_read_input(run, run->options->input[i], &in[i]);
     made->untitled = 1;

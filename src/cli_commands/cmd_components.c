@@ -87,7 +87,6 @@ static int keep_components(cli_run *run, components_job *job)
     const components_options *const own = run->own;
     const cli_list *const list = &own->seeds;
     bvx_keep_options k = {.struct_size = sizeof k};
-    bvx_status status;
 
     k.connectivity = job->connectivity;
     k.largest = (uint64_t)own->keep_largest;
@@ -99,7 +98,7 @@ static int keep_components(cli_run *run, components_job *job)
     if (list->count != 0) k.seeds = job->seeds;
     k.seed_count = (uint64_t)list->count / 3;
     cli_stage_begin(run, "keep");
-    status = bvx_grid_keep(run->context, &job->in.grid, &k, &job->in.grid);
+    bvx_status status = bvx_grid_keep(run->context, &job->in.grid, &k, &job->in.grid);
     if (status == BVX_OK && own->fill_cavities)
         status = bvx_grid_fill_cavities(run->context, &job->in.grid, 6, 0, &job->in.grid, &job->filled);
     return cli_stage_check(run, status, cli_input_name(job->in.path));
@@ -118,11 +117,10 @@ static int by_size(const void *a, const void *b)
 static int list_components(cli_run *run, components_job *job)
 {
     const bvx_grid *const g = &job->in.grid;
-    bvx_status status;
 
     cli_stage_begin(run, "components");
     /* Counted first: how many parts there are cannot be bounded by anything useful. */
-    status = bvx_grid_components(run->context, g, job->connectivity, NULL, 0, &job->count);
+    bvx_status status = bvx_grid_components(run->context, g, job->connectivity, NULL, 0, &job->count);
     if (status == BVX_OK && (job->count >= SIZE_MAX / sizeof *job->parts ||
                              (job->parts = malloc(((size_t)job->count + 1) * sizeof *job->parts)) == NULL))
         return cli_fail(run, "no memory for a list of %" PRIu64 " parts", job->count);
@@ -219,7 +217,6 @@ static size_t labels_head(const bvx_grid *g, unsigned char *head)
                            "{'descr': '<u4', 'fortran_order': True, 'shape': (%" PRId32 ", %" PRId32
                            ", %" PRId32 "), }",
                            g->size[0], g->size[1], g->size[2]);
-
     memcpy(head, "\x93NUMPY\x01\x00", 8);
     head[8] = LABELS_HEAD - 10;
     head[9] = 0;
@@ -240,7 +237,6 @@ static int write_labels(cli_run *run, components_job *job, int number)
     const bvx_grid *const g = &job->in.grid;
     uint64_t const voxels = (uint64_t)g->size[0] * (uint64_t)g->size[1] * (uint64_t)g->size[2];
     bvx_buffer file, side_car;
-    bvx_status status;
     int result;
 
     memset(&file, 0, sizeof file);
@@ -255,7 +251,7 @@ static int write_labels(cli_run *run, components_job *job, int number)
     }
     cli_note_peak(run, voxels * 8);
     cli_stage_begin(run, "labels");
-    status = bvx_grid_label(run->context, g, job->connectivity, job->labels, voxels, NULL);
+    bvx_status status = bvx_grid_label(run->context, g, job->connectivity, job->labels, voxels, NULL);
     cli_stage_end(run);
     if (status == BVX_OK) {
         file.size = labels_head(g, file.bytes) + voxels * 4;
@@ -277,7 +273,6 @@ static int write_components(cli_run *run, void *work)
     const char *const output = run->options->output;
     int const taken = output == NULL ? 0 : cli_needs_sidecar(bvx_format_of_name(output)) ? 2 : 1;
     int status = labels_of(run) != NULL ? write_labels(run, job, taken) : CLI_DONE;
-
     if (status == CLI_DONE && output != NULL) return cli_write_voxels(run, &job->voxels);
     return status == CLI_DONE && labels_of(run) != NULL ? cli_keep_outputs(run) : status;
 }

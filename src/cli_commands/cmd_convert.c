@@ -56,19 +56,10 @@ typedef struct convert_job {
     cli_voxels voxels;
 } convert_job;
 
-static int convert_mesh(cli_run *run, convert_job *job, cli_made *made)
-{
-    int const status = cli_open_output(run, run->options->output);
-
-    made->mesh = &job->in.mesh;
-    return status == CLI_DONE ? cli_read_mesh(run, run->options->input[0], &job->in.mesh) : status;
-}
-
 static int convert_tree(cli_run *run, convert_job *job, cli_made *made)
 {
     cli_tree *const t = &job->tree;
     int status = cli_take_tree(run, job->in.tree, t);
-
     /* cli_take_tree owns it, also where it failed. */
     job->in.tree = NULL;
     if (status == CLI_DONE) status = cli_check_tree_output(run, t);
@@ -99,9 +90,12 @@ static int make_convert(cli_run *run, void *work, cli_made *made)
     convert_job *const job = work;
     const char *const out = run->options->output;
     int kind;
-
     CLI_TRY(check_convert_options(run, &kind, &job->tree));
-    if (kind == CLI_MESH) return convert_mesh(run, job, made);
+    if (kind == CLI_MESH) {
+        int const status = cli_open_output(run, run->options->output);
+        made->mesh = &job->in.mesh;
+        return status == CLI_DONE ? cli_read_mesh(run, run->options->input[0], &job->in.mesh) : status;
+    }
     CLI_TRY(bvx_format_of_name(out) == BVX_FORMAT_VTU ? cli_open_output(run, out) : cli_open_voxels(run));
     CLI_TRY(cli_read_grid_or_tree(run, run->options->input[0], &job->tree.window, &job->in));
     return job->in.kind == CLI_TREE ? convert_tree(run, job, made) : convert_grid(run, job, made);
@@ -111,7 +105,6 @@ static void tell_convert(const cli_run *run, const void *work, cli_made *made)
 {
     const convert_job *const job = work;
     const bvx_mesh *const mesh = made->mesh;
-
     if (job->tree.tree != NULL) {
         cli_tell(made, "\n");
         cli_tell_levels(run, &job->tree, made);

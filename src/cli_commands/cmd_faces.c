@@ -28,26 +28,21 @@ static int check_faces_options(cli_run *run)
                                      {0}};
     const char *const path = run->options->input[0];
     int kind;
-
     CLI_TRY(cli_input_kind(run, path, &kind));
-
     return cli_check_rules(run, rules, kind == CLI_GRID ? CLI_OF_GRID : 0, cli_input_name(path));
 }
 
 static int extract_mesh(cli_run *run, const cli_input *in, bvx_mesh *mesh)
 {
-    cli_mesh_entry *const entry = &run->report.mesh[0];
     bvx_faces_options *const own = run->own;
     uint64_t set = 0;
-    bvx_status status;
-
     bvx_grid_count(run->context, &in->grid, &set);
     cli_note_voxels(run, &in->grid.lattice, set);
     if (set == 0) return cli_fail(run, "%s: the grid is empty and has no faces", cli_input_name(in->path));
     own->struct_size = sizeof *own;
     cli_stage_begin(run, "faces");
-    status = bvx_extract_faces(run->context, &in->grid, own, mesh);
-    entry->milliseconds = cli_stage_end(run) * 1e3;
+    bvx_status const status = bvx_extract_faces(run->context, &in->grid, own, mesh);
+    run->report.mesh[0].milliseconds = cli_stage_end(run) * 1e3;
     CLI_TRY(cli_check_call(run, status, cli_input_name(in->path)));
     return cli_check_mesh(run, mesh, 0, run->options->output, "check");
 }
@@ -61,7 +56,6 @@ static int make_faces(cli_run *run, void *work, cli_made *made)
 {
     faces_job *const job = work;
     int status = check_faces_options(run);
-
     if (status == CLI_DONE) status = cli_open_output(run, run->options->output);
     if (status == CLI_DONE) status = cli_read_input(run, run->options->input[0], &job->in);
     if (status == CLI_DONE && job->in.kind == CLI_MESH) status = cli_fill_input(run, &job->in);
@@ -74,7 +68,6 @@ static void tell_faces(const cli_run *run, const void *work, cli_made *made)
 {
     const bvx_faces_options *const own = run->own;
     const bvx_certificate *const c = &run->report.mesh[0].certificate;
-
     /* Two triangles a face: their count says how many faces or rectangles there are. */
     (void)work;
     cli_tell(made, "  voxels      %" PRIu64 " set\n  %s  %" PRIu64 "\n", run->report.set,

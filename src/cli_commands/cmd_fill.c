@@ -104,11 +104,10 @@ static int find_seeds(cli_run *run, fill_job *job)
     const bvx_mesh_view *const mesh = own->mesh != NULL ? &job->view : NULL;
     const char *const path = cli_input_name(job->in.path);
     uint64_t room = FILL_SEEDS;
-    bvx_status status;
 
     CLI_TRY(make_room_for_seeds(run, job, room));
     cli_stage_begin(run, "seeds");
-    status = bvx_find_seed(run->context, &job->in.grid, mesh, 0, &job->search);
+    bvx_status status = bvx_find_seed(run->context, &job->in.grid, mesh, 0, &job->search);
     if (status == BVX_OK)
         status = bvx_find_pockets(run->context, &job->in.grid, mesh, job->seeds, room, &job->count);
     if (status == BVX_ERR_CAPACITY) {
@@ -129,11 +128,9 @@ static int find_seeds(cli_run *run, fill_job *job)
 static int fill_from_seeds(cli_run *run, fill_job *job)
 {
     const bvx_grid *const walls = &job->in.grid;
-    bvx_status status;
-
     cli_stage_begin(run, "fill");
-    status = bvx_grid_fill(run->context, walls, job->seeds, job->count,
-                           cli_neighbours[run->options->connectivity], &job->out);
+    bvx_status status = bvx_grid_fill(run->context, walls, job->seeds, job->count,
+                                      cli_neighbours[run->options->connectivity], &job->out);
     if (status == BVX_OK) status = bvx_grid_count(run->context, &job->out, &job->filled);
     CLI_TRY(cli_stage_check(run, status, cli_input_name(job->in.path)));
     /* Before the shell joins, which may lie at a side by itself. */
@@ -198,7 +195,6 @@ static void report_fill(const fill_job *job, cli_made *made)
 static void tell_fill(const cli_run *run, const void *work, cli_made *made)
 {
     const fill_job *const job = work;
-
     (void)run;
     tell_seeds(job, made);
     report_fill(job, made);

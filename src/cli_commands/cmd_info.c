@@ -4,7 +4,6 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 typedef struct info_options {
@@ -51,7 +50,6 @@ static const char *yes_or_no(int v)
 static void tell_certificate(cli_made *made, const bvx_certificate *c)
 {
     static const char axis[] = "xyz";
-
     cli_tell(made, "  triangles   %" PRIu64 " of %" PRIu64 " vertices and %" PRIu64 " edges\n", c->triangles,
              c->vertices, c->edges);
     if (c->unused_vertices != 0) cli_tell(made, "  unused      %" PRIu64 " vertices\n", c->unused_vertices);
@@ -81,7 +79,6 @@ static void tell_certificate(cli_made *made, const bvx_certificate *c)
 static int check(cli_run *run, const bvx_mesh *mesh, int weld, bvx_certificate *c)
 {
     bvx_mesh_view view;
-
     bvx_mesh_view_of(mesh, &view);
     cli_stage_begin(run, weld ? "check welded" : "check");
     CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &view, weld, c),
@@ -104,16 +101,6 @@ static int check_both(cli_run *run, const bvx_mesh *mesh, bvx_certificate *c, bv
     return status;
 }
 
-/* Indices of triangles stand for materials of the file; those beyond them for none. */
-static void tell_materials(cli_made *made, const bvx_mesh *mesh)
-{
-    uint32_t most = 0;
-
-    for (uint64_t t = 0; t < mesh->triangle_count; t++)
-        if (mesh->materials[t] > most) most = mesh->materials[t];
-    cli_tell(made, "  materials   of triangles, indices up to %" PRIu32 "\n", most);
-}
-
 static void tell_attributes(cli_made *made, const bvx_mesh *mesh)
 {
     if (mesh->colours != NULL) cli_tell(made, "  colours     of vertices\n");
@@ -123,40 +110,27 @@ static void tell_attributes(cli_made *made, const bvx_mesh *mesh)
                  mesh->uv_triangles != NULL ? "triangles' corners"
                  : mesh->uvs2 != NULL       ? "vertices, two of each"
                                             : "vertices");
-    if (mesh->materials != NULL) tell_materials(made, mesh);
+    if (mesh->materials != NULL) {
+        /* Indices of triangles stand for materials of the file; those beyond them for none. */
+        uint32_t most = 0;
+        for (uint64_t t = 0; t < mesh->triangle_count; t++)
+            if (mesh->materials[t] > most) most = mesh->materials[t];
+        cli_tell(made, "  materials   of triangles, indices up to %" PRIu32 "\n", most);
+    }
 }
 
 static int count_crossings(cli_run *run, const bvx_mesh *mesh, cli_mesh_entry *entry)
 {
     const info_options *const own = run->own;
     bvx_mesh_view view;
-
     /* It takes longer than all the rest together, so it is done on request only. */
     if (!own->count_crossings) return CLI_DONE;
-
     bvx_mesh_view_of(mesh, &view);
     cli_stage_begin(run, "crossings");
     CLI_TRY(cli_stage_check(run, bvx_mesh_crossings(run->context, &view, &entry->crossings, NULL, 0),
                             cli_input_name(run->options->input[0])));
-
     entry->has_crossings = 1;
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
-}
-
-/* The element of MuJoCo's models, then that of robots in ROS. */
-static void write_inertial(const bvx_measure_report *r, cli_text *mjcf, cli_text *urdf)
-{
-    static const char *const names[6] = {"ixx", "iyy", "izz", "ixy", "ixz", "iyz"};
-    const double *const c = r->center, *const i = r->inertia;
-
-    cli_text_add(mjcf,
-                 "<inertial pos=\"%.10g %.10g %.10g\" mass=\"%.10g\" "
-                 "fullinertia=\"%.10g %.10g %.10g %.10g %.10g %.10g\"/>",
-                 c[0], c[1], c[2], r->mass, i[0], i[1], i[2], i[3], i[4], i[5]);
-    cli_text_add(urdf, "<inertial><origin xyz=\"%.10g %.10g %.10g\"/><mass value=\"%.10g\"/><inertia", c[0],
-                 c[1], c[2], r->mass);
-    for (int k = 0; k < 6; k++) cli_text_add(urdf, " %s=\"%.10g\"", names[k], i[k]);
-    cli_text_add(urdf, "/></inertial>");
 }
 
 static void report_measure(const bvx_measure_report *r, const char *mjcf, const char *urdf, cli_text *t)
@@ -189,7 +163,17 @@ static void tell_measure(cli_made *made, const bvx_measure_report *r)
     const double *const c = r->center, *const i = r->inertia;
     cli_text mjcf = {0}, urdf = {0};
 
-    write_inertial(r, &mjcf, &urdf);
+    /* The element of MuJoCo's models, then that of robots in ROS. */
+    static const char *const names[6] = {"ixx", "iyy", "izz", "ixy", "ixz", "iyz"};
+    cli_text_add(&mjcf,
+                 "<inertial pos=\"%.10g %.10g %.10g\" mass=\"%.10g\" "
+                 "fullinertia=\"%.10g %.10g %.10g %.10g %.10g %.10g\"/>",
+                 c[0], c[1], c[2], r->mass, i[0], i[1], i[2], i[3], i[4], i[5]);
+    cli_text_add(&urdf, "<inertial><origin xyz=\"%.10g %.10g %.10g\"/><mass value=\"%.10g\"/><inertia", c[0],
+                 c[1], c[2], r->mass);
+    for (int k = 0; k < 6; k++) cli_text_add(&urdf, " %s=\"%.10g\"", names[k], i[k]);
+    cli_text_add(&urdf, "/></inertial>");
+
     if (r->resolution == 0) cli_tell(made, "  body        summed up over its triangles");
     else
         cli_tell(made, "  body        filled by the rule %s, %" PRId32 " voxels along each axis",
@@ -213,7 +197,6 @@ static int measure(cli_run *run, const bvx_mesh *mesh, cli_made *made)
     info_options *const own = run->own;
     bvx_measure_report r;
     bvx_mesh_view view;
-
     if (!own->measure) return CLI_DONE;
     own->mass.struct_size = sizeof own->mass;
     bvx_mesh_view_of(mesh, &view);
@@ -290,7 +273,6 @@ static void find_box(const bvx_grid *g, grid_facts *f)
 static void tell_facts_of_grid(const cli_run *run, const cli_input *in, const grid_facts *f, cli_made *made)
 {
     double centre[3];
-
     cli_grid_corner(&in->grid, 0.5, centre);
     cli_text_add(&made->head, "  format      %s\n", cli_format_name(cli_input_format(run, in->path)));
     cli_tell(made, "  center0     %.9g, %.9g, %.9g\n", centre[0], centre[1], centre[2]);
@@ -333,10 +315,9 @@ static int info_of_grid(cli_run *run, const cli_input *in, cli_made *made)
 {
     const bvx_grid *const g = &in->grid;
     grid_facts f;
-    bvx_status status;
 
     cli_stage_begin(run, "check");
-    status = bvx_grid_count(run->context, g, &made->set);
+    bvx_status status = bvx_grid_count(run->context, g, &made->set);
     if (status == BVX_OK) status = bvx_grid_hash(run->context, g, &f.hash);
     if (status == BVX_OK) find_box(g, &f);
     CLI_TRY(cli_stage_check(run, status, cli_input_name(in->path)));
@@ -354,10 +335,9 @@ static int info_of_tree(cli_run *run, cli_input *in, cli_made *made)
 {
     const bvx_lattice *const l = &run->report.lattice;
     cli_tree t;
-    int status;
 
     memset(&t, 0, sizeof t);
-    status = cli_take_tree(run, in->tree, &t);
+    int const status = cli_take_tree(run, in->tree, &t);
     /* Taken over, also by a failure: it must not go twice. */
     in->tree = NULL;
     if (status == CLI_DONE) {
@@ -438,7 +418,6 @@ static int make_info(cli_run *run, void *work, cli_made *made)
     info_job *const job = work;
     cli_input *const in = &job->in;
     int cloud;
-
     made->untitled = 1; /* samples come before the name */
     CLI_TRY(read_for_info(run, in, &cloud, made));
     cli_text_add(&made->head, "%s\n", cli_input_name(in->path));
@@ -479,7 +458,6 @@ static int choose_info(cli_run *run, const cli_job **job)
     const info_options *const own = run->own;
     const char *const path = run->options->input[0];
     int const raw = cli_input_format(run, path) == BVX_FORMAT_RAW;
-
     *job = cli_is_contours(run, path) ? &info_contours : raw ? &info_samples : &info_files;
     if (of_meshes(own) != NULL && *job != &info_files)
         return cli_usage(run, "%s is used with meshes; %s is not a mesh", of_meshes(own),

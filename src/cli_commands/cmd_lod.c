@@ -207,7 +207,6 @@ static bvx_status build_level(cli_run *run, cli_chain *c, int number)
     int32_t const resolution = c->by_triangles ? 0 : cli_level_resolution(run, c, number);
     uint64_t const target = c->by_triangles ? (uint64_t)run->options->triangles.value[number] : 0;
     bvx_lod_options l = own->samples;
-
     l.struct_size = sizeof l;
     if (own->method != 0) l.sampling.method = own->method - METHOD_OF;
     if (c->by_triangles) l.target_triangles = &target;
@@ -223,10 +222,9 @@ static int make_level(cli_run *run, cli_chain *c, int number, cli_made *made)
     int const i = c->count;
     cli_mesh_entry *const entry = &run->report.mesh[i];
     char stage[32];
-    bvx_status status;
 
     cli_stage_begin(run, "level %d", number);
-    status = build_level(run, c, number);
+    bvx_status const status = build_level(run, c, number);
     entry->milliseconds = cli_stage_end(run) * 1e3;
     if (cannot_be(run, status)) return leave_out(run, c, status, number, made);
     if (status != BVX_OK) {
@@ -251,7 +249,6 @@ static int measure_level(cli_run *run, cli_chain *c, int i)
 {
     uint64_t const samples = cli_samples(run);
     bvx_mesh_view view;
-
     if (samples == 0) return CLI_DONE;
     bvx_mesh_view_of(&c->mesh[i], &view);
     cli_stage_begin(run, "distance %d", run->report.mesh[i].number);
@@ -307,7 +304,6 @@ static void tell_chain_levels(const cli_run *run, const cli_chain *c, cli_made *
 static int write_chain(cli_run *run, void *work)
 {
     const cli_chain *const c = work;
-
     run->source = &c->input;
     return cli_write_levels(run, c->mesh, c->count, c->path);
 }
@@ -316,7 +312,6 @@ static int make_chain(cli_run *run, void *work, cli_made *made)
 {
     cli_chain *const c = work;
     int status = cli_input_kind(run, run->options->input[0], &c->kind);
-
     made->untitled = 1;
     if (status == CLI_DONE) status = check_lod_options(run, c);
     /* Known before the first stage, so that the bar knows how many rounds follow. */
@@ -333,7 +328,6 @@ static void tell_chain(const cli_run *run, const void *work, cli_made *made)
 {
     const cli_chain *const c = work;
     int const grid = c->kind == CLI_GRID;
-
     for (int i = 0; i < c->count; i++) warn_of_broken_level(run, c, i, made);
     tell_chain_head(run, c, made);
     tell_chain_levels(run, c, made);
@@ -354,7 +348,6 @@ static int choose_lod(cli_run *run, const cli_job **job)
 {
     const cli_lod_options *const own = run->own;
     int kind, collapses;
-
     CLI_TRY(cli_input_kind(run, run->options->input[0], &kind));
     /* A mesh collapses unless something asks for samples of a solid. */
     /* So does the surface of a grid where a target says how far. */

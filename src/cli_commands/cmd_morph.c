@@ -20,7 +20,6 @@ typedef struct morph_options {
 static void start_morph(void *options)
 {
     morph_options *const o = options;
-
     o->change = (bvx_morph_options){.struct_size = sizeof o->change, .steps = 1};
     o->hollow = (bvx_hollow_options){.struct_size = sizeof o->hollow};
     o->distance = (bvx_distance_options){.struct_size = sizeof o->distance};
@@ -93,14 +92,12 @@ static const char *action_at(const void *user, int i)
 static int take_action(cli_run *run, int32_t *action)
 {
     const char *const word = run->options->input[0];
-    const char *near;
-
     for (int i = 0; i < ACTIONS; i++)
         if (strcmp(word, action_names[i]) == 0) {
             *action = i;
             return CLI_DONE;
         }
-    near = cli_nearest(word, action_at, NULL);
+    const char *const near = cli_nearest(word, action_at, NULL);
     if (near != NULL) return cli_usage(run, "unknown action '%s'; did you mean '%s'?", word, near);
     return cli_usage(
         run,
@@ -162,7 +159,6 @@ static int check_morph_options(cli_run *run, morph_job *job)
     const morph_options *const own = run->own;
     const char *const path = run->options->input[1];
     int kind;
-
     job->action = (morph_action)own->action;
     CLI_TRY(cli_check_rules(run, action_rules, facts_of_action(own, job->action), action_names[job->action]));
     CLI_TRY(cli_input_kind(run, path, &kind));
@@ -180,15 +176,14 @@ static int make_room(cli_run *run, morph_job *job)
     cli_options *const o = run->options;
     bvx_mesh_view view;
     bvx_lattice l;
-    double voxels;
 
     if (job->action != DILATE || cli_given(run, "--padding") || o->origin.given) return CLI_DONE;
     bvx_mesh_view_of(&job->in.mesh, &view);
     CLI_TRY(cli_check_call(run, cli_make_lattice(run, &view, &l), cli_input_name(job->in.path)));
     double const least = l.spacing[0] < l.spacing[1] ? l.spacing[0] : l.spacing[1];
-    voxels = cli_given(run, "--radius")
-                 ? ceil(own->change.radius / (l.spacing[2] < least ? l.spacing[2] : least))
-                 : (double)own->change.steps;
+    double voxels = cli_given(run, "--radius")
+                        ? ceil(own->change.radius / (l.spacing[2] < least ? l.spacing[2] : least))
+                        : (double)own->change.steps;
     /* A surface needs an empty voxel around it. */
     voxels += CLI_HOLDS(run, CLI_TO_MESH);
     o->padding = voxels < 65536.0 ? (int32_t)voxels : 65536;
@@ -205,7 +200,6 @@ static int open_morph(cli_run *run, morph_job *job, cli_made *made)
         CLI_TRY(make_room(run, job));
         CLI_TRY(cli_fill_input(run, &job->in));
     }
-
     made->placed = job->in.kind == CLI_MESH || job->in.placed;
     bvx_grid_count(run->context, &job->in.grid, &job->before);
     return CLI_DONE;
@@ -215,7 +209,6 @@ static bvx_status change_voxels(cli_run *run, morph_job *job)
 {
     const morph_options *const own = run->own;
     bvx_morph_options m = own->change;
-
     m.neighbourhood = cli_given(run, "--radius") ? BVX_BALL : cli_neighbours[own->neighbourhood];
     m.beyond = own->distance.beyond == BVX_BEYOND_SET;
     return bvx_grid_morph(run->context, &job->in.grid, (int32_t)job->action, &m, &job->out);
@@ -225,7 +218,6 @@ static bvx_status hollow_voxels(cli_run *run, morph_job *job)
 {
     const morph_options *const own = run->own;
     bvx_hollow_options h = own->hollow;
-
     h.drain_side = 1 << own->drain_side;
     h.beyond = own->distance.beyond == BVX_BEYOND_SET;
     h.report = &job->hollow;
@@ -292,7 +284,6 @@ static void change_by_distance(cli_run *run, morph_job *job)
                                                                  : (double)INFINITY;
                 int const kept = stays(run, job, solid, d);
                 int const drilled = kept && job->hole.words != NULL && bvx_grid_get(&job->hole, x, y, z);
-
                 bvx_grid_set(&job->out, x, y, z, kept && !drilled);
                 job->hollow.hollowed += solid && !kept;
                 job->hollow.drained += (uint64_t)drilled;
@@ -303,7 +294,6 @@ static void take_drill(const cli_run *run, morph_job *job)
 {
     const morph_options *const own = run->own;
     cli_drill *const drill = &job->voxels.drill;
-
     if (job->hole.words == NULL || job->hollow.drained == 0) return;
     drill->hole = &job->hole;
     drill->axis = own->drain_side / 2;
@@ -323,10 +313,8 @@ static bvx_status move_walls(cli_run *run, morph_job *job)
 {
     const morph_options *const own = run->own;
     double const far = job->action == HOLLOW ? own->hollow.thickness : own->change.radius;
-    bvx_status status;
-
     job->voxels.offset = job->action == DILATE ? far : -far;
-    status = cli_measure_source(run, &job->in.mesh, &job->in.grid, far, &job->field);
+    bvx_status status = cli_measure_source(run, &job->in.mesh, &job->in.grid, far, &job->field);
     if (status == BVX_OK && job->action == HOLLOW && own->hollow.drain_radius > 0.0)
         status = drill_hole(run, job, &job->hole);
     if (status == BVX_OK) status = bvx_grid_create(run->context, &job->in.grid.lattice, NULL, &job->out);
@@ -372,13 +360,12 @@ static void tell_changed(const cli_run *run, const void *work, cli_made *made)
 static int make_changed(cli_run *run, void *work, cli_made *made)
 {
     morph_job *const job = work;
-    bvx_status status;
 
     CLI_TRY(open_morph(run, job, made));
     cli_stage_begin(run, action_names[job->action]);
-    status = moves_walls(run, job)   ? move_walls(run, job)
-             : job->action == HOLLOW ? hollow_voxels(run, job)
-                                     : change_voxels(run, job);
+    bvx_status status = moves_walls(run, job)   ? move_walls(run, job)
+                        : job->action == HOLLOW ? hollow_voxels(run, job)
+                                                : change_voxels(run, job);
     if (status == BVX_OK) status = bvx_grid_count(run->context, &job->out, &made->set);
     CLI_TRY(cli_stage_check(run, status, cli_input_name(job->in.path)));
 
@@ -417,7 +404,6 @@ static bvx_status measure(cli_run *run, const bvx_grid *grid, bvx_field *field)
     const morph_options *const own = run->own;
     size_t const size = field->value_type == BVX_F64 ? 8 : 4;
     bvx_status const status = make_band(run, grid, field);
-
     if (status != BVX_OK) return status;
     /* By malloc and not by the context, which has no call for arrays of its callers. */
     field->distances = field->value_count < SIZE_MAX / size ? malloc((size_t)field->value_count * size)
@@ -464,14 +450,13 @@ static int make_distances(cli_run *run, void *work, cli_made *made)
     const morph_options *const own = run->own;
     morph_job *const job = work;
     bvx_field *const field = &job->apart;
-    bvx_status status;
 
     CLI_TRY(open_morph(run, job, made));
     field->value_type = own->value_type;
     field->half_width = (double)INFINITY;
     field->sign = BVX_SIGN_NONE;
     cli_stage_begin(run, "distance");
-    status = measure(run, &job->in.grid, field);
+    bvx_status const status = measure(run, &job->in.grid, field);
     cli_stage_end(run);
     /* Without these arrays nothing was measured, and the library has no message about it. */
     if (field->row_values == NULL || field->distances == NULL)
@@ -501,7 +486,6 @@ static const cli_job voxel_distances = {
 static int choose_morph(cli_run *run, const cli_job **job)
 {
     morph_options *const own = run->own;
-
     CLI_TRY(take_action(run, &own->action));
     *job = own->action == DISTANCE ? &voxel_distances : &changed_voxels;
     return CLI_DONE;

@@ -67,7 +67,6 @@ static int check_levels(cli_run *run)
 {
     const refine_options *const own = run->own;
     int32_t const levels = levels_asked_for(run);
-
     CLI_TRY(cli_check_rules(run, mesh_rules, levels == REFINE_AUTO ? CHOOSES_LEVELS : 0, NULL));
     if (levels == REFINE_AUTO) return CLI_DONE;
     if (own->tree.outer_levels > levels)
@@ -79,7 +78,6 @@ static int check_levels(cli_run *run)
 static int check_refine_options(cli_run *run, cli_tree *t, int *kind)
 {
     const char *const path = run->options->input[0];
-
     CLI_TRY(cli_check_tree_output(run, t));
     CLI_TRY(cli_input_kind(run, path, kind));
     if (*kind == CLI_GRID && cli_input_format(run, path) != BVX_FORMAT_BVX)
@@ -110,18 +108,16 @@ static bvx_status make_base(cli_run *run, const bvx_mesh_view *view, bvx_refine_
 static int refine_mesh(cli_run *run, const bvx_mesh *mesh, cli_tree *t)
 {
     const refine_options *const own = run->own;
-    const cli_options *const o = run->options;
-    const char *const path = cli_input_name(o->input[0]);
+    const char *const path = cli_input_name(run->options->input[0]);
     bvx_refine_options r = own->tree;
     bvx_octree *tree = NULL;
     bvx_mesh_view view;
-    bvx_status status;
 
     bvx_mesh_view_of(mesh, &view);
     r.struct_size = sizeof r;
     r.window = t->window;
     cli_stage_begin(run, "refine");
-    status = make_base(run, &view, &r, &t->base);
+    bvx_status status = make_base(run, &view, &r, &t->base);
     if (status == BVX_OK) status = bvx_refine(run->context, &view, &t->base, &r, &tree);
     t->seconds = cli_stage_end(run);
     /* Not 0, which is how the report knows that a mesh was refined. */
@@ -134,7 +130,6 @@ static int read_tree(cli_run *run, cli_tree *t)
     const char *const path = run->options->input[0];
     cli_input in;
     int status = cli_read_grid_or_tree(run, path, NULL, &in);
-
     if (status == CLI_DONE && in.kind != CLI_TREE)
         status = cli_usage(run, "%s is a grid; refine takes a mesh or an octree", cli_input_name(path));
     if (status == CLI_DONE) {
@@ -148,9 +143,8 @@ static int read_tree(cli_run *run, cli_tree *t)
 static int make_tree(cli_run *run, int kind, cli_tree *t)
 {
     bvx_mesh mesh = {0};
-    int status;
     if (kind == CLI_GRID) return read_tree(run, t);
-    status = cli_read_mesh(run, run->options->input[0], &mesh);
+    int status = cli_read_mesh(run, run->options->input[0], &mesh);
     if (status == CLI_DONE) status = refine_mesh(run, &mesh, t);
     bvx_mesh_free(run->context, &mesh);
     return status;
@@ -160,7 +154,6 @@ static int make_refine(cli_run *run, void *work, cli_made *made)
 {
     cli_tree *const t = work;
     int kind;
-
     made->write = cli_write_tree;
     made->untitled = 1;
     CLI_TRY(check_refine_options(run, t, &kind));
@@ -172,7 +165,6 @@ static void tell_refine(const cli_run *run, const void *work, cli_made *made)
 {
     const cli_tree *const t = work;
     const char *const path = cli_input_name(run->options->input[0]);
-
     if (t->triangles == 0) cli_tell(made, "%s\n\n", path);
     else
         cli_tell(made, "%s: %" PRIu64 " triangles, refined in %.1f ms\n\n", path, t->triangles,

@@ -10,7 +10,6 @@
 static void start_render(void *options)
 {
     cli_render_options *const o = options;
-
     o->picture = (bvx_render_options){.struct_size = sizeof o->picture,
                                       .camera = {.direction = {3.0, -4.0, 2.0}, .up = {0.0, 0.0, 1.0}}};
 }
@@ -56,23 +55,12 @@ typedef struct render_job {
 
 /* ---- sheets ---- */
 
-static void choose_size(const cli_run *run, int pictures, sheet *s)
-{
-    const cli_render_options *const own = run->own;
-    s->width = own->size.count != 0 ? (int32_t)own->size.value[0] : pictures == 1 ? 1024 : 640;
-    s->height = own->size.count != 0 ? (int32_t)own->size.value[1] : pictures == 1 ? 768 : 480;
-    s->rows = (pictures + 3) / 4;
-    s->columns = (pictures + s->rows - 1) / s->rows;
-}
-
 static int open_sheet(cli_run *run, sheet *s)
 {
     const cli_options *const o = run->options;
-    uint64_t bytes;
-
     s->image.width = s->width * s->columns;
     s->image.height = s->height * s->rows;
-    bytes = (uint64_t)s->image.width * (uint64_t)s->image.height * 3;
+    uint64_t const bytes = (uint64_t)s->image.width * (uint64_t)s->image.height * 3;
     if (o->general.memory_limit != 0 && bytes > o->general.memory_limit)
         return cli_fail(run, "a picture of %" PRIu64 " bytes is more than --memory-limit allows", bytes);
     s->image.pixels = bytes <= SIZE_MAX ? malloc((size_t)bytes) : NULL;
@@ -81,20 +69,10 @@ static int open_sheet(cli_run *run, sheet *s)
     return CLI_DONE;
 }
 
-static void place_picture(const sheet *s, int32_t number, const bvx_image *picture)
-{
-    size_t const line = (size_t)s->width * 3, whole = (size_t)s->image.width * 3;
-    uint8_t *const corner = s->image.pixels + (size_t)(number / s->columns) * (size_t)s->height * whole +
-                            (size_t)(number % s->columns) * line;
-    for (int32_t y = 0; y < s->height; y++)
-        memcpy(corner + (size_t)y * whole, picture->pixels + (size_t)y * line, line);
-}
-
 static int write_image(cli_run *run, int number, const bvx_image *image)
 {
     bvx_buffer file = {0};
     bvx_status const status = bvx_write_png(run->context, image, &file);
-
     return cli_write_buffer(run, number, status, &file, run->output[number].path);
 }
 
@@ -104,7 +82,6 @@ static void tell_compared(const cli_scene *s, cli_made *made)
 {
     const bvx_grid_difference *const d = &s->difference;
     cli_text *const t = &made->members;
-
     if (!s->compared) return;
     cli_tell(
         made, "%s -> %s: %" PRIu64 " voxels of both, %" PRIu64 " added (green), %" PRIu64 " removed (red)\n",
@@ -125,7 +102,10 @@ static int render_sheet(cli_run *run, cli_scene *scene, sheet *s)
     int const pictures = own->difference ? 1 : o->inputs;
     int status = cli_open_output(run, o->output);
 
-    choose_size(run, pictures, s);
+    s->width = own->size.count != 0 ? (int32_t)own->size.value[0] : pictures == 1 ? 1024 : 640;
+    s->height = own->size.count != 0 ? (int32_t)own->size.value[1] : pictures == 1 ? 768 : 480;
+    s->rows = (pictures + 3) / 4;
+    s->columns = (pictures + s->rows - 1) / s->rows;
     if (status == CLI_DONE) status = open_sheet(run, s);
     for (int i = 0; i < pictures && status == CLI_DONE; i++) {
         bvx_image picture = {0};
@@ -134,7 +114,13 @@ static int render_sheet(cli_run *run, cli_scene *scene, sheet *s)
         if (status == CLI_DONE) status = cli_draw_scene(run, scene, s->width, s->height, &picture);
         cli_stage_end(run);
         /* Copied at once: one input and one picture are held at a time. */
-        if (status == CLI_DONE) place_picture(s, i, &picture);
+        if (status == CLI_DONE) {
+            size_t const line = (size_t)s->width * 3, whole = (size_t)s->image.width * 3;
+            uint8_t *const corner = s->image.pixels + (size_t)(i / s->columns) * (size_t)s->height * whole +
+                                    (size_t)(i % s->columns) * line;
+            for (int32_t y = 0; y < s->height; y++)
+                memcpy(corner + (size_t)y * whole, picture.pixels + (size_t)y * line, line);
+        }
         bvx_image_free(run->context, &picture);
         cli_free_scene(run, scene);
     }
@@ -144,11 +130,9 @@ static int render_sheet(cli_run *run, cli_scene *scene, sheet *s)
 static int write_pictures(cli_run *run, void *work)
 {
     const sheet *const s = &((render_job *)work)->sheet;
-    int status;
-
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
-    status = write_image(run, 0, &s->image);
+    int status = write_image(run, 0, &s->image);
     if (status == CLI_DONE) status = cli_keep_outputs(run);
     cli_stage_end(run);
     return status;
@@ -159,7 +143,6 @@ static void tell_render(const cli_run *run, const void *work, cli_made *made)
     const render_job *const job = work;
     const bvx_image *const image = &job->sheet.image;
     cli_text *const t = &made->members;
-
     tell_compared(&job->scene, made);
     cli_text_add(t, ", \"pictures\": {\"path\": ");
     cli_json_string(t, run->options->output);
@@ -228,7 +211,6 @@ static int check_render_options(cli_run *run)
 {
     const cli_render_options *const own = run->own;
     const cli_options *const o = run->options;
-
     if (bvx_format_of_name(o->output) != BVX_FORMAT_PNG || cli_is_packed(o->output))
         return cli_usage(run, "%s: the name does not end in a picture format that can be written (.png)",
                          o->output);
@@ -241,7 +223,6 @@ static int check_render_options(cli_run *run)
 static int make_render(cli_run *run, void *work, cli_made *made)
 {
     render_job *const job = work;
-
     made->write = write_pictures;
     made->untitled = 1;
     CLI_TRY(check_render_options(run));

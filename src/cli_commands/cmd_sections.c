@@ -21,7 +21,6 @@ typedef struct sections_options {
 static void start_sections(void *options)
 {
     sections_options *const o = options;
-
     o->body = (bvx_sections_options){.struct_size = sizeof o->body, .slabs = {.depth = 5}};
 }
 
@@ -133,7 +132,6 @@ enum {
 static int wants_all_labels(const cli_run *run)
 {
     const sections_options *const own = run->own;
-
     return cli_given(run, "--label") && own->body.label == BVX_LABEL_ZERO;
 }
 
@@ -212,7 +210,6 @@ static const cli_rule planes_rules[] = {
 static int read_stack(cli_run *run, sections_job *job)
 {
     const sections_options *const own = run->own;
-
     CLI_TRY(cli_read_sections(run, run->options->input[0], &job->sections));
     return cli_check_rules(run, planes_rules,
                            (job->sections.normals != NULL ? ANY_DIRECTION : 0u) |
@@ -224,7 +221,6 @@ static int read_stack(cli_run *run, sections_job *job)
 static int check_body(cli_run *run, sections_job *job, const char *path)
 {
     int const result = cli_check_mesh(run, &job->mesh, job->n, path, "check");
-
     job->volume = run->report.mesh[job->n].certificate.volume;
     job->parts = run->report.mesh[job->n].certificate.components;
     job->genus = cli_count_handles(&run->report.mesh[job->n].certificate);
@@ -237,8 +233,6 @@ static int build_body(cli_run *run, sections_job *job, int32_t label, const char
     const sections_options *const own = run->own;
     const cli_options *const o = run->options;
     bvx_sections_options s = own->body;
-    bvx_status status;
-    int32_t reason;
 
     if (own->grid.count != 0)
         for (int k = 0; k < 2; k++) s.slabs.grid[k] = (int32_t)own->grid.value[k];
@@ -246,10 +240,10 @@ static int build_body(cli_run *run, sections_job *job, int32_t label, const char
     if (s.slabs.depth == 0) s.slabs.depth = BVX_NONE;
     s.report = &job->report;
     cli_stage_begin(run, "sections");
-    status = bvx_build_sections(run->context, &job->sections, &s, &job->mesh);
+    bvx_status const status = bvx_build_sections(run->context, &job->sections, &s, &job->mesh);
     job->seconds = cli_stage_end(run);
     /* Two failures have a remedy that an option names. */
-    reason = status == BVX_OK ? BVX_REASON_NONE : bvx_last_error(run->context)->reason;
+    int32_t const reason = status == BVX_OK ? BVX_REASON_NONE : bvx_last_error(run->context)->reason;
     if (reason == BVX_REASON_SEVERAL_BODIES)
         return cli_fail(run, "%s: the sections hold several bodies; choose one by --label, or --label all",
                         cli_input_name(o->input[0]));
@@ -265,7 +259,6 @@ static int build_body(cli_run *run, sections_job *job, int32_t label, const char
 static int reduce_body(cli_run *run, sections_job *job)
 {
     int const result = cli_reduce(run, &job->mesh, &job->reduction);
-
     if (result == CLI_DONE && job->reduction.done)
         run->report.mesh[job->n].certificate = job->reduction.level.certificate;
     return result;
@@ -277,7 +270,6 @@ static int reduce_body(cli_run *run, sections_job *job)
 static uint32_t count_block(const bvx_grid *g, int32_t i, int32_t j)
 {
     uint32_t n = 0;
-
     for (int32_t z = 0; z < BLOCK_PARTS; z++)
         for (int32_t y = 0; y < BLOCK_PARTS; y++) {
             size_t const row = (size_t)z * (size_t)g->size[1] + (size_t)(j * BLOCK_PARTS + y);
@@ -318,7 +310,6 @@ static int make_blocks(cli_run *run, sections_job *job)
     int32_t dims[3], layers;
     bvx_lattice lattice;
     bvx_mesh_view view;
-    bvx_status status = BVX_OK;
 
     for (int k = 0; k < 3; k++) {
         /* Whole multiples of the sides, the last one beyond the body's end. */
@@ -333,7 +324,7 @@ static int make_blocks(cli_run *run, sections_job *job)
     layers = dims[2] / BLOCK_PARTS;
     bvx_mesh_view_of(&job->mesh, &view);
     cli_stage_begin(run, "blocks");
-    status = bvx_lattice_make(run->context, origin, spacing, dims, &lattice);
+    bvx_status status = bvx_lattice_make(run->context, origin, spacing, dims, &lattice);
     cli_text_add(text, "x,y,z,dx,dy,dz,fraction\n");
     for (int32_t k = 0; k < layers && status == BVX_OK; k++) {
         bvx_voxelize_options v = {.struct_size = sizeof v};
@@ -359,7 +350,6 @@ static int write_body(cli_run *run, void *work)
     const sections_job *const job = work;
     bvx_buffer text = {0};
     int result = cli_write_mesh_as(run, &job->mesh, 0, run->options->output);
-
     /* The text as a buffer: it stays the job's, and is freed with it. */
     text.bytes = (uint8_t *)job->text.bytes;
     text.size = job->text.size;
@@ -522,7 +512,6 @@ static void tell_wishes(const cli_run *run, const sections_job *job, cli_made *m
 static int32_t *list_labels(const bvx_sections *s, int *count)
 {
     int32_t *const label = calloc((size_t)s->loop_count + 1, sizeof *label);
-
     *count = 0;
     for (uint64_t i = 0; label != NULL && i < s->loop_count && *count <= CLI_MAX_OUTPUTS; i++) {
         int at = *count;
@@ -535,25 +524,12 @@ static int32_t *list_labels(const bvx_sections *s, int *count)
     return label;
 }
 
-/* What is told and reported of one body, with its label before it. */
-static void tell_labelled(const cli_run *run, const sections_job *job, int32_t label, cli_made *made)
-{
-    cli_tell(made, "label %" PRId32 ": %s\n", label, run->report.mesh[job->n].path);
-    warn_of_body(run, job, made);
-    tell_body(run, job, made);
-    cli_text_add(&made->members, "%s{\"label\": %" PRId32, job->n == 0 ? "" : ", ", label);
-    report_body(run, job, made);
-    tell_wishes(run, job, made);
-    cli_text_add(&made->members, "}}");
-}
-
 /* All bodies by one call, which takes what is the same faces from the same numbers. */
 static int build_all(cli_run *run, sections_job *job, const int32_t *label, int count)
 {
     const sections_options *const own = run->own;
     bvx_sections_options s = own->body;
     bvx_status status;
-
     job->all = calloc((size_t)count, sizeof *job->all);
     if (job->all == NULL) return cli_fail(run, "no memory for %d bodies", count);
     job->bodies = count;
@@ -568,7 +544,6 @@ static int build_all(cli_run *run, sections_job *job, const int32_t *label, int 
 static int make_labelled(cli_run *run, sections_job *job, int32_t label, cli_made *made)
 {
     char *const path = cli_numbered_path(run->options->output, label); /* the report keeps it */
-
     if (path == NULL) return cli_fail(run, "no memory for a file's name");
     /* One body after the other by the same job: nothing of the one before may stay, but for a report of all. */
     if (job->all == NULL) memset(&job->report, 0, sizeof job->report);
@@ -583,7 +558,15 @@ static int make_labelled(cli_run *run, sections_job *job, int32_t label, cli_mad
     } else CLI_TRY(build_body(run, job, label, path));
     CLI_TRY(reduce_body(run, job));
     CLI_TRY(cli_write_mesh_as(run, &job->mesh, job->n, path));
-    tell_labelled(run, job, label, made);
+
+    /* What is told and reported of one body, with its label before it. */
+    cli_tell(made, "label %" PRId32 ": %s\n", label, run->report.mesh[job->n].path);
+    warn_of_body(run, job, made);
+    tell_body(run, job, made);
+    cli_text_add(&made->members, "%s{\"label\": %" PRId32, job->n == 0 ? "" : ", ", label);
+    report_body(run, job, made);
+    tell_wishes(run, job, made);
+    cli_text_add(&made->members, "}}");
     return CLI_DONE;
 }
 
@@ -599,12 +582,11 @@ static int make_all_labels(cli_run *run, void *work, cli_made *made)
     const sections_options *const own = run->own;
     sections_job *const job = work;
     int count, result = CLI_DONE;
-    int32_t *label;
 
     made->write = keep_bodies;
     made->untitled = 1;
     CLI_TRY(read_stack(run, job));
-    label = list_labels(&job->sections, &count);
+    int32_t *const label = list_labels(&job->sections, &count);
     if (label == NULL) return cli_fail(run, "no memory for labels");
     if (count == 0) result = cli_fail(run, "%s: there are no loops", cli_input_name(run->options->input[0]));
     /* All bodies are kept together or none, so none is made where not all can be. */
@@ -631,7 +613,6 @@ static int make_body(cli_run *run, void *work, cli_made *made)
     const sections_options *const own = run->own;
     sections_job *const job = work;
     const char *const model = own->block_model;
-
     made->write = write_body;
     CLI_TRY(cli_open_output(run, run->options->output));
     if (model != NULL) CLI_TRY(cli_open_output(run, model));
@@ -644,7 +625,6 @@ static int make_body(cli_run *run, void *work, cli_made *made)
 static void tell_one_body(const cli_run *run, const void *work, cli_made *made)
 {
     const sections_job *const job = work;
-
     warn_of_body(run, job, made);
     tell_body(run, job, made);
     report_body(run, job, made);
@@ -655,7 +635,6 @@ static void tell_one_body(const cli_run *run, const void *work, cli_made *made)
 static void free_sections(cli_run *run, void *work)
 {
     sections_job *const job = work;
-
     cli_text_free(&job->text);
     for (int i = 0; i < job->bodies; i++) bvx_mesh_free(run->context, &job->all[i]);
     free(job->all);
@@ -672,7 +651,6 @@ static const cli_job every_body = {
 static int choose_sections(cli_run *run, const cli_job **job)
 {
     const sections_options *const own = run->own;
-
     *job = wants_all_labels(run) ? &every_body : &one_body;
     return cli_check_rules(run, sections_rules, facts_of_sections(run), own->block_model);
 }

@@ -3,7 +3,6 @@
 #include "cli_args/rows.h"
 
 #include <inttypes.h>
-#include <stdio.h>
 #include <string.h>
 
 static const cli_argument simplify_rows[] = {
@@ -21,20 +20,10 @@ static const cli_argument simplify_rows[] = {
     {.also = cli_takes_all},
     {0}};
 
-static int check_input(cli_run *run, cli_collapse_run *c)
-{
-    const char *const in = cli_input_name(run->options->input[0]);
-    /* Vertices at equal positions count as one: files repeat them where colours or normals change. */
-    cli_stage_begin(run, "check input");
-    CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &c->view, 1, &c->before), in));
-    return CLI_DONE;
-}
-
 static int simplify_input(cli_run *run, cli_collapse_run *c)
 {
     const cli_options *const o = run->options;
     bvx_simplify_options s = {.struct_size = sizeof s};
-    bvx_status status;
 
     s.targets = cli_targets(run, c);
     if (cli_given(run, "--attributes")) s.collapse.attribute_weight = cli_or_none(o->attributes);
@@ -44,18 +33,10 @@ static int simplify_input(cli_run *run, cli_collapse_run *c)
     s.reports = c->level;
 
     cli_stage_begin(run, "level 0");
-    status = bvx_mesh_simplify(run->context, &c->view, &s, (uint64_t)c->count, c->mesh);
+    bvx_status const status = bvx_mesh_simplify(run->context, &c->view, &s, (uint64_t)c->count, c->mesh);
     c->seconds = cli_stage_end(run);
     CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
-
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
-}
-
-static void tell_head(const cli_run *run, const cli_collapse_run *c, cli_made *made)
-{
-    cli_tell_input(run, c->input.triangle_count, &c->before, c->diagonal, made);
-    cli_tell(made, "%" PRIu64 " piece%s, volume %.6g; edges collapsed in %.1f ms\n\n", c->before.components,
-             c->before.components == 1 ? "" : "s", c->before.volume, c->seconds * 1e3);
 }
 
 static int make_simplify(cli_run *run, void *work, cli_made *made)
@@ -73,14 +54,20 @@ static int make_simplify(cli_run *run, void *work, cli_made *made)
     c->usual_count = 1;
     CLI_TRY(cli_check_collapse(run, c));
     CLI_TRY(cli_open_collapse(run, c));
-    CLI_TRY(check_input(run, c));
+    const char *const in = cli_input_name(run->options->input[0]);
+    /* Vertices at equal positions count as one: files repeat them where colours or normals change. */
+    cli_stage_begin(run, "check input");
+    CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &c->view, 1, &c->before), in));
     CLI_TRY(simplify_input(run, c));
     return cli_finish_collapse(run, c);
 }
 
 static void tell_simplify(const cli_run *run, const void *work, cli_made *made)
 {
-    tell_head(run, work, made);
+    const cli_collapse_run *const c = work;
+    cli_tell_input(run, c->input.triangle_count, &c->before, c->diagonal, made);
+    cli_tell(made, "%" PRIu64 " piece%s, volume %.6g; edges collapsed in %.1f ms\n\n", c->before.components,
+             c->before.components == 1 ? "" : "s", c->before.volume, c->seconds * 1e3);
     cli_tell_collapse(run, work, made);
 }
 

@@ -44,13 +44,11 @@ static int check_slice_options(cli_run *run)
 static int slice_surface(cli_run *run, cli_input *in)
 {
     bvx_extract_options e = {.struct_size = sizeof e};
-    bvx_status status;
-
     if (in->kind == CLI_MESH) return CLI_DONE;
     /* Contours are doubles: a surface in floats would round them twice. */
     e.position_type = BVX_F64;
     cli_stage_begin(run, "surface");
-    status = bvx_extract_surface(run->context, &in->grid, &e, &in->mesh);
+    bvx_status const status = bvx_extract_surface(run->context, &in->grid, &e, &in->mesh);
     return cli_stage_check(run, status, cli_input_name(in->path));
 }
 
@@ -60,13 +58,11 @@ static int slice_mesh(cli_run *run, const bvx_mesh *mesh, bvx_sections *sections
     int const axis = own->up_axis != 0 ? own->up_axis - 1 : 2;
     bvx_slice_options s = {.struct_size = sizeof s};
     bvx_mesh_view view;
-    bvx_status status;
-
     for (int k = 0; k < 3; k++) s.normal[k] = k == axis;
     s.spacing = own->spacing;
     bvx_mesh_view_of(mesh, &view);
     cli_stage_begin(run, "slice");
-    status = bvx_slice_mesh(run->context, &view, &s, sections);
+    bvx_status const status = bvx_slice_mesh(run->context, &view, &s, sections);
     return cli_stage_check(run, status, cli_input_name(run->options->input[0]));
 }
 
@@ -81,12 +77,10 @@ static int write_contours(cli_run *run, void *work)
     const char *const path = run->options->output;
     bvx_buffer file = {0};
     bvx_status status;
-    int result;
-
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
     status = bvx_write_sections(run->context, &job->sections, bvx_format_of_name(path), &file);
-    result = cli_write_buffer(run, 0, status, &file, path);
+    int result = cli_write_buffer(run, 0, status, &file, path);
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     cli_stage_end(run);
     return result;
@@ -95,7 +89,6 @@ static int write_contours(cli_run *run, void *work)
 static int make_slice(cli_run *run, void *work, cli_made *made)
 {
     slice_job *const job = work;
-
     made->write = write_contours;
     CLI_TRY(check_slice_options(run));
     CLI_TRY(cli_open_output(run, run->options->output));
@@ -107,7 +100,6 @@ static int make_slice(cli_run *run, void *work, cli_made *made)
 static void tell_slice(const cli_run *run, const void *work, cli_made *made)
 {
     const bvx_sections *const s = &((const slice_job *)work)->sections;
-
     (void)run;
     cli_tell(made, "  %" PRIu64 " planes, %" PRIu64 " loops, %" PRIu64 " points\n", s->section_count,
              s->loop_count, s->point_count);

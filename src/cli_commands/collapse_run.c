@@ -4,10 +4,7 @@
  * afterwards, one stage a level. */
 #include "cli_commands/collapse_run.h"
 
-#include <inttypes.h>
-#include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -27,9 +24,7 @@ int cli_check_collapse(cli_run *run, cli_collapse_run *c)
 {
     const cli_options *const o = run->options;
     int const ways = (o->triangles.count != 0) + (o->errors.count != 0) + (o->count != 0);
-
     CLI_TRY(cli_check_rules(run, collapse_rules, 0, NULL));
-
     c->by_error = o->errors.count != 0;
     c->count = ways == 0 ? c->usual_count : o->triangles.count + o->errors.count + o->count;
     return cli_check_level_names(run, c->count);
@@ -39,24 +34,8 @@ int cli_check_collapse(cli_run *run, cli_collapse_run *c)
 static int usual_count(uint64_t triangles)
 {
     int count = 1;
-
     while (count < USUAL_LEVELS && triangles >> (count + 1) >= LEAST_USUAL) count++;
     return count;
-}
-
-static void choose_targets(const cli_run *run, cli_collapse_run *c)
-{
-    const cli_options *const o = run->options;
-
-    for (int i = 0; i < c->count; i++) {
-        /* Shifted by at most 63, which C defines. */
-        uint64_t const halved = i < 63 ? c->input.triangle_count >> (i + 1) : 0;
-
-        if (c->by_error)
-            c->error[i] = o->errors.value[i] * (o->errors.percent[i] ? c->diagonal / 100.0 : 1.0);
-        else if (o->triangles.count != 0) c->target[i] = (uint64_t)o->triangles.value[i];
-        else c->target[i] = halved > LEAST_TRIANGLES ? halved : LEAST_TRIANGLES;
-    }
 }
 
 /* The surface of a grid stands for the mesh. */
@@ -64,14 +43,12 @@ static int read_surface(cli_run *run, cli_collapse_run *c)
 {
     const char *const path = run->options->input[0];
     bvx_grid grid = {0};
-    bvx_status status;
     int placed;
-
     CLI_TRY(cli_read_grid(run, path, NULL, &grid, &placed));
     run->report.lattice = grid.lattice;
     run->report.has_lattice = 1;
     cli_stage_begin(run, "surface");
-    status = bvx_extract_surface(run->context, &grid, NULL, &c->input);
+    bvx_status const status = bvx_extract_surface(run->context, &grid, NULL, &c->input);
     bvx_grid_free(run->context, &grid);
     CLI_TRY(cli_stage_check(run, status, cli_input_name(path)));
     if (c->input.triangle_count != 0) return CLI_DONE;
@@ -97,7 +74,15 @@ int cli_open_collapse(cli_run *run, cli_collapse_run *c)
                         cli_input_name(run->options->input[0]), c->diagonal);
 
     if (!known) c->count = usual_count(c->input.triangle_count);
-    choose_targets(run, c);
+    const cli_options *const o = run->options;
+    for (int i = 0; i < c->count; i++) {
+        /* Shifted by at most 63, which C defines. */
+        uint64_t const halved = i < 63 ? c->input.triangle_count >> (i + 1) : 0;
+        if (c->by_error)
+            c->error[i] = o->errors.value[i] * (o->errors.percent[i] ? c->diagonal / 100.0 : 1.0);
+        else if (o->triangles.count != 0) c->target[i] = (uint64_t)o->triangles.value[i];
+        else c->target[i] = halved > LEAST_TRIANGLES ? halved : LEAST_TRIANGLES;
+    }
     return known ? CLI_DONE : cli_open_levels(run, c->count, c->path);
 }
 
@@ -105,7 +90,6 @@ bvx_targets cli_targets(const cli_run *run, const cli_collapse_run *c)
 {
     const cli_options *const o = run->options;
     bvx_targets t = {.error_kind = o->error_kind, .strict = o->strict};
-
     /* Counts or distances, never both: rules have seen to that. A level by its error is measured while it is
      * looked for, so that the distances told are those that decided. */
     if (c->by_error) {
@@ -150,31 +134,25 @@ static int measure_level(cli_run *run, cli_collapse_run *c, int i)
     return CLI_DONE;
 }
 
-static void report_level(cli_run *run, cli_collapse_run *c, int i)
-{
-    cli_mesh_entry *const entry = &run->report.mesh[i];
-
-    entry->path = c->path[i];
-    entry->number = i;
-    entry->certificate = c->level[i].certificate;
-    entry->level = &c->level[i];
-    entry->solid = c->solid;
-    entry->colours = c->mesh[i].colours != NULL;
-    entry->uvs = c->mesh[i].uvs != NULL;
-    entry->rate = (double)c->mesh[i].triangle_count / (double)c->input.triangle_count;
-    run->report.meshes = i + 1;
-}
-
 int cli_finish_collapse(cli_run *run, cli_collapse_run *c)
 {
     int status = CLI_DONE;
-
     for (int i = 0; i < c->count && status == CLI_DONE; i++) {
         char stage[32];
-
         snprintf(stage, sizeof stage, "carry %d", i);
         status = cli_carry(run, &c->input, &c->mesh[i], stage, c->path[i]);
-        if (status == CLI_DONE) report_level(run, c, i);
+        if (status == CLI_DONE) {
+            cli_mesh_entry *const entry = &run->report.mesh[i];
+            entry->path = c->path[i];
+            entry->number = i;
+            entry->certificate = c->level[i].certificate;
+            entry->level = &c->level[i];
+            entry->solid = c->solid;
+            entry->colours = c->mesh[i].colours != NULL;
+            entry->uvs = c->mesh[i].uvs != NULL;
+            entry->rate = (double)c->mesh[i].triangle_count / (double)c->input.triangle_count;
+            run->report.meshes = i + 1;
+        }
     }
     for (int i = 0; i < c->count && status == CLI_DONE; i++) status = measure_level(run, c, i);
     return status;
@@ -183,7 +161,6 @@ int cli_finish_collapse(cli_run *run, cli_collapse_run *c)
 int cli_write_collapse(cli_run *run, void *work)
 {
     cli_collapse_run *const c = work; /* the first member of the job */
-
     run->source = &c->input;
     return cli_write_levels(run, c->mesh, c->count, c->path);
 }

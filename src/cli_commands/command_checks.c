@@ -73,7 +73,6 @@ int cli_check_line(cli_run *run)
 int cli_check_options(cli_run *run)
 {
     const cli_general *const g = run->general;
-
     /* The output has its name by now, -o - included; with --output-dir this is done for each input. */
     cli_find_facts(run);
     CLI_TRY(cli_check_rules(run, line_rules, 0, NULL));

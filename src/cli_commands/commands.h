@@ -6,10 +6,10 @@
 
 extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render, cli_convert, cli_compare, cli_faces,
     cli_refine, cli_fill, cli_sections, cli_slice, cli_repair, cli_boolean, cli_morph, cli_components,
-    cli_simplify, cli_hull;
+    cli_simplify, cli_labels, cli_hull;
 
 /* command_list.c: all of them, NULL after the last. */
-enum { CLI_COMMANDS = 17 };
+enum { CLI_COMMANDS = 18 };
 extern const cli_command *const cli_commands[CLI_COMMANDS + 1];
 
 /* cmd_compare.c: bvx_grid_compare with a message that names both. */
@@ -50,6 +50,9 @@ typedef struct cli_voxelize_options {
 
 /* voxelize of a volume: to a grid, or by the output's ending to one mesh or one a label. */
 extern const cli_job cli_voxelize_volume;
+
+/* The line of the report's mesh number n. */
+void cli_tell_mesh_of(const cli_run *run, int n, const char *title, cli_made *made);
 
 /* ---- section_info.c, volume_info.c: what info says ---- */
 

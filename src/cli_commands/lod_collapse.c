@@ -44,7 +44,6 @@ static const cli_rule solid_rules[] = {
 static int check_solid_options(cli_run *run, int kind)
 {
     const cli_options *const o = run->options;
-
     CLI_TRY(cli_check_rules(run, solid_rules, kind == CLI_GRID ? CLI_OF_GRID : CLI_OF_MESH, NULL));
     /* The row allows what the other methods take, which is more. */
     if (o->resolution.count != 0 && o->resolution.value[0] > 1 << 24)
@@ -85,11 +84,10 @@ static int build_levels(cli_run *run, lod_collapse *l)
 {
     cli_collapse_run *const c = &l->run;
     bvx_levels_options b;
-    bvx_status status;
 
     take_levels_options(run, l, &b);
     cli_stage_begin(run, "level 0");
-    status = bvx_build_levels(run->context, &c->view, &b, (uint64_t)c->count, c->mesh);
+    bvx_status const status = bvx_build_levels(run->context, &c->view, &b, (uint64_t)c->count, c->mesh);
     c->seconds = cli_stage_end(run);
     CLI_TRY(cli_check_call(run, status, cli_input_name(run->options->input[0])));
 
@@ -202,7 +200,6 @@ static int make_collapse(cli_run *run, void *work, cli_made *made)
 {
     lod_collapse *const l = work;
     int status = cli_input_kind(run, run->options->input[0], &l->run.kind);
-
     made->untitled = 1;
     if (status == CLI_DONE) status = check_solid_options(run, l->run.kind);
     if (status == CLI_DONE) status = cli_check_collapse(run, &l->run);
@@ -216,7 +213,6 @@ static int make_collapse(cli_run *run, void *work, cli_made *made)
 static void tell_collapse(const cli_run *run, const void *work, cli_made *made)
 {
     const lod_collapse *const l = work;
-
     tell_lod_head(run, l, made);
     cli_tell_collapse(run, &l->run, made);
     report_levels(l, made);

@@ -2,7 +2,6 @@
  * levels, or a grid as it is, whose own surface then stands for the mesh. */
 #include "cli_commands/lod_chain.h"
 
-#include <inttypes.h>
 #include <string.h>
 
 /* Samples along the longest axis. A small grid gives smaller levels than
@@ -19,7 +18,6 @@ static bvx_status fit(cli_run *run, const cli_chain *c, int32_t resolution, bvx_
 {
     bvx_lattice_options const o = {
         .struct_size = sizeof o, .resolution = resolution, .padding = run->options->padding};
-
     return bvx_lattice_fit_with(run->context, &c->view, &o, lattice);
 }
 
@@ -70,8 +68,6 @@ static int make_solid(cli_run *run, cli_chain *c)
 {
     const char *const path = cli_input_name(run->options->input[0]);
     bvx_voxelize_options v = {.struct_size = sizeof v};
-    bvx_status status;
-    int result;
 
     cli_stage_begin(run, "check input");
     CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &c->view, 1, &c->certificate), path));
@@ -82,11 +78,10 @@ static int make_solid(cli_run *run, cli_chain *c)
     run->report.has_lattice = 1;
     cli_take_fill(run, &v);
     v.report = &c->solid_report;
-    status = bvx_voxelize_solid(run->context, &c->view, &run->report.lattice, &v, &c->solid);
+    bvx_status const status = bvx_voxelize_solid(run->context, &c->view, &run->report.lattice, &v, &c->solid);
     c->solid_seconds = cli_stage_end(run);
     CLI_TRY(cli_check_call(run, status, path));
-    result = count_solid(run, c);
-    return result;
+    return count_solid(run, c);
 }
 
 static int open_mesh(cli_run *run, cli_chain *c)
@@ -102,11 +97,9 @@ static int open_mesh(cli_run *run, cli_chain *c)
 static bvx_status surface_of_solid(cli_run *run, cli_chain *c)
 {
     uint64_t vertices;
-    bvx_status status;
-
     if (run->options->samples == 0)
         return bvx_extract_count(run->context, &c->solid, NULL, &vertices, &c->input_triangles);
-    status = bvx_extract_surface(run->context, &c->solid, NULL, &c->input);
+    bvx_status const status = bvx_extract_surface(run->context, &c->solid, NULL, &c->input);
     c->input_triangles = c->input.triangle_count;
     return status;
 }
@@ -116,7 +109,6 @@ static int open_grid(cli_run *run, cli_chain *c)
     const char *const path = run->options->input[0];
     double low[3], high[3];
     int placed;
-    bvx_status status;
 
     /* The lattice may be assumed: levels of it are as good, in units of voxels. */
     CLI_TRY(cli_read_grid(run, path, NULL, &c->solid, &placed));
@@ -131,8 +123,7 @@ static int open_grid(cli_run *run, cli_chain *c)
     c->diagonal = cli_diagonal(low, high);
     CLI_TRY(count_solid(run, c));
     cli_stage_begin(run, "surface");
-    status = surface_of_solid(run, c);
-    CLI_TRY(cli_stage_check(run, status, cli_input_name(path)));
+    CLI_TRY(cli_stage_check(run, surface_of_solid(run, c), cli_input_name(path)));
     bvx_mesh_view_of(&c->input, &c->view);
     return CLI_DONE;
 }

@@ -44,7 +44,6 @@ static void print_overview(FILE *to)
 static void print_help(const cli_command *c, int all)
 {
     int left = all ? CLI_MAX_OPTIONS : 2;
-
     printf("usage: bitvox %s %s\n\n%s\n%s", c->name, c->usage, c->details, all ? "" : "\noptions:\n");
     cli_print_options(c, all);
     printf("\n%s:\n", strchr(c->example, '\n') != NULL ? "examples" : "example");
@@ -73,22 +72,13 @@ static int help(cli_run *run, int count, char **word)
     return cli_end_of_output(run);
 }
 
-static int print_version(cli_run *run)
-{
-    int32_t const v = bvx_version();
-    printf("bitvox %d.%d.%d\n", (int)(v / 10000), (int)(v / 100 % 100), (int)(v % 100));
-    return cli_end_of_output(run);
-}
-
 static int run_command(cli_run *run, int count, char **word)
 {
     static const cli_leaving leaving = {cli_remove_temporaries, cli_interrupt_text, cli_report_text};
-    int status;
-
     run->own = calloc(1, run->command->own + 1);
     if (run->own == NULL) return cli_end_of_run(run, cli_fail(run, "no memory to start"));
     if (run->command->start != NULL) run->command->start(run->own);
-    status = cli_parse(run, count, word);
+    int status = cli_parse(run, count, word);
 
     /* Help wins over everything else on the line, errors included. */
     if (status == CLI_DONE && run->general->help) {
@@ -139,7 +129,11 @@ static int run_words(cli_run *run, int count, char **word)
     /* Words that are no commands come first: no command may have their names. */
     if (strcmp(word[0], "help") == 0) return help(run, count - 1, word + 1);
     if (strcmp(word[0], "--help") == 0 || strcmp(word[0], "-h") == 0) return help(run, 0, NULL);
-    if (strcmp(word[0], "--version") == 0) return print_version(run);
+    if (strcmp(word[0], "--version") == 0) {
+        int32_t const v = bvx_version();
+        printf("bitvox %d.%d.%d\n", (int)(v / 10000), (int)(v / 100 % 100), (int)(v % 100));
+        return cli_end_of_output(run);
+    }
     run->command = find_command(word[0]);
     run->name = run->command != NULL ? run->command->name : NULL;
     if (run->command != NULL) return run_command(run, count - 1, word + 1);
@@ -151,7 +145,6 @@ int main(int count, char **word)
 {
     static cli_run run; /* zeroed, and too large for some stacks */
     static cli_options options;
-    int status;
 
     word = cli_words(&count, word);
     run.options = &options;
@@ -161,7 +154,7 @@ int main(int count, char **word)
     hold_standard_streams();
     cli_watch_start();
     options.samples = -1;
-    status = run_words(&run, count - 1, word + 1);
+    int const status = run_words(&run, count - 1, word + 1);
     cli_watch_end(status);
     return status;
 }

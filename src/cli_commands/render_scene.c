@@ -10,7 +10,6 @@ static bvx_status fit_lattice(cli_run *run, const cli_input *in, int count, int3
 {
     cli_box box, other;
     bvx_lattice_options fit = {.struct_size = sizeof fit};
-
     cli_mesh_box(&in[0].mesh, &box);
     cli_mesh_box(&in[count - 1].mesh, &other);
     cli_join_boxes(&box, &other);
@@ -67,7 +66,6 @@ static void take_cut(const cli_run *run, bvx_render_options *r)
 {
     const cli_planes *const cut = &run->options->cut;
     const double *const direction = r->camera.direction;
-
     for (int a = 0; a < 3; a++) {
         if (!cut->given[a]) continue;
         r->cut.sides |= (direction[a] < 0.0 ? BVX_OPEN_X_LOW : BVX_OPEN_X_HIGH) << 2 * a;

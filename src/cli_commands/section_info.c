@@ -21,19 +21,6 @@ typedef struct section_facts {
     uint64_t labels;
 } section_facts;
 
-static void find_section_box(const bvx_sections *s, section_facts *f)
-{
-    for (int a = 0; a < 3; a++) {
-        f->low[a] = HUGE_VAL;
-        f->high[a] = -HUGE_VAL;
-        for (uint64_t i = 0; i < s->point_count; i++) {
-            double const p = s->points[i * 3 + (uint64_t)a];
-            f->low[a] = p < f->low[a] ? p : f->low[a];
-            f->high[a] = p > f->high[a] ? p : f->high[a];
-        }
-    }
-}
-
 static int compare_doubles(const void *a, const void *b)
 {
     double const x = *(const double *)a, y = *(const double *)b;
@@ -152,7 +139,16 @@ int cli_tell_sections(cli_run *run, const char *path, cli_made *made)
     if (status == CLI_DONE) status = measure_positions(run, &sections, &f);
     if (status == CLI_DONE) status = count_labels(run, &sections, &f);
     if (status == CLI_DONE) {
-        find_section_box(&sections, &f);
+        for (int a = 0; a < 3; a++) {
+            f.low[a] = HUGE_VAL;
+            f.high[a] = -HUGE_VAL;
+            for (uint64_t i = 0; i < sections.point_count; i++) {
+                double const p = sections.points[i * 3 + (uint64_t)a];
+                f.low[a] = p < f.low[a] ? p : f.low[a];
+                f.high[a] = p > f.high[a] ? p : f.high[a];
+            }
+        }
+
         tell_facts_of_sections(&sections, &f, made);
         report_sections(path, &sections, &f, made);
     }

@@ -66,7 +66,6 @@ static int32_t chosen_format(const cli_run *run)
     const cli_options *const o = run->options;
     int32_t const usual = usual_format(run);
     int reads = 0;
-
     for (int i = 0; i < o->inputs; i++) reads += strcmp(o->input[i], "-") == 0;
     if (o->format == 0 || run->command->bit == CLI_SECTIONS) return usual;
     return reads == 0 || cli_kind_of_format(o->format) == cli_kind_of_format(usual) ? o->format : usual;
@@ -76,7 +75,6 @@ int cli_take_standard_output(cli_run *run)
 {
     int32_t const format = chosen_format(run);
     const char *const known = format == BVX_FORMAT_CSV ? "csv" : cli_format_name(format);
-
     /* Bytes on a terminal may change its state; nobody wants them. */
     if (is_terminal())
         return cli_usage(

@@ -3,7 +3,6 @@
 #include "cli_commands/commands.h"
 
 #include <inttypes.h>
-#include <math.h>
 #include <string.h>
 
 enum { INFO_BINS = 16, INFO_BAR = 40 };
@@ -62,10 +61,9 @@ static void note_range(volume_facts *f, double v)
 static void note_bin(volume_facts *f, double v)
 {
     double const place = (v - f->least) / f->width;
-    int bin;
     if (v - v != 0.0 || !(place >= 0.0)) return;
     /* The greatest value lies at the end of the last bin. */
-    bin = place < f->bins ? (int)place : f->bins - 1;
+    int const bin = place < f->bins ? (int)place : f->bins - 1;
     f->bin[bin]++;
 }
 
@@ -73,7 +71,6 @@ static void walk_samples(const bvx_volume_view *v, void (*note)(volume_facts *f,
                          volume_facts *f)
 {
     int64_t stride[3];
-
     cli_volume_strides(v, stride);
     for (int64_t z = 0; z < v->size[2]; z++)
         for (int64_t y = 0; y < v->size[1]; y++) {
@@ -81,17 +78,6 @@ static void walk_samples(const bvx_volume_view *v, void (*note)(volume_facts *f,
             for (int64_t x = 0; x < v->size[0]; x++)
                 note(f, sample_value(row + x * stride[0], v->sample_type));
         }
-}
-
-static void choose_bins(const bvx_volume_view *v, volume_facts *f)
-{
-    double const range = f->greatest - f->least;
-    int const whole = v->sample_type != BVX_SAMPLE_F32 && v->sample_type != BVX_SAMPLE_F64 &&
-                      range < INFO_BINS;
-
-    /* A bin a value where there are few, so that labels can be read off. */
-    f->bins = whole ? (int)range + 1 : INFO_BINS;
-    f->width = whole ? 1.0 : range / INFO_BINS;
 }
 
 static void tell_facts(const cli_run *run, const bvx_volume_view *v, const volume_facts *f, cli_made *made)
@@ -134,7 +120,12 @@ int cli_tell_samples(cli_run *run, const char *path, cli_made *made)
     if (status == CLI_DONE) {
         cli_stage_begin(run, "samples");
         walk_samples(&v.view, note_range, &f);
-        choose_bins(&v.view, &f);
+        double const range = f.greatest - f.least;
+        int const whole = v.view.sample_type != BVX_SAMPLE_F32 && v.view.sample_type != BVX_SAMPLE_F64 &&
+                          range < INFO_BINS;
+        /* A bin a value where there are few, so that labels can be read off. */
+        f.bins = whole ? (int)range + 1 : INFO_BINS;
+        f.width = whole ? 1.0 : range / INFO_BINS;
         /* All samples alike have no range to divide. */
         if (f.width > 0.0) walk_samples(&v.view, note_bin, &f);
         for (int i = 0; i < INFO_BINS; i++) f.fullest = f.bin[i] > f.fullest ? f.bin[i] : f.fullest;

@@ -158,13 +158,12 @@ static int put_mesh(cli_run *run, bvx_mesh *mesh, int n, const char *path, cli_r
     return cli_write_mesh_as(run, mesh, n, path);
 }
 
-static void tell_mesh_of(const cli_run *run, int n, cli_made *made)
+void cli_tell_mesh_of(const cli_run *run, int n, const char *title, cli_made *made)
 {
-    const cli_mesh_entry *const e = &run->report.mesh[n];
-    const bvx_certificate *const c = &e->certificate;
+    const bvx_certificate *const c = &run->report.mesh[n].certificate;
 
     /* A part with a cavity has two surfaces: parts are counted where some are dropped. */
-    cli_tell(made, "  %s: %" PRIu64 " triangles, %s, volume %.6g, %" PRIu64 " surface%s\n", e->path,
+    cli_tell(made, "  %s: %" PRIu64 " triangles, %s, volume %.6g, %" PRIu64 " surface%s\n", title,
              c->triangles, cli_is_sound(c) ? "closed, manifold" : "NOT closed", c->volume, c->components,
              c->components == 1 ? "" : "s");
 }
@@ -239,7 +238,7 @@ static int make_volume_mesh(cli_run *run, volume_job *j, cli_made *made)
     tell_samples(&made->head, &j->report);
     cli_tell_parts(run, &made->text);
     cli_tell_reduction(&reduction, made);
-    tell_mesh_of(run, 0, made);
+    cli_tell_mesh_of(run, 0, run->report.mesh[0].path, made);
     return CLI_DONE;
 }
 
@@ -329,7 +328,8 @@ static int make_label_meshes(cli_run *run, volume_job *j, cli_made *made)
     made->untitled = 1;
     cli_tell(made, "%s: %" PRIu64 " labels\n", cli_input_name(run->options->input[0]), j->label_count);
     cli_tell_parts(run, &made->text);
-    for (uint64_t i = 0; i < j->label_count; i++) tell_mesh_of(run, (int)i, made);
+    for (uint64_t i = 0; i < j->label_count; i++)
+        cli_tell_mesh_of(run, (int)i, run->report.mesh[i].path, made);
     return CLI_DONE;
 }
 

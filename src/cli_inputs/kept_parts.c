@@ -26,7 +26,6 @@ uint64_t cli_keep_largest(const cli_run *run)
 int cli_check_parts(cli_run *run)
 {
     const char *const name = run->options->keep_largest != 0 ? "--keep-largest" : "--least-part";
-
     if (!CLI_HOLDS(run, CLI_KEEPS_PARTS) ||
         (run->command->bit & (CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT)) == 0)
         return CLI_DONE;
@@ -44,13 +43,12 @@ bvx_status cli_keep_parts(cli_run *run, const bvx_grid *grid, bvx_grid *kept)
     int const own = !run->progress.named; /* else it is a part of the caller's stage */
     bvx_keep_report report = {0};
     bvx_keep_options o = {.struct_size = sizeof o};
-    bvx_status status;
 
     o.largest = cli_keep_largest(run);
     o.at_least = cli_least_part(run);
     o.report = &report;
     if (own) cli_stage_begin(run, "keep");
-    status = bvx_grid_keep(run->context, grid, &o, kept);
+    bvx_status const status = bvx_grid_keep(run->context, grid, &o, kept);
     if (own) cli_stage_end(run);
     if (status != BVX_OK) return status;
 
@@ -65,7 +63,6 @@ bvx_status cli_keep_parts(cli_run *run, const bvx_grid *grid, bvx_grid *kept)
 void cli_tell_parts(const cli_run *run, cli_text *text)
 {
     const bvx_keep_report *const p = &run->report.parts;
-
     if (!run->report.has_parts) return;
     cli_text_add(text, "  kept        %" PRIu64 " of %" PRIu64 " parts; %" PRIu64 " voxels went\n", p->kept,
                  p->kept + p->dropped, p->voxels_dropped);

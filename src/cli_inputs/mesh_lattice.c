@@ -13,7 +13,6 @@ static inline void position_of(const void *positions, uint32_t type, uint64_t ve
 {
     const float *const f = (const float *)positions + 3 * (size_t)vertex;
     const double *const d = (const double *)positions + 3 * (size_t)vertex;
-
     /* Unrolled by hand: the program, unlike the library, is built with -O1. */
     p[0] = type == BVX_F32 ? (double)f[0] : d[0];
     p[1] = type == BVX_F32 ? (double)f[1] : d[1];
@@ -57,7 +56,6 @@ bvx_status cli_fit_box(bvx_context *context, const cli_box *box, const bvx_latti
                        bvx_lattice *lattice)
 {
     bvx_mesh_view const corners = {.positions = box, .vertex_count = 2, .position_type = BVX_F64};
-
     return bvx_lattice_fit_with(context, &corners, fit, lattice);
 }
 
@@ -82,10 +80,9 @@ static bvx_status lattice_from_origin(cli_run *run, const fit_target *target, bv
     bvx_lattice_options fit = {.struct_size = sizeof fit};
     double spacing[3] = {o->spacing, o->spacing, o->spacing};
     int32_t dims[3];
-    bvx_status status;
 
     memcpy(fit.spacing, spacing, sizeof spacing);
-    status = fit_to(run, target, &fit, lattice); /* its far end covers the mesh */
+    bvx_status const status = fit_to(run, target, &fit, lattice); /* its far end covers the mesh */
     if (status != BVX_OK) return status;
     for (int a = 0; a < 3; a++) {
         /* Rounded outwards, so that the last voxel covers the mesh's high end. */
@@ -100,7 +97,6 @@ static bvx_status make_lattice(cli_run *run, const fit_target *target, bvx_latti
 {
     const cli_options *const o = run->options;
     bvx_lattice_options fit = {.struct_size = sizeof fit};
-
     if (o->origin.given) return lattice_from_origin(run, target, lattice);
     fit.padding = o->padding;
     if (o->spacing != 0.0)
@@ -114,28 +110,24 @@ static bvx_status make_lattice(cli_run *run, const fit_target *target, bvx_latti
 bvx_status cli_make_box_lattice(cli_run *run, const cli_box *box, bvx_lattice *lattice)
 {
     fit_target const target = {.box = box};
-
     return make_lattice(run, &target, lattice);
 }
 
 bvx_status cli_make_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice)
 {
     fit_target const target = {.mesh = view};
-
     return make_lattice(run, &target, lattice);
 }
 
 bvx_status cli_make_cloud_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice)
 {
     fit_target const target = {.points = view};
-
     return make_lattice(run, &target, lattice);
 }
 
 int cli_window_option(cli_run *run, bvx_window *window)
 {
     const cli_list *const l = &run->options->window;
-
     memset(window, 0, sizeof *window);
     for (int a = 0; a < 3 && l->count != 0; a++) {
         if (l->value[a] >= l->value[a + 3])
@@ -247,9 +239,8 @@ static void count_far(far_points *f)
     }
     for (uint64_t i = 0; i < f->count; i++) {
         uint64_t const vertex = vertex_of(f, i);
-        int beyond;
         position_of(f->view->positions, f->view->position_type, vertex, p);
-        beyond = is_beyond(f, p);
+        int const beyond = is_beyond(f, p);
         if (beyond && f->far++ == 0) {
             f->first = vertex;
             memcpy(f->at, p, sizeof f->at);

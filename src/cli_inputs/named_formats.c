@@ -61,8 +61,6 @@ int32_t cli_input_format(const cli_run *run, const char *path)
     return strcmp(path, "-") == 0 ? run->options->format : bvx_format_of_name(path);
 }
 
-/* ---- the axis that is up ---- */
-
 /* The axis that is up in such a file, CLI_UP_...; none where programs do not agree on one. */
 static int32_t up_of_format(int32_t format)
 {
@@ -75,7 +73,6 @@ int32_t cli_input_up(const cli_run *run)
 {
     const cli_options *const o = run->options;
     int32_t up = o->input_up;
-
     for (int i = 0; i < o->inputs && o->input_up == CLI_UP_NONE; i++) {
         int32_t const one = up_of_format(cli_input_format(run, o->input[i]));
         if (i > 0 && one != up) return CLI_UP_NONE;
@@ -93,7 +90,6 @@ int32_t cli_output_up(const cli_run *run)
 int32_t cli_turn_of(const cli_run *run)
 {
     int32_t const from = cli_input_up(run), to = cli_output_up(run);
-
     if (from == CLI_UP_Z && to == CLI_UP_Y) return BVX_TURN_Z_TO_Y;
     return from == CLI_UP_Y && to == CLI_UP_Z ? BVX_TURN_Y_TO_Z : BVX_TURN_NONE;
 }
@@ -130,8 +126,6 @@ int cli_input_kind(cli_run *run, const char *path, int *kind)
         path, cli_way_to_read(path));
 }
 
-/* ---- volumes and contours ---- */
-
 int cli_may_be_volume(int32_t format)
 {
     return format == BVX_FORMAT_NRRD || format == BVX_FORMAT_NPY || format == BVX_FORMAT_VTI ||
@@ -161,11 +155,8 @@ int cli_is_volume(const cli_run *run, const char *path)
 int cli_is_contours(const cli_run *run, const char *path)
 {
     int32_t const format = cli_input_format(run, path);
-
     return format == BVX_FORMAT_CSL || format == BVX_FORMAT_CSV;
 }
-
-/* ---- what a format holds of a grid ---- */
 
 int cli_check_grid_format(cli_run *run, const char *path, const bvx_lattice *l, const int32_t size[3])
 {

@@ -83,7 +83,6 @@ static uint32_t fact_if(int holds, uint32_t fact)
 static uint32_t facts_of_options(const cli_run *run)
 {
     const cli_options *const o = run->options;
-
     return fact_if(o->fill == BVX_FILL_FLOOD, CLI_FILLS_FLOOD) |
            fact_if(o->fill == BVX_FILL_REGIONS, CLI_FILLS_REGIONS) |
            fact_if(o->fill == BVX_FILL_BELOW, CLI_FILLS_BELOW) | fact_if(o->padding != 0, CLI_PADS) |
@@ -97,7 +96,6 @@ static uint32_t facts_of_output(const char *path)
     int32_t const format = path != NULL ? bvx_format_of_name(path) : BVX_FORMAT_UNKNOWN;
     int const kind = cli_kind_of_format(format);
     uint32_t const bit = format >= 0 && format < 32 ? 1u << format : 0;
-
     return fact_if(kind == CLI_MESH, CLI_TO_MESH) | fact_if(kind == CLI_GRID, CLI_TO_GRID) |
            fact_if(format == BVX_FORMAT_STL, CLI_TO_STL) | fact_if(format == BVX_FORMAT_GLB, CLI_TO_GLB) |
            fact_if((bit & NORMAL_FORMATS) != 0, CLI_TO_NORMALS) |
@@ -109,7 +107,6 @@ const char *cli_given_of(const cli_run *run, const char *names)
     for (const char *p = names; *p != 0;) {
         size_t const n = strcspn(p, " ");
         const char *const name = cli_given_name(run, p, n);
-
         if (name != NULL) return name;
         p += n + (p[n] != 0);
     }
@@ -146,7 +143,6 @@ static int check_rows(cli_run *run, const cli_rule *rules, uint32_t facts, const
 {
     for (const cli_rule *r = rules; r->message != NULL || r->also != NULL; r++) {
         const char *option = NULL, *beside = NULL;
-
         if ((facts & r->when) != r->when || (facts & r->unless) != 0) continue;
         if (r->also != NULL) {
             CLI_TRY(check_rows(run, r->also, facts, word));

@@ -25,11 +25,9 @@ static void stand_for_file(const bvx_grid *part, bvx_grid *whole)
 static bvx_status take_lattice(cli_run *run, const cli_bytes *b, bvx_grid *grid)
 {
     bvx_grid whole;
-    bvx_status status;
-
     stand_for_file(grid, &whole);
     /* The library checks that sizes agree, so it is shown the whole file and not the part. */
-    status = bvx_read_lattice(run->context, b->bytes, b->size, &whole);
+    bvx_status const status = bvx_read_lattice(run->context, b->bytes, b->size, &whole);
     if (status != BVX_OK) return status;
     grid->lattice = whole.lattice;
     for (int a = 0; a < 3; a++) grid->low[a] += whole.low[a];

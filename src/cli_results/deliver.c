@@ -96,4 +96,6 @@ void cli_release(cli_run *run)
     free(run->work);
     run->work = NULL;
     run->source = NULL;
+    run->names = NULL;
+    run->colours = NULL;
 }

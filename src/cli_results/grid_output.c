@@ -7,10 +7,9 @@
 
 int cli_open_grid_output(cli_run *run, const char *path)
 {
-    char *name;
     int status = cli_open_output(run, path);
     if (status != CLI_DONE || !cli_needs_sidecar(bvx_format_of_name(path))) return status;
-    name = cli_sidecar_name(path);
+    char *const name = cli_sidecar_name(path);
     status = name != NULL ? cli_open_output(run, name) : cli_fail(run, "no memory for a file's name");
     free(name);
     return status;
@@ -33,7 +32,6 @@ int cli_write_buffer(cli_run *run, int number, bvx_status status, bvx_buffer *fi
 {
     int const result = status == BVX_OK ? cli_write_output(run, number, file)
                                         : cli_fail_status(run, status, path);
-
     bvx_buffer_free(run->context, file);
     return result;
 }
@@ -44,7 +42,6 @@ static int finish_voxels(cli_run *run, bvx_status status, bvx_buffer *file, cons
 {
     const char *const path = run->options->output;
     int result = cli_write_buffer(run, 0, status, file, path);
-
     if (result == CLI_DONE && cli_needs_sidecar(bvx_format_of_name(path))) {
         status = bvx_write_lattice(run->context, grid, file);
         result = cli_write_buffer(run, 1, status, file, path);
@@ -58,7 +55,6 @@ static int finish_voxels(cli_run *run, bvx_status status, bvx_buffer *file, cons
 int cli_write_grid(cli_run *run, const bvx_grid *grid)
 {
     bvx_buffer file = {0};
-
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
     return finish_voxels(run,
@@ -70,7 +66,6 @@ int cli_write_field(cli_run *run, const bvx_field *field)
 {
     int32_t const format = bvx_format_of_name(run->options->output);
     bvx_buffer file = {0};
-
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
     return finish_voxels(run, bvx_write_field(run->context, field, run->options->vectors, format, &file),

@@ -45,20 +45,10 @@ static int is_length(double diagonal)
     return diagonal > 0.0 && diagonal - diagonal == 0.0;
 }
 
-/* What was requested: triangles, or a distance in percent of the diagonal. */
-static void target_text(const bvx_level_report *l, double diagonal, char *text, size_t room)
-{
-    if (l->target_error > 0.0 && is_length(diagonal))
-        snprintf(text, room, "%.4g%%", 100.0 * l->target_error / diagonal);
-    else if (l->target_error > 0.0) snprintf(text, room, "%.4g", l->target_error);
-    else snprintf(text, room, "%" PRIu64, l->target);
-}
-
 /* One thing after the other, with a comma between. */
 static void add_words(char *text, size_t room, const char *words, uint64_t count, const char *from)
 {
     size_t const used = strlen(text);
-
     if (count != 0)
         snprintf(text + used, room - used, "%s%" PRIu64 " %s%s", used == 0 ? "" : ", ", count, words, from);
     else snprintf(text + used, room - used, "%s%s%s", used == 0 ? "" : ", ", words, from);
@@ -68,7 +58,6 @@ static void add_words(char *text, size_t room, const char *words, uint64_t count
 static void defect_text(const bvx_level_report *l, const bvx_certificate *in, char *text, size_t room)
 {
     const bvx_certificate *const c = &l->certificate;
-
     text[0] = '\0';
     if (!c->closed)
         add_words(text, room, "border edges", c->boundary_edges, in->closed ? " (cut)" : " (of the input)");
@@ -88,7 +77,13 @@ void cli_tell_collapsed(const cli_run *run, int count, double diagonal, const bv
         const bvx_level_report *const l = m->level;
         char target[32], sound[160];
 
-        target_text(l, diagonal, target, sizeof target);
+        /* What was requested: triangles, or a distance in percent of the diagonal. */
+        size_t const room = sizeof target;
+        if (l->target_error > 0.0 && is_length(diagonal))
+            snprintf(target, room, "%.4g%%", 100.0 * l->target_error / diagonal);
+        else if (l->target_error > 0.0) snprintf(target, room, "%.4g", l->target_error);
+        else snprintf(target, room, "%" PRIu64, l->target);
+
         defect_text(l, in, sound, sizeof sound);
         cli_tell(made, "%5d %10" PRIu64 " %10s %7.2f%% %10.2f deg %7" PRIu64 "  %-7s  %s\n", i,
                  m->certificate.triangles, target, m->rate * 100.0, l->least_angle, m->certificate.components,
@@ -103,7 +98,6 @@ void cli_tell_collapsed(const cli_run *run, int count, double diagonal, const bv
 static void tell_distance(cli_made *made, double d, double diagonal, int decimals)
 {
     double const part = d / diagonal;
-
     /* No percentage of a point, or of what doubles do not hold. */
     if (is_length(diagonal) && part - part == 0.0)
         cli_tell(made, "  %9.3g %*.*f%%", d, 3 + decimals, decimals, 100.0 * part);
@@ -124,7 +118,6 @@ void cli_tell_distances(const cli_run *run, int count, double diagonal, int deci
     cli_tell(made, "level%*s%*s%*s%*s\n", one, "mean", one, "max", one, "mean", one, "max");
     for (int i = 0; i < count; i++) {
         const bvx_distance_report *const d = run->report.mesh[i].distance;
-
         cli_tell(made, "%5d", run->report.mesh[i].number);
         tell_distance(made, d->mean_a_to_b, diagonal, decimals);
         tell_distance(made, d->max_a_to_b, diagonal, decimals);
@@ -137,7 +130,6 @@ void cli_tell_distances(const cli_run *run, int count, double diagonal, int deci
 void cli_tell_written(const cli_run *run, int count, cli_made *made)
 {
     const cli_mesh_entry *const m = run->report.mesh;
-
     cli_tell(made, "\n");
     for (int i = 0; i < count; i++) /* Levels in one file are one name. */
         if (i == 0 || strcmp(m[i].path, m[i - 1].path) != 0)

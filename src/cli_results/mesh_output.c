@@ -66,6 +66,11 @@ int cli_check_pattern(cli_run *run)
         while (*end >= '0' && *end <= '9') end++;
         /* 50%scaled.ply is a name like any other. */
         if (*end == 0 || (end[1] >= 'a' && end[1] <= 'z')) continue;
+        if (run->command->bit == CLI_LABELS && end == p + 1 && *end == 's') continue;
+        if (run->command->bit == CLI_LABELS && strchr("sifuxgd", *end) != NULL)
+            return cli_usage(
+                run, "%s: %.*s is not replaced in a name; %%s is, by the name or number of each label", out,
+                (int)(end + 1 - p), p);
         if (strchr("sifuxg", *end) != NULL)
             return cli_usage(run, "%s: %.*s is not replaced in a name; %%d is, by the number of each file",
                              out, (int)(end + 1 - p), p);
@@ -342,6 +347,10 @@ static bvx_write_options write_options(const cli_run *run, const bvx_mesh *meshe
     o.normals = run->options->normals;
     o.quantize = run->options->quantize;
     o.turn = cli_turn_of(run);
+    if (run->names != NULL && CLI_HOLDS(run, CLI_TO_GLB)) {
+        o.names = run->names;
+        o.colours = run->colours;
+    }
     /* what rounding spoils was refused or warned of before */
     o.rounding = BVX_ROUNDING_ALLOW;
     /* Triangles that keep the materials of another mesh, or its vertices, need them in the file. */

@@ -36,25 +36,15 @@ int cli_open_tree_output(cli_run *run, const cli_tree *t)
 
 int cli_take_tree(cli_run *run, bvx_octree *tree, cli_tree *t)
 {
-    bvx_status status;
-
     t->tree = tree;
     /* Owned from here on, whatever fails below. */
     t->levels = bvx_octree_levels(tree);
-    status = bvx_octree_lattice(run->context, tree, 0, &t->base);
+    bvx_status status = bvx_octree_lattice(run->context, tree, 0, &t->base);
     if (status == BVX_OK) status = bvx_octree_lattice(run->context, tree, t->levels, &run->report.lattice);
     if (status == BVX_OK) status = bvx_octree_count(run->context, tree, t->level, CLI_TREE_LEVELS + 1);
     CLI_TRY(cli_check_call(run, status, cli_input_name(run->options->input[0])));
     run->report.has_lattice = 1;
     return CLI_DONE;
-}
-
-static int write_expanded(cli_run *run, cli_tree *t)
-{
-    CLI_TRY(cli_expand_tree(run, t->tree, &t->window, run->options->output, &t->grid));
-    bvx_grid_count(run->context, &t->grid, &run->report.set);
-    run->report.has_set = 1;
-    return cli_write_grid(run, &t->grid);
 }
 
 static int make_surface_mesh(cli_run *run, cli_tree *t)
@@ -72,12 +62,10 @@ static int write_tree_file(cli_run *run, const cli_tree *t)
 {
     const char *const path = run->options->output;
     bvx_buffer file = {0};
-    int result;
-
     if (t->kind == CLI_MESH) return cli_write_mesh(run, &t->surface);
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
-    result = cli_write_buffer(
+    int result = cli_write_buffer(
         run, 0,
         bvx_write_octree(run->context, t->tree, run->options->states, bvx_format_of_name(path), &file), &file,
         path);
@@ -90,8 +78,12 @@ int cli_write_tree(cli_run *run, void *tree)
 {
     cli_tree *const t = tree;
     int status = CLI_DONE;
-
-    if (t->kind == CLI_GRID) return write_expanded(run, t);
+    if (t->kind == CLI_GRID) {
+        CLI_TRY(cli_expand_tree(run, t->tree, &t->window, run->options->output, &t->grid));
+        bvx_grid_count(run->context, &t->grid, &run->report.set);
+        run->report.has_set = 1;
+        return cli_write_grid(run, &t->grid);
+    }
     if (t->kind == CLI_MESH)
         status = run->options->leaves ? cli_make_leaf_mesh(run, t->tree, &t->surface)
                                       : make_surface_mesh(run, t);

@@ -27,7 +27,6 @@ bvx_status cli_measure_source(cli_run *run, const bvx_mesh *source, const bvx_gr
     double const spacing = fmax(l->spacing[0], fmax(l->spacing[1], l->spacing[2]));
     bvx_field_options o = {.struct_size = sizeof o};
     bvx_mesh_view view;
-    bvx_status status;
 
     o.sign = BVX_SIGN_NONE;
     o.features = 1;
@@ -35,7 +34,7 @@ bvx_status cli_measure_source(cli_run *run, const bvx_mesh *source, const bvx_gr
     memcpy(o.window.low, solid->low, sizeof o.window.low);
     memcpy(o.window.size, solid->size, sizeof o.window.size);
     bvx_mesh_view_of(source, &view);
-    status = bvx_measure_field(run->context, &view, l, &o, field);
+    bvx_status const status = bvx_measure_field(run->context, &view, l, &o, field);
     if (status != BVX_OK) return status;
 
     field->inside = *solid;
@@ -46,7 +45,6 @@ bvx_status cli_measure_source(cli_run *run, const bvx_mesh *source, const bvx_gr
 
 static bvx_status make_source_surface(cli_run *run, cli_voxels *v)
 {
-    const cli_options *const o = run->options;
     bvx_field own = {0};
     bvx_field_surface_options s = {.struct_size = sizeof s};
     bvx_mesh_view view;
@@ -54,7 +52,7 @@ static bvx_status make_source_surface(cli_run *run, cli_voxels *v)
 
     /* A command that moved walls has measured already, farther out. */
     if (v->field == NULL) status = cli_measure_source(run, v->source, v->solid, 0.0, &own);
-    s.placing.sharp = cli_sharp(o);
+    s.placing.sharp = cli_sharp(run->options);
     s.grid = v->grid;
     s.offset = v->offset;
     s.report = &v->surface;
@@ -103,7 +101,6 @@ static double cylinder_cut(const cli_drill *d, const bvx_grid *g, int32_t axis, 
 {
     int32_t const across = 3 - d->axis - axis;
     double start[3], s;
-
     for (int32_t a = 0; a < 3; a++)
         start[a] = g->lattice.origin[a] + (g->low[a] + low[a] + 0.5) * g->lattice.spacing[a] - d->at[a];
     /* Half the chord that the circle cuts out of the edge's line. */
@@ -145,7 +142,6 @@ static void round_hole(cli_voxels *v)
 static bvx_status make_surface_mesh(cli_run *run, cli_voxels *v)
 {
     bvx_status status;
-
     if (v->source != NULL) {
         status = make_source_surface(run, v);
         if (status == BVX_OK) round_hole(v);
@@ -156,25 +152,18 @@ static bvx_status make_surface_mesh(cli_run *run, cli_voxels *v)
     return status;
 }
 
-static int write_surface(cli_run *run, cli_voxels *v)
-{
-    bvx_status status;
-
-    cli_stage_begin(run, "surface");
-    status = make_surface_mesh(run, v);
-    CLI_TRY(cli_stage_check(run, status, cli_input_name(v->name)));
-    if (v->mesh.triangle_count == 0)
-        return cli_fail(run, "%s: the result is empty, so there is no surface to write",
-                        cli_input_name(v->name));
-
-    CLI_TRY(cli_reduce(run, &v->mesh, &v->reduction));
-    CLI_TRY(cli_check_mesh(run, &v->mesh, 0, run->options->output, "check"));
-    return cli_write_mesh(run, &v->mesh);
-}
-
 int cli_write_voxels(cli_run *run, cli_voxels *v)
 {
-    if (CLI_HOLDS(run, CLI_TO_MESH)) return write_surface(run, v);
+    if (CLI_HOLDS(run, CLI_TO_MESH)) {
+        cli_stage_begin(run, "surface");
+        CLI_TRY(cli_stage_check(run, make_surface_mesh(run, v), cli_input_name(v->name)));
+        if (v->mesh.triangle_count == 0)
+            return cli_fail(run, "%s: the result is empty, so there is no surface to write",
+                            cli_input_name(v->name));
+        CLI_TRY(cli_reduce(run, &v->mesh, &v->reduction));
+        CLI_TRY(cli_check_mesh(run, &v->mesh, 0, run->options->output, "check"));
+        return cli_write_mesh(run, &v->mesh);
+    }
     CLI_TRY(cli_check_grid_format(run, run->options->output, &v->grid->lattice, v->grid->size));
     return cli_write_grid(run, v->grid);
 }

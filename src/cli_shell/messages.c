@@ -18,7 +18,6 @@ static void tame(char *text)
 static void name_input(const cli_run *run, const char *message, char *prefix, size_t room)
 {
     const char *const in = run->about;
-
     prefix[0] = 0;
     if (in != NULL && strncmp(message, in, strlen(in)) != 0) snprintf(prefix, room, "%s: ", in);
     tame(prefix);
@@ -69,7 +68,6 @@ void cli_interrupt_text(const cli_run *run, char *text, size_t room)
 {
     const char *cut = NULL;
     int kept = 0;
-
     for (int i = 0; i < run->outputs; i++) {
         if (run->output[i].begun) cut = run->output[i].path;
         kept += run->output[i].kept;
@@ -122,7 +120,6 @@ int cli_fail_advised(cli_run *run, bvx_status status, const char *about, const c
 int cli_check_call(cli_run *run, bvx_status status, const char *about)
 {
     const char *const of[3] = {NULL, about, about};
-
     if (status != BVX_OK) return cli_fail_status(run, status, about);
     cli_take_warnings(run, of);
     return CLI_DONE;
@@ -139,7 +136,6 @@ static void keep_warning(cli_run *run, const cli_warning *warning, char *text)
 {
     cli_report *const r = &run->report;
     cli_warning w = *warning;
-
     tame(text);
     w.text = malloc(strlen(text) + 1);
     if (w.text == NULL || r->warnings == CLI_MAX_WARNINGS) {
@@ -160,7 +156,6 @@ void cli_warn(cli_run *run, int32_t code, const char *format, ...)
     cli_warning const plain = {.code = warning_names[code]};
     char text[512];
     va_list args;
-
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
@@ -171,12 +166,10 @@ void cli_warn(cli_run *run, int32_t code, const char *format, ...)
 void cli_take_warnings(cli_run *run, const char *const about[3])
 {
     const bvx_warning *w;
-
     while ((w = bvx_next_warning(run->context)) != NULL) {
         cli_warning kept = {.code = w->name, .values = w->value_count, .placed = w->placed};
         const char *const of = about[w->input + 1];
         char text[1024];
-
         if ((run->unheard >> w->code & 1) != 0) continue;
         memcpy(kept.value, w->value, sizeof kept.value);
         memcpy(kept.low, w->low, sizeof kept.low);
@@ -189,11 +182,9 @@ void cli_take_warnings(cli_run *run, const char *const about[3])
 void cli_say_warnings(cli_run *run)
 {
     cli_report *const r = &run->report;
-
     for (; r->warnings_said < r->warnings; r->warnings_said++) {
         const cli_warning *const w = &r->warning[r->warnings_said];
         char prefix[512];
-
         cli_clear_bar(run);
         fflush(stdout);
         name_input(run, w->text, prefix, sizeof prefix);
@@ -218,7 +209,6 @@ void cli_add_warning(cli_text *lines, int32_t code, const char *format, ...)
 {
     char text[512];
     va_list args;
-
     va_start(args, format);
     /* Line ends part warnings from each other, so none may hold one. */
     vsnprintf(text, sizeof text, format, args);
@@ -233,7 +223,6 @@ void cli_warn_lines(cli_run *run, cli_text *lines)
         char *text;
         int32_t const code = (int32_t)strtol(p, &text, 10);
         size_t const n = strcspn(text, "\n");
-
         cli_warn(run, code, "%.*s", (int)n - 1, text + 1);
         p = text + n + (text[n] != 0);
     }

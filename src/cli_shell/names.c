@@ -37,7 +37,6 @@ static wchar_t *wide_name(const char *name)
 {
     int const room = MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, name, -1, NULL, 0);
     wchar_t *const wide = room > 0 ? malloc((size_t)room * sizeof *wide) : NULL;
-
     if (wide == NULL) errno = room > 0 ? ENOMEM : ENOENT;
     else MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, name, -1, wide, room);
     return wide;
@@ -49,7 +48,6 @@ static HANDLE handle_of(const char *name)
     DWORD const others = FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE;
     wchar_t *const wide = wide_name(name);
     HANDLE file = INVALID_HANDLE_VALUE;
-
     /* Folders are opened with this flag only. */
     if (wide != NULL)
         file = CreateFileW(wide, 0, others, NULL, OPEN_EXISTING, FILE_FLAG_BACKUP_SEMANTICS, NULL);
@@ -62,7 +60,6 @@ FILE *cli_open_file(const char *name, const char *mode)
     wchar_t *const wide = wide_name(name);
     wchar_t wide_mode[NAME_MODE];
     FILE *file = NULL;
-
     if (wide == NULL) return NULL;
     for (int i = 0; i < NAME_MODE; i++) {
         wide_mode[i] = (wchar_t)mode[i];
@@ -86,7 +83,6 @@ int cli_rename_file(const char *from, const char *to)
 {
     wchar_t *const wide_from = wide_name(from), *const wide_to = wide_name(to);
     int status = -1;
-
     if (wide_from != NULL && wide_to != NULL) {
         /* rename of the C library does not replace a file here. */
         status = MoveFileExW(wide_from, wide_to, MOVEFILE_REPLACE_EXISTING) ? 0 : -1;
@@ -111,7 +107,6 @@ int cli_kind_of_name(const char *name)
     DWORD const what = wide != NULL ? GetFileAttributesW(wide) : INVALID_FILE_ATTRIBUTES;
     HANDLE file;
     DWORD type;
-
     /* A folder is known by its attributes; devices have none, and are known by being opened. */
     free(wide);
     if (what != INVALID_FILE_ATTRIBUTES && (what & FILE_ATTRIBUTE_DIRECTORY) != 0) return CLI_NAME_FOLDER;
@@ -137,10 +132,8 @@ int cli_same_name(const char *a, const char *b)
 static int file_identity(const char *name, BY_HANDLE_FILE_INFORMATION *identity)
 {
     HANDLE const file = handle_of(name);
-    int good;
-
     if (file == INVALID_HANDLE_VALUE) return 0;
-    good = GetFileInformationByHandle(file, identity) != 0;
+    int const good = GetFileInformationByHandle(file, identity) != 0;
     CloseHandle(file);
     return good;
 }

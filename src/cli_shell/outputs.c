@@ -58,7 +58,6 @@ static char *name_beside(const char *path, int i, const char *ending)
     size_t const folder = folder_length(path), room = folder + 64;
     char *const name = malloc(room);
     long process = 0;
-
 #if OUTPUTS_POSIX
     /* Runs at the same time in one folder must not meet. */
     process = (long)getpid();
@@ -81,9 +80,8 @@ static char *follow_links(const char *path)
         char link[4096];
         ssize_t const n = readlink(now, link, sizeof link);
         size_t const folder = n > 0 && link[0] == '/' ? 0 : folder_length(now);
-        char *next;
         if (n < 0 || (size_t)n >= sizeof link) return now; /* no link */
-        next = malloc(folder + (size_t)n + 1);
+        char *const next = malloc(folder + (size_t)n + 1);
         if (next != NULL) {
             memcpy(next, now, folder);
             memcpy(next + folder, link, (size_t)n);
@@ -167,7 +165,6 @@ static int move_aside(const char *path, const char *name)
 static int look_at_output(cli_output *o, unsigned *mode)
 {
     int const kind = cli_kind_of_name(o->path);
-
     (void)mode;
     errno = EISDIR;
     if (kind == CLI_NAME_FOLDER) return 0;
@@ -225,7 +222,6 @@ static int move_aside(const char *path, const char *name)
 static int make_temporary(cli_output *o, unsigned mode)
 {
     FILE *file = NULL;
-
     for (int i = 0; i < OUTPUT_TRIES && file == NULL; i++) {
         /* In the same folder: a rename there is one step, and shows now whether the folder can be written. */
         o->temporary = name_beside(o->target, i, "part");
@@ -264,9 +260,7 @@ int cli_is_standard_output(const cli_run *run, const char *path)
 int cli_open_output(cli_run *run, const char *path)
 {
     cli_output *const o = &run->output[run->outputs];
-    const char *same;
     unsigned mode = 0;
-    int good, error;
 
     if (run->outputs == CLI_MAX_OUTPUTS)
         return cli_fail(run, "%s: more than %d outputs", path, CLI_MAX_OUTPUTS);
@@ -280,10 +274,10 @@ int cli_open_output(cli_run *run, const char *path)
     /* The copy of the path is the first thing that can fail. */
     errno = ENOMEM;
     if (cli_is_standard_output(run, path)) o->kind = CLI_OUT_STANDARD;
-    good = o->path != NULL && (o->kind == CLI_OUT_STANDARD || look_at_output(o, &mode));
-    same = good ? same_file(run, o) : NULL;
+    int good = o->path != NULL && (o->kind == CLI_OUT_STANDARD || look_at_output(o, &mode));
+    const char *const same = good ? same_file(run, o) : NULL;
     good = good && same == NULL && (o->kind != CLI_OUT_NEW || make_temporary(o, mode));
-    error = errno;
+    int const error = errno;
     cli_unlock();
     if (same != NULL) return cli_fail(run, "%s and %s are one file", same, path);
     if (!good) return cli_fail(run, "%s: cannot be written: %s", path, strerror(error));
@@ -300,7 +294,6 @@ int cli_open_output(cli_run *run, const char *path)
 static FILE *open_for_writing(cli_output *o)
 {
     FILE *file;
-
     if (o->kind == CLI_OUT_NEW) {
         cli_lock(); /* a temporary that an interrupt has removed is not made again */
         file = cli_open_file(o->temporary,
@@ -330,10 +323,9 @@ static int write_bytes(cli_run *run, cli_output *o, const bvx_buffer *buffer)
     while (written < buffer->size && error == 0 && !stopped) {
         size_t const rest = (size_t)(buffer->size - written);
         size_t const part = rest < OUTPUT_CHUNK ? rest : OUTPUT_CHUNK;
-        size_t taken;
         /* fwrite need not set it. */
         errno = 0;
-        taken = fwrite(buffer->bytes + written, 1, part, file);
+        size_t const taken = fwrite(buffer->bytes + written, 1, part, file);
         written += taken;
         if (taken != part) error = errno != 0 ? errno : EIO;
         stopped = cli_progress(run, "write", (double)written / (double)buffer->size) != 0;
@@ -358,11 +350,8 @@ int cli_write_output(cli_run *run, int number, const bvx_buffer *buffer)
 {
     cli_output *const o = &run->output[number];
     bvx_buffer packed = {0};
-    int status;
-
     if (!cli_is_packed(o->path)) return write_bytes(run, o, buffer);
-
-    status = cli_pack(run, o->path, buffer, &packed);
+    int status = cli_pack(run, o->path, buffer, &packed);
     if (status == CLI_DONE) status = write_bytes(run, o, &packed);
     free(packed.bytes);
     return status;
@@ -371,7 +360,6 @@ int cli_write_output(cli_run *run, int number, const bvx_buffer *buffer)
 void cli_forget_output(cli_run *run, int number)
 {
     cli_output *const o = &run->output[number];
-
     /* An interrupt removes temporaries by this list, so it must never see it half moved. */
     cli_lock();
     if (o->temporary != NULL) cli_remove_file(o->temporary);
@@ -416,7 +404,6 @@ static int give_name(cli_output *o)
 static cli_output *take_back(cli_run *run, int n)
 {
     cli_output *lost = NULL;
-
     for (int i = 0; i < run->outputs; i++) {
         cli_output *const o = &run->output[i];
         o->kept = 0;

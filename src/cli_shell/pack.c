@@ -24,7 +24,6 @@ static int grow_packed(cli_run *run, const char *path, bvx_buffer *packed)
 {
     uint64_t const capacity = packed->capacity * 2;
     uint8_t *const bytes = capacity <= SIZE_MAX ? realloc(packed->bytes, (size_t)capacity) : NULL;
-
     if (bytes == NULL) return cli_fail(run, "%s: no memory for %" PRIu64 " packed bytes", path, capacity);
     packed->bytes = bytes;
     packed->capacity = capacity;
@@ -39,10 +38,9 @@ static int deflate_all(cli_run *run, const char *path, const bvx_buffer *plain, 
     for (int result = Z_OK; result != Z_STREAM_END;) {
         /* zlib counts in 32 bits, and progress wants to hear of it: chunk by chunk. */
         uint64_t const in = plain->size - taken, most = in < PACK_CHUNK ? in : PACK_CHUNK;
-        uint64_t out;
 
         if (packed->size == packed->capacity && grow_packed(run, path, packed) != CLI_DONE) return CLI_FAILED;
-        out = packed->capacity - packed->size;
+        uint64_t out = packed->capacity - packed->size;
         if (out > PACK_CHUNK) out = PACK_CHUNK;
         z->next_in = plain->bytes + taken;
         z->avail_in = (uInt)most;
@@ -62,7 +60,6 @@ static int deflate_all(cli_run *run, const char *path, const bvx_buffer *plain, 
 int cli_pack(cli_run *run, const char *path, const bvx_buffer *plain, bvx_buffer *packed)
 {
     z_stream z;
-    int status;
 
     memset(packed, 0, sizeof *packed);
     /* A guess at the packed size, which doubles as long as it is too small. */
@@ -75,7 +72,7 @@ int cli_pack(cli_run *run, const char *path, const bvx_buffer *plain, bvx_buffer
     /* the largest window, gzip's head and foot */
     if (deflateInit2(&z, PACK_LEVEL, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK)
         return cli_fail(run, "%s: no memory to pack it", path);
-    status = deflate_all(run, path, plain, packed, &z);
+    int const status = deflate_all(run, path, plain, packed, &z);
     deflateEnd(&z);
     cli_note_peak(run, packed->capacity);
     return status;

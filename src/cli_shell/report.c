@@ -105,7 +105,6 @@ static void report_lattice(cli_text *t, const bvx_lattice *lattice)
 static void report_parts(const cli_report *report, cli_text *t)
 {
     const bvx_keep_report *const p = &report->parts;
-
     if (!report->has_parts) return;
     cli_text_add(t, ", \"parts\": {\"kept\": %" PRIu64, p->kept);
     cli_json_count(t, "dropped", p->dropped);
@@ -177,13 +176,11 @@ int cli_report_print(cli_run *run, int status)
 {
     FILE *const to = run->standard_taken ? stderr : stdout;
     cli_text text = {NULL, 0, 0, 0};
-    int good;
-
     if (run->report.batch.size != 0) text = run->report.batch;
     else cli_report_text(run, status, 0, &text);
     /* From here on an interrupt leaves the report to this thread. */
     cli_watch_report();
-    good = !text.failed && fwrite(text.bytes, 1, text.size, to) == text.size;
+    int good = !text.failed && fwrite(text.bytes, 1, text.size, to) == text.size;
     good &= fflush(to) == 0 && !ferror(to);
     cli_watch_told();
     cli_text_free(&text);

@@ -19,7 +19,6 @@ void cli_end_without_reader(void)
 {
 #if END_POSIX
     struct pollfd out = {.fd = STDOUT_FILENO, .events = POLLOUT};
-
     /* POLLERR on a pipe: nobody reads it any more. */
     if (poll(&out, 1, 0) != 1 || (out.revents & POLLERR) == 0) return;
     signal(SIGPIPE, SIG_DFL);
@@ -40,7 +39,6 @@ int cli_end_of_run(cli_run *run, int status)
     /* A report that cannot be written turns a success into a failure, and leaves a failure what it is. */
     if (!run->general->json || cli_report_print(run, status))
         return status == CLI_DONE ? cli_end_of_output(run) : status;
-
     if (status != CLI_DONE) return status;
     cli_end_without_reader();
     return cli_fail(run, "standard output cannot be written");

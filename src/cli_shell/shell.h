@@ -49,6 +49,8 @@ typedef struct cli_text {
 
 void cli_text_add(cli_text *text, const char *format, ...);
 void cli_text_free(cli_text *text);
+/* Length of the UTF-8 sequence at p, 0 when there is none. */
+int cli_utf8_length(const char *p);
 /* Pieces of JSON. A string, with bytes that are no UTF-8 replaced; a number, null when it is none; "key":
  * with a comma and a space before it, but for the first. */
 void cli_json_string(cli_text *text, const char *string);
@@ -285,6 +287,8 @@ struct cli_run {
     const cli_job *job;                 /* of the command, likewise */
     void *work;                         /* the job's own */
     const bvx_mesh *source;             /* of the job, whose materials files of levels get; NULL: none */
+    const char *const *names;           /* of meshes that are no levels, for a .glb; NULL: none */
+    const uint8_t *colours;             /* of these */
     cli_options *options;               /* likewise */
     void *own;                          /* the options of the command alone */
     const cli_command *const *commands; /* all of them, NULL after the last */

@@ -73,12 +73,10 @@ static void time_left(const cli_run *run, double now, char *text, size_t room)
 {
     const cli_progress_state *const p = &run->progress;
     double const elapsed = now - run->start;
-    double left;
-
     text[0] = 0;
     /* An estimate from little is worse than none. */
     if (elapsed < LEFT_AFTER || p->reached < LEFT_FRACTION) return;
-    left = elapsed / p->reached * (1.0 - p->reached);
+    double const left = elapsed / p->reached * (1.0 - p->reached);
     if (left < 1.0) return;
     if (left < 100.0) snprintf(text, room, ", %.0f s left", left);
     else if (left < 6000.0) snprintf(text, room, ", %.0f min left", left / 60.0);
@@ -90,7 +88,6 @@ static void draw_bar(cli_run *run, double now)
     const cli_progress_state *const p = &run->progress;
     char bar[BAR_WIDTH + 1], left[32];
     int const filled = (int)(p->reached * BAR_WIDTH);
-
     for (int i = 0; i < BAR_WIDTH; i++) bar[i] = i < filled ? '#' : '.';
     bar[BAR_WIDTH] = 0;
     time_left(run, now, left, sizeof left);
@@ -104,7 +101,6 @@ static void print_line(const cli_run *run, double now)
 {
     const cli_progress_state *const p = &run->progress;
     cli_text text = {NULL, 0, 0, 0};
-
     cli_text_add(&text, "{\"stage\": ");
     cli_json_string(&text, p->stage);
     cli_text_add(&text, ", \"fraction\": %.4f, \"elapsed\": %.3f}\n", p->reached, now - run->start);
@@ -119,7 +115,6 @@ static void tell_progress(cli_run *run, int last)
     cli_progress_state *const p = &run->progress;
     double const now = p->ended != 0.0 ? p->ended : cli_seconds();
     int const way = progress_way(run);
-
     if (!last && now - p->told < TOLD_EVERY) return;
     if (way == CLI_BAR_JSON) print_line(run, now);
     else if (way == CLI_BAR_DRAW && now - run->start > BAR_AFTER) draw_bar(run, now);
@@ -142,7 +137,6 @@ static void close_stage(cli_run *run, int done)
 static int is_short_stage(const char *name)
 {
     static const char *const starts[] = {"read", "parse", "threshold", "check"};
-
     for (size_t i = 0; i < sizeof starts / sizeof starts[0]; i++)
         if (strncmp(name, starts[i], strlen(starts[i])) == 0) return 1;
     return 0;
@@ -152,7 +146,6 @@ static void open_stage(cli_run *run, const char *name)
 {
     cli_progress_state *const p = &run->progress;
     double const part = is_short_stage(name) ? 0.1 : 0.5 / (p->rounds > 1 ? p->rounds : 1);
-
     close_stage(run, 1);
     snprintf(p->stage, sizeof p->stage, "%s", name);
     p->start = cli_seconds();
@@ -168,7 +161,6 @@ void cli_stage_begin(cli_run *run, const char *format, ...)
 {
     char name[sizeof run->progress.stage];
     va_list args;
-
     va_start(args, format);
     vsnprintf(name, sizeof name, format, args);
     va_end(args);
@@ -213,7 +205,6 @@ int32_t cli_progress(void *user, const char *work, double fraction)
 {
     cli_run *const run = user;
     cli_progress_state *const p = &run->progress;
-    double at;
 
     (void)work;
     if (cli_interrupted()) return 1;
@@ -225,7 +216,7 @@ int32_t cli_progress(void *user, const char *work, double fraction)
         return 0;
     }
     p->moved = 1;
-    at = p->low + (p->high - p->low) * ((p->call + fraction) / p->calls);
+    double const at = p->low + (p->high - p->low) * ((p->call + fraction) / p->calls);
     /* The fraction never falls, whatever order the calls report in. */
     if (at > p->reached) p->reached = at < p->high ? at : p->high;
     tell_progress(run, 0);

@@ -52,9 +52,9 @@ void cli_text_free(cli_text *t)
     t->size = t->room = 0;
 }
 
-/* Length of the UTF-8 sequence at p, 0 when there is none. */
-static int utf8_length(const unsigned char *p)
+int cli_utf8_length(const char *text)
 {
+    const unsigned char *const p = (const unsigned char *)text;
     int const n = p[0] < 0x80                   ? 1
                   : p[0] >= 0xc2 && p[0] < 0xe0 ? 2
                   : p[0] >= 0xe0 && p[0] < 0xf0 ? 3
@@ -75,7 +75,7 @@ void cli_json_string(cli_text *t, const char *string)
 
     cli_text_add(t, "\"");
     while (*p != 0) {
-        int const n = utf8_length(p);
+        int const n = cli_utf8_length((const char *)p);
         if (n == 0) cli_text_add(t, "\\ufffd"); /* file names may be any bytes */
         else if (*p == '"' || *p == '\\') cli_text_add(t, "\\%c", *p);
         else if (*p < 32 || *p == 127) cli_text_add(t, "\\u%04x", *p);

@@ -77,10 +77,9 @@ void cli_watch_run(cli_run *run, const cli_leaving *leaving)
 
 int cli_interrupted(void)
 {
-    int now;
     cli_lock();
     /* Once the files have their names the work is done and nothing is left to cancel. */
-    now = !watch.kept && (watch.interrupted || watch_signalled);
+    int const now = !watch.kept && (watch.interrupted || watch_signalled);
     cli_unlock();
     return now;
 }
@@ -133,13 +132,12 @@ static void write_soon(int file, const char *bytes, size_t size)
     while (done < size) {
         struct pollfd p;
         size_t const part = size - done < WRITE_PART ? size - done : WRITE_PART;
-        ssize_t n;
         p.fd = file;
         p.events = POLLOUT;
         p.revents = 0;
         /* A reader that does not read must not hold up the end. */
         if (poll(&p, 1, WRITE_WAIT) != 1 || (p.revents & POLLOUT) == 0) return;
-        n = write(file, bytes + done, part);
+        ssize_t const n = write(file, bytes + done, part);
         if (n <= 0) return;
         done += (size_t)n;
     }
@@ -167,7 +165,6 @@ static void leave_heavy_things(void)
     pid_t const parent = getpid();
     struct rusage use;
     uint64_t bytes = watch.run != NULL ? watch.run->removed_bytes : 0;
-
     if (getrusage(RUSAGE_SELF, &use) == 0) bytes += (uint64_t)use.ru_maxrss * 1024;
     /* The parent exits at once; the child keeps memory and files alive until nobody waits. */
     if (bytes < WATCH_HEAVY || fork() != 0) return;

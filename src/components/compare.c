@@ -24,7 +24,6 @@ typedef struct compare_work {
 static void clear_compare_sums(const int32_t size[3], compare_sums *s)
 {
     memset(s, 0, sizeof *s);
-
     /* Low at the size and high at -1 widen to the first
      * voxel that comes, and change nothing where none does. */
     for (int32_t i = 0; i < 3; i++) {
@@ -73,9 +72,7 @@ static void compare_piece(void *user, int32_t index, uint64_t begin, uint64_t en
     const bvx_grid *const a = w->grid[0], *const b = w->grid[1];
     uint64_t const ny = (uint64_t)a->size[1];
     compare_sums s;
-
     clear_compare_sums(a->size, &s);
-
     /* A row belongs to one piece, so the sums of pieces add up to those of the grids. */
     for (uint64_t r = begin; r < end; r++) {
         size_t const at = (size_t)(r * (uint64_t)a->words_per_row);
@@ -84,8 +81,16 @@ static void compare_piece(void *user, int32_t index, uint64_t begin, uint64_t en
     w->sums[index] = s;
 }
 
-static void add_compare_sums(const compare_work *w, compare_sums *all)
+static bvx_status compare_words(bvx_context *ctx, compare_work *w, compare_sums *all)
 {
+    const bvx_grid *const a = w->grid[0];
+    uint64_t const rows = bvxi_grid_rows(a), words = bvxi_grid_words(a);
+    int32_t const pieces = bvxi_piece_count(words, COMPARE_GRAIN);
+    w->pieces = (uint64_t)pieces > rows ? (int32_t)rows : pieces;
+    uint64_t const bytes = (uint64_t)w->pieces * sizeof *w->sums;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the comparison's sums", &w->sums));
+    BVXI_TRY(
+        bvxi_for_pieces(ctx, "compare", 0.0, 0.5, w->pieces, bvxi_grid_rows(w->grid[0]), compare_piece, w));
     clear_compare_sums(w->grid[0]->size, all);
     for (int32_t i = 0; i < w->pieces; i++) {
         const compare_sums *const s = &w->sums[i];
@@ -96,20 +101,7 @@ static void add_compare_sums(const compare_work *w, compare_sums *all)
         all->runs[1] += s->runs[1];
         widen_compare_box(all, s->low, s->high);
     }
-}
 
-static bvx_status compare_words(bvx_context *ctx, compare_work *w, compare_sums *all)
-{
-    const bvx_grid *const a = w->grid[0];
-    uint64_t const rows = bvxi_grid_rows(a), words = bvxi_grid_words(a);
-    int32_t const pieces = bvxi_piece_count(words, COMPARE_GRAIN);
-
-    w->pieces = (uint64_t)pieces > rows ? (int32_t)rows : pieces;
-    uint64_t const bytes = (uint64_t)w->pieces * sizeof *w->sums;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the comparison's sums", &w->sums));
-    BVXI_TRY(
-        bvxi_for_pieces(ctx, "compare", 0.0, 0.5, w->pieces, bvxi_grid_rows(w->grid[0]), compare_piece, w));
-    add_compare_sums(w, all);
     bvxi_drop(ctx, w->sums);
     return BVX_OK;
 }
@@ -135,7 +127,6 @@ static size_t compare_row_at(const compare_side *s, int32_t y, int32_t z)
 static bvx_status compare_progress(bvx_context *ctx, const compare_side *s, int32_t z)
 {
     int32_t const low = s->all->low[2], slices = s->all->high[2] - low + 1, step = (slices + 7) / 8;
-
     if ((z - low) % step != 0) return BVX_OK;
     return bvxi_progress(ctx, "compare", s->from + (s->to - s->from) * ((double)(z - low) / (double)slices));
 }
@@ -164,7 +155,6 @@ static bvx_status visit_difference(bvx_context *ctx, const compare_side *s, comp
 {
     for (int32_t z = s->all->low[2]; z <= s->all->high[2]; z++) {
         BVXI_TRY(compare_progress(ctx, s, z));
-
         /* Only the box of the difference: what differs is small, as a rule. */
         for (int32_t y = s->all->low[1]; y <= s->all->high[1]; y++) visit_row_difference(s, y, z, take, user);
     }
@@ -209,7 +199,6 @@ static bvx_status measure_components(bvx_context *ctx, const compare_side *side,
 {
     uint64_t const bytes = c->component_count * sizeof(uint64_t);
     compare_sizes s = {c->label, NULL};
-
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the components' sizes", &s.size));
     BVXI_TRY(visit_difference(ctx, side, measure_compare_run, &s));
     for (uint64_t i = 0; i < c->component_count; i++) *largest = s.size[i] > *largest ? s.size[i] : *largest;
@@ -237,20 +226,6 @@ static bvx_status count_components(bvx_context *ctx, const char *function, const
     return BVX_OK;
 }
 
-static void report_comparison(const compare_sums *all, bvx_grid_difference *d)
-{
-    /* The pass has counted what only one has; with both it is the whole of each. */
-    d->only_a = all->set_a;
-    d->only_b = all->set_b;
-    d->both = all->both;
-    d->set_a = all->set_a + all->both;
-    d->set_b = all->set_b + all->both;
-    for (int32_t i = 0; i < 3 && all->high[0] >= 0; i++) {
-        d->low[i] = all->low[i];
-        d->size[i] = all->high[i] - all->low[i] + 1;
-    }
-}
-
 static bvx_status run_grid_compare(bvx_context *context, const bvx_grid *a, const bvx_grid *b,
                                    bvx_grid_difference *difference)
 {
@@ -269,7 +244,17 @@ static bvx_status run_grid_compare(bvx_context *context, const bvx_grid *a, cons
     BVXI_TRY(compare_words(context, &w, &all));
     BVXI_TRY(count_components(context, function, &w, &all, 0, &d.components_only_a, &d.largest_only_a));
     BVXI_TRY(count_components(context, function, &w, &all, 1, &d.components_only_b, &d.largest_only_b));
-    report_comparison(&all, &d);
+    /* The pass has counted what only one has; with both it is the whole of each. */
+    d.only_a = all.set_a;
+    d.only_b = all.set_b;
+    d.both = all.both;
+    d.set_a = all.set_a + all.both;
+    d.set_b = all.set_b + all.both;
+    for (int32_t i = 0; i < 3 && all.high[0] >= 0; i++) {
+        d.low[i] = all.low[i];
+        d.size[i] = all.high[i] - all.low[i] + 1;
+    }
+
     *difference = d;
     return BVX_OK;
 }

@@ -121,7 +121,6 @@ BVXI_VECTOR_INLINE void join_component_pairs(uint32_t *parent, component_pairs p
 {
     /* A bit's run is the runs before the word and those that begin up to the bit. */
     uint64_t const r_starts = r.here & ~r.low, n_starts = n.here & ~n.low;
-
     for (; pairs.back != 0; pairs.back &= pairs.back - 1) {
         uint64_t const up_to = pairs.back ^ (pairs.back - 1); /* the lowest bit and all below */
         unite_components(parent, r_before + bvxi_count_bits(r_starts & up_to, fast) - 1,
@@ -196,7 +195,6 @@ BVXI_VECTOR_INLINE uint64_t rank_component_row(bvxi_components *c, const uint64_
                                                int fast)
 {
     uint64_t n = c->added, any = 0;
-
     /* Runs are numbered where they begin: a set bit after one that is not set. */
     for (int32_t k = 0; k < c->row_words; k++) {
         before[k] = (uint32_t)n;
@@ -255,7 +253,6 @@ void bvxi_components_number(bvxi_components *c)
 {
     uint32_t *const label = c->label;
     uint32_t next = 0;
-
     for (uint64_t i = 0; i < c->added; i++) { /* a parent is an earlier run, whose label is final by now */
         uint32_t const parent = label[i], of_parent = label[parent];
         label[i] = parent == i ? next : of_parent;
@@ -313,7 +310,6 @@ bvx_status bvxi_spaces_open(bvx_context *ctx, const char *function, const char *
                             int32_t empty, int32_t connectivity, bvxi_spaces *spaces)
 {
     memset(spaces, 0, sizeof *spaces);
-
     /* The number of runs is known before, so the forest is made in its exact size. */
     BVXI_TRY(bvxi_components_open(ctx, function, connectivity, grid->size, count_space_runs(grid, empty),
                                   &spaces->parts));
@@ -327,7 +323,6 @@ void bvxi_spaces_each(const bvxi_spaces *spaces, bvxi_spaces_fn *take, void *use
 {
     const bvx_grid *const g = spaces->grid;
     const uint32_t *label = spaces->parts.label;
-
     /* The same runs in the same order as they were joined, so labels go along with them. */
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t y = 0; y < g->size[1]; y++) {

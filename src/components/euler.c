@@ -54,7 +54,6 @@ static int64_t euler_number(const bvx_grid *g, int any)
 {
     uint64_t const tail = bvxi_tail_mask(g->size[0]);
     int64_t sum = 0;
-
     for (int32_t z = any ? -1 : 0; z < g->size[2]; z++)
         for (int32_t y = any ? -1 : 0; y < g->size[1]; y++) {
             const uint64_t *const rows[4] = {euler_row(g, y, z), euler_row(g, y + 1, z),
@@ -90,7 +89,6 @@ static bvx_status count_cavities(bvx_context *ctx, const bvx_grid *grid, int32_t
 {
     cavity_sides sides = {grid, NULL};
     bvxi_spaces spaces;
-
     /* A cavity touches no side of the window; the empty space takes the other connectivity. */
     BVXI_TRY(bvxi_spaces_open(ctx, topology_name, "cavities", grid, 1, connectivity, &spaces));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the sides of cavities", &sides.at_side));

@@ -75,8 +75,6 @@ static bvx_status run_grid_fill(bvx_context *context, const bvx_grid *walls, con
                                 uint64_t seed_count, int32_t connectivity, bvx_grid *filled)
 {
     bvx_window window;
-    bvx_grid made;
-    bvx_status status;
 
     BVXI_TRY(bvxi_grid_check(context, grid_fill_name, walls));
     if (filled == NULL) return bvxi_fail_null(context, grid_fill_name, "filled");
@@ -88,9 +86,9 @@ static bvx_status run_grid_fill(bvx_context *context, const bvx_grid *walls, con
     memcpy(window.size, walls->size, sizeof window.size);
     bvxi_grid_renew(context, &walls->lattice, &window, filled);
 
-    made = *filled;
+    bvx_grid made = *filled;
     BVXI_TRY(bvxi_grid_open(context, grid_fill_name, &walls->lattice, &window, &made));
-    status = fill_from_seeds(context, walls, seeds, seed_count, connectivity, &made);
+    bvx_status const status = fill_from_seeds(context, walls, seeds, seed_count, connectivity, &made);
     return bvxi_grid_put(context, status, &made, filled);
 }
 

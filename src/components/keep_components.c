@@ -38,7 +38,6 @@ static bvx_status open_keep_work(bvx_context *ctx, const char *function, const b
     w->ctx = ctx;
     BVXI_TRY(
         bvxi_spaces_open(ctx, function, empty ? "cavities" : "keep", grid, empty, connectivity, &w->spaces));
-
     /* Spaces are counted by now, so the lists have their exact size. */
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->spaces.count * 8, "the sizes of parts", &w->voxels));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->spaces.count, "the marks of parts", &w->marks));
@@ -46,11 +45,6 @@ static bvx_status open_keep_work(bvx_context *ctx, const char *function, const b
         BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->spaces.count, "the sides of parts", &w->at_side));
     bvxi_spaces_measure(&w->spaces, w->voxels, w->at_side);
     return BVX_OK;
-}
-
-static void drop_small_parts(keep_work *w, uint64_t at_least)
-{
-    for (uint64_t i = 0; i < w->spaces.count; i++) w->marks[i] |= w->voxels[i] < at_least;
 }
 
 typedef struct keep_seeds {
@@ -72,7 +66,6 @@ static void drop_unseeded_parts(keep_work *w, const bvx_keep_options *o, const b
 {
     keep_seeds s = {seeds, w->marks};
     bvx_grid marked = *seeds;
-
     /* Seeds are marked in a grid of their own: one walk over runs finds those of any number of seeds. */
     memset(marked.words, 0, (size_t)bvxi_grid_words(&marked) * 8);
     for (uint64_t i = 0; i < o->seed_count; i++)
@@ -145,7 +138,8 @@ static bvx_status keep_parts(bvx_context *ctx, const bvx_grid *grid, const bvx_k
     if (o->seed_count != 0) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the seeds' voxels", &seeds.words));
 
     if (o->seed_count != 0) drop_unseeded_parts(&w, o, &seeds);
-    drop_small_parts(&w, o->at_least);
+    uint64_t const at_least = o->at_least;
+    for (uint64_t i = 0; i < w.spaces.count; i++) w.marks[i] |= w.voxels[i] < at_least;
     if (o->largest != 0) drop_all_but_largest(&w, o->largest);
     if (o->report != NULL) report_kept(&w, o->report);
     /* The result may be the grid itself; then only what goes is changed. */
@@ -159,15 +153,12 @@ static bvx_status run_grid_keep(bvx_context *context, const bvx_grid *grid, cons
 {
     bvx_keep_options o;
     bvx_grid made;
-    bvx_status status;
-
     if (result == NULL) return bvxi_fail_null(context, keep_name, "result");
     BVXI_TRY(bvxi_take_options(context, keep_name, options, &o, sizeof o));
     BVXI_TRY(bvxi_grid_check(context, keep_name, grid));
     BVXI_TRY(check_keep_options(context, grid, &o));
     BVXI_TRY(open_keep_result(context, keep_name, grid, result, &made));
-    status = keep_parts(context, grid, &o, &made);
-    return bvxi_grid_put(context, status, &made, result);
+    return bvxi_grid_put(context, keep_parts(context, grid, &o, &made), &made, result);
 }
 
 bvx_status bvx_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_keep_options *options,
@@ -203,11 +194,9 @@ static bvx_status run_grid_fill_cavities(bvx_context *context, const bvx_grid *g
     bvxi_pockets set = {0, 0};
     bvx_grid made;
     bvx_status status;
-
     if (result == NULL) return bvxi_fail_null(context, cavities_name, "result");
     BVXI_TRY(bvxi_grid_check(context, cavities_name, grid));
     BVXI_TRY(bvxi_check_connectivity(context, cavities_name, connectivity));
-
     /* After all checks: an array of the caller's must not be touched by a call that is refused. */
     BVXI_TRY(open_keep_result(context, cavities_name, grid, result, &made));
     status = bvxi_fill_pockets(context, cavities_name, grid, connectivity, at_most, made.words, &set);

@@ -40,19 +40,10 @@ static void list_part_run(void *user, uint32_t space, int32_t begin, int32_t end
     p->size[2] = z + 1;
 }
 
-static void list_parts(const bvxi_spaces *spaces, bvx_component *parts)
-{
-    parts_list list = {spaces->grid, parts, 0};
-    bvxi_spaces_each(spaces, list_part_run, &list);
-    for (uint64_t i = 0; i < spaces->count; i++)
-        for (int32_t a = 0; a < 3; a++) parts[i].size[a] -= parts[i].low[a];
-}
-
 static bvx_status run_grid_components(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
                                       bvx_component *parts, uint64_t capacity, uint64_t *count)
 {
     bvxi_spaces spaces;
-
     if (count == NULL) return bvxi_fail_null(context, parts_name, "count");
     BVXI_TRY(bvxi_grid_check(context, parts_name, grid));
     BVXI_TRY(bvxi_check_connectivity(context, parts_name, connectivity));
@@ -62,7 +53,12 @@ static bvx_status run_grid_components(bvx_context *context, const bvx_grid *grid
     if (parts != NULL && spaces.count > capacity)
         return bvxi_fail(context, BVX_ERR_CAPACITY, "%s: the grid has %u parts, the array given holds %u",
                          parts_name, spaces.count, capacity);
-    if (parts != NULL) list_parts(&spaces, parts);
+    if (parts != NULL) {
+        parts_list list = {spaces.grid, parts, 0};
+        bvxi_spaces_each(&spaces, list_part_run, &list);
+        for (uint64_t i = 0; i < spaces.count; i++)
+            for (int32_t a = 0; a < 3; a++) parts[i].size[a] -= parts[i].low[a];
+    }
     return BVX_OK;
 }
 
@@ -91,10 +87,9 @@ static const uint32_t *label_word(uint64_t w, uint64_t last, const uint32_t *lab
         int32_t const begin = bvxi_lowest(w);
         uint64_t const rest = ~(w >> begin); /* 0 when the run fills the word */
         int32_t const end = rest == 0 ? BVXI_WORD_BITS : begin + bvxi_lowest(rest);
-        uint32_t value;
         /* A run that begins in this word has the next label. */
         label += starts >> begin & 1;
-        value = label[-1] + 1;
+        uint32_t const value = label[-1] + 1;
         for (int32_t x = begin; x < end; x++) to[x] = value;
         w &= end == BVXI_WORD_BITS ? 0 : ~UINT64_C(0) << end;
     }
@@ -104,7 +99,6 @@ static const uint32_t *label_word(uint64_t w, uint64_t last, const uint32_t *lab
 static const uint32_t *label_row(const uint64_t *row, int32_t size, const uint32_t *label, uint32_t *to)
 {
     uint64_t last = 0;
-
     memset(to, 0, (size_t)size * sizeof *to);
     for (int32_t k = 0; k * BVXI_WORD_BITS < size; k++) {
         uint64_t const w = size - k * BVXI_WORD_BITS < BVXI_WORD_BITS ? row[k] & bvxi_tail_mask(size)

@@ -104,7 +104,6 @@ static inline double nearest_in_group(const bvxi_plane *p, uint32_t leaf, double
                                       uint32_t *hint)
 {
     double d[BVXI_SEGMENT_GROUP], least;
-
     squares_of_group(&p->group[leaf], u, v, d);
     least = d[0] < d[1] ? d[0] : d[1];
     if (d[2] < least) least = d[2];
@@ -148,13 +147,10 @@ static double nearest_below(const bvxi_plane *p, uint32_t node, double u, double
  * into when it may hold something nearer. */
 double bvxi_plane_distance(const bvxi_plane *p, double u, double v, uint32_t *hint)
 {
-    uint32_t node;
-    double best;
-
     /* A hint of another plane may lie beyond this one's segments. */
     if (*hint >= p->segment_count) *hint = 0;
-    node = p->leaf_count + *hint / BVXI_SEGMENT_GROUP;
-    best = nearest_in_group(p, node - p->leaf_count, u, v, 1e300, hint);
+    uint32_t node = p->leaf_count + *hint / BVXI_SEGMENT_GROUP;
+    double best = nearest_in_group(p, node - p->leaf_count, u, v, 1e300, hint);
     for (; node > 1; node >>= 1)
         if (box_square(p->box[node ^ 1], u, v) < farthest_box(p, best))
             best = nearest_below(p, node ^ 1, u, v, best, hint);
@@ -205,9 +201,8 @@ int bvxi_plane_inside(const bvxi_stack *stack, const bvxi_plane *p, double u, do
     for (uint32_t n = 0; n < p->segment_count; n++) {
         uint32_t const i = segment_at(p, n);
         const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
-        int64_t s;
         if ((a[1] < qy) == (b[1] < qy)) continue;
-        s = (b[0] - (int64_t)a[0]) * (qy - a[1]) - (qx - a[0]) * (b[1] - (int64_t)a[1]);
+        int64_t const s = (b[0] - (int64_t)a[0]) * (qy - a[1]) - (qx - a[0]) * (b[1] - (int64_t)a[1]);
         odd ^= (s > 0) == (b[1] > a[1]);
     }
     return odd;
@@ -236,9 +231,8 @@ int bvxi_plane_encloses(const bvxi_plane *p, double u, double v)
         for (uint32_t n = first; n < first + BVXI_SEGMENT_GROUP && n < p->segment_count; n++) {
             uint32_t const i = segment_at(p, n);
             const double *const a = p->uv[i], *const b = p->uv[p->next[i]];
-            double side;
             if ((a[1] < v) == (b[1] < v)) continue;
-            side = (b[0] - a[0]) * (v - a[1]) - (u - a[0]) * (b[1] - a[1]);
+            double const side = (b[0] - a[0]) * (v - a[1]) - (u - a[0]) * (b[1] - a[1]);
             odd ^= (side > 0.0) == (b[1] > a[1]);
         }
     }

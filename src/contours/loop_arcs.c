@@ -18,7 +18,6 @@ bvx_status bvxi_plane_add_cut(bvxi_stack *s, bvxi_plane *p, uint32_t segment, in
     if (of->cut_count == of->cut_room) {
         uint64_t const room = of->cut_room < 256 ? 256 : (uint64_t)of->cut_room + of->cut_room / 2;
         bvxi_line_cut *larger;
-
         if (room > INT32_MAX)
             return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                                  "%s: section %i crosses the grid more than 2^31 times", s->function,
@@ -161,16 +160,6 @@ static void count_by(const bvxi_plane *p, const bvxi_arc_scratch *x, int shift, 
     }
 }
 
-static void sort_arcs(const bvxi_stack *s, bvxi_plane *p, const bvxi_arc_scratch *x)
-{
-    count_by(p, x, 0, s->size[0], NULL, x->order[0]);
-    count_by(p, x, 16, s->size[1], x->order[0], x->order[1]);
-    for (uint32_t i = 0; i < p->arc_count; i++) {
-        p->arc[i] = x->arc[x->order[1][i]];
-        p->arc_cell[i] = x->cell[x->order[1][i]];
-    }
-}
-
 static int side_of_cell(const bvxi_stack *s, const bvxi_line_cut *c, uint32_t key)
 {
     int32_t const low = (int32_t)((c->axis == 0 ? key & 0xffff : key >> 16) << s->fine);
@@ -208,7 +197,6 @@ void bvxi_plane_look_at_cells(const bvxi_stack *s, bvxi_plane *p)
 uint32_t bvxi_plane_arcs_in(const bvxi_plane *p, uint32_t key, uint32_t *count)
 {
     uint32_t low = 0, high = p->arc_count;
-
     while (low < high) {
         uint32_t const middle = low + (high - low) / 2;
         if (p->arc_cell[middle] < key) low = middle + 1;
@@ -235,10 +223,14 @@ void bvxi_plane_fill_rows(const bvxi_stack *s, uint64_t *inside)
 void bvxi_plane_cut(bvxi_stack *s, bvxi_plane *p, const bvxi_arc_scratch *scratch)
 {
     arc_walk w = {.s = s, .p = p, .out = scratch};
-
     for (uint32_t i = 0; i < p->contour_count; i++) walk_loop(&w, &p->contour[i]);
     p->grid_cut_count = p->cut_count;
-    sort_arcs(s, p, scratch);
+    count_by(p, scratch, 0, s->size[0], NULL, scratch->order[0]);
+    count_by(p, scratch, 16, s->size[1], scratch->order[0], scratch->order[1]);
+    for (uint32_t i = 0; i < p->arc_count; i++) {
+        p->arc[i] = scratch->arc[scratch->order[1][i]];
+        p->arc_cell[i] = scratch->cell[scratch->order[1][i]];
+    }
     bvxi_plane_look_at_cells(s, p);
     bvxi_plane_fill_rows(s, p->inside);
 }

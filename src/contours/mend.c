@@ -15,7 +15,6 @@ static int mend_has_three_points(const bvx_sections *given, const bvx_section_lo
 {
     const double *const p = given->points + 3 * l->first_point;
     uint64_t different = 0;
-
     for (uint64_t i = 0; i < l->point_count; i++) {
         const double *const a = p + 3 * i, *const b = p + 3 * (i == 0 ? l->point_count - 1 : i - 1);
         different += a[0] != b[0] || a[1] != b[1] || a[2] != b[2];
@@ -42,7 +41,6 @@ static bvx_status mend_drop_lines(bvx_context *ctx, const char *function, const 
 static bvx_status mend_copy_loop(const bvx_sections *given, uint64_t number, bvxi_mended *m)
 {
     const bvx_section_loop *const l = &given->loops[number];
-
     BVXI_TRY(bvxi_mended_add_loop(m, l->section, l->label));
     for (uint64_t i = 0; i < l->point_count; i++)
         BVXI_TRY(bvxi_mended_add_point(m, given->points + 3 * (l->first_point + i), 0, 0));
@@ -54,7 +52,6 @@ static bvx_status mend_plane(bvxi_mend_work *w, bvxi_mended *m)
 {
     uint64_t changed = 0;
     int done;
-
     BVXI_TRY(bvxi_mend_split_plane(w, &done));
     for (uint32_t i = 0; i < w->plane->contour_count; i++) {
         if (w->changed[i] && done) changed++;
@@ -102,7 +99,6 @@ bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections 
 {
     bvx_sections kept;
     bvxi_stack s;
-
     begin_mended(ctx, function, given, m);
     BVXI_TRY(mend_drop_lines(ctx, function, given, &kept, &m->loops));
     BVXI_TRY(bvxi_stack_begin(ctx, function, &kept, options, &s));
@@ -111,8 +107,6 @@ bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections 
     bvxi_stack_give_grid(&s, &m->grid);
     return mend_stack(&s, m);
 }
-
-/* ---- planes of any direction ---- */
 
 /* The loops of one section, a stack of one plane, with their points where steps put them: bodies of such planes
  * are made by places alone. */
@@ -132,7 +126,6 @@ static bvx_status mend_section(bvx_context *ctx, const char *function, const bvx
         BVXI_TRY(bvxi_mended_add_loop(m, section, l->label));
         for (uint64_t p = l->first_point; p < l->first_point + l->point_count; p++) {
             double at[3];
-
             memcpy(at, mended.sections.points + 3 * p, sizeof at);
             for (int a = 0; a < 2; a++)
                 for (int k = 0; k < 3 && mended.nudge[p][a] != 0; k++)

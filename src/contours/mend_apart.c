@@ -44,7 +44,6 @@ typedef struct apart_work {
 void bvxi_mend_direction(const bvxi_mend_work *w, const uint32_t *edge, uint32_t end, int64_t d[2])
 {
     const uint32_t *const node = w->edge[edge[end >> 1]].node;
-
     for (int k = 0; k < 2; k++) d[k] = (int64_t)w->node[node[~end & 1]].q[k] - w->node[node[end & 1]].q[k];
 }
 
@@ -73,7 +72,6 @@ double bvxi_mend_middle(const bvxi_mend_paths *p, uint32_t from, uint32_t to, do
 static int stands_between(const bvxi_mend_paths *p, uint32_t from, uint32_t end, uint32_t to)
 {
     uint32_t const r = p->rank[end], a = p->rank[from], b = p->rank[to];
-
     return a < b ? a < r && r < b : r > a || r < b;
 }
 
@@ -82,7 +80,6 @@ static void far_angle(const bvxi_mend_paths *p, uint32_t stop, uint32_t stays, u
 {
     const bvxi_mend_stop *const s = &p->stop[stop];
     int const turned = stands_between(p, s->out, p->stop[stays].in, s->in);
-
     angle[0] = turned ? s->in : s->out;
     angle[1] = turned ? s->out : s->in;
 }
@@ -103,7 +100,6 @@ static void aim_stops(apart_work *w, uint32_t node, uint32_t stays)
     for (uint32_t i = 1; i < count; i++) { /* narrow ones first; few meet at a node */
         uint32_t const x = here[i];
         uint32_t a[2], b[2], j = i;
-
         far_angle(p, x, stays, a);
         for (; j > 0; j--) {
             far_angle(p, here[j - 1], stays, b);
@@ -165,7 +161,6 @@ static void stop_nudge(const bvxi_mend_paths *p, const apart_work *w, uint32_t s
 {
     const apart_stop *const s = &w->stop[stop];
     double steps = w->steps[p->stop[stop].node];
-
     for (uint32_t k = 0; k < s->level; k++) steps *= 0.25;
     for (int k = 0; k < 2; k++) nudge[k] = (int32_t)floor(steps * s->way[k] + 0.5);
 }
@@ -183,7 +178,6 @@ static void put_segments(apart_work *w)
         for (int end = 0; end < 2; end++) {
             const int32_t *const at = m->node[p->stop[s->stop[end]].node].q;
             int32_t nudge[2];
-
             stop_nudge(p, w, s->stop[end], nudge);
             for (int k = 0; k < 2; k++) s->q[end][k] = at[k] + 2 * nudge[k];
         }
@@ -202,7 +196,6 @@ static void put_segments(apart_work *w)
 static int segments_collide(const apart_segment *s, const apart_segment *t)
 {
     int const after = s->stop[1] == t->stop[0], before = t->stop[1] == s->stop[0];
-
     if (s->stop[0] == BVXI_NONE && t->stop[0] == BVXI_NONE) return 0; /* they do not touch as they are */
     /* Neighbours on a loop share a point: only a fold back onto each other counts. */
     if (after && before) return 0;
@@ -220,7 +213,6 @@ static uint32_t node_of_end(const apart_work *w, const apart_segment *s, int end
 static void mark_collision(apart_work *w, const apart_segment *s, const apart_segment *t)
 {
     int common = 0;
-
     for (int i = 0; i < 4; i++) {
         uint32_t const node = node_of_end(w, s, i & 1);
         if (node == BVXI_NONE || node != node_of_end(w, t, i >> 1)) continue;
@@ -236,7 +228,6 @@ static void mark_collision(apart_work *w, const apart_segment *s, const apart_se
 static bvx_status find_collision(void *user, uint32_t i, uint32_t j)
 {
     apart_work *const w = user;
-
     if (segments_collide(&w->segment[i], &w->segment[j])) mark_collision(w, &w->segment[i], &w->segment[j]);
     return BVX_OK;
 }
@@ -245,7 +236,6 @@ static bvx_status find_collision(void *user, uint32_t i, uint32_t j)
 static int change_steps(apart_work *w, uint32_t node, int round)
 {
     double *const steps = &w->steps[node];
-
     if (w->mark[node] == APART_MORE && round < APART_DOUBLINGS && *steps < APART_FARTHEST) *steps *= 2.0;
     else if (w->mark[node] != 0 && *steps > 1.0) *steps *= 0.5;
     else return 0;

@@ -21,15 +21,12 @@ enum { MEND_PIXEL = 128 }; /* crossings lie so far from each other at least; 2^-
 static bvx_status mend_node_at(bvxi_mend_work *w, const int32_t q[2], const double at[3], uint32_t *number)
 {
     uint32_t *found = NULL;
-    bvxi_mend_node *n;
-
     BVXI_TRY(bvxi_stack_map_add(w->s, w->map, (uint64_t)(uint32_t)q[0] << 32 | (uint32_t)q[1], &found));
     *number = *found;
     if (*found != BVXI_NONE) return BVX_OK;
-
     *number = *found = w->node_count;
     BVXI_TRY(BVXI_SLAB_GROW(w->s, w->node, w->node_count, w->node_room, "the points of loops to mend"));
-    n = &w->node[w->node_count++];
+    bvxi_mend_node *const n = &w->node[w->node_count++];
     memcpy(n->q, q, sizeof n->q);
     memcpy(n->at, at, sizeof n->at);
     n->loop = BVXI_NONE;
@@ -40,10 +37,8 @@ static bvx_status mend_node_at(bvxi_mend_work *w, const int32_t q[2], const doub
 static bvx_status mend_add_edge(bvxi_mend_work *w, bvxi_mend_edge **edges, uint32_t *count, uint64_t *room,
                                 uint32_t a, uint32_t b, uint32_t loop)
 {
-    bvxi_mend_edge *e;
-
     BVXI_TRY(BVXI_SLAB_GROW(w->s, *edges, *count, *room, "the segments of loops to mend"));
-    e = &(*edges)[(*count)++];
+    bvxi_mend_edge *const e = &(*edges)[(*count)++];
     e->node[0] = a;
     e->node[1] = b;
     e->loop = loop;
@@ -53,7 +48,6 @@ static bvx_status mend_add_edge(bvxi_mend_work *w, bvxi_mend_edge **edges, uint3
 static void mend_visit(bvxi_mend_work *w, uint32_t node, uint32_t loop)
 {
     bvxi_mend_node *const n = &w->node[node];
-
     if (n->visits++ == 0) n->loop = loop;
     else w->changed[n->loop] = w->changed[loop] = 1;
 }
@@ -82,7 +76,6 @@ static bvx_status mend_take_loop(bvxi_mend_work *w, uint32_t loop)
 static bvx_status mend_split_at(bvxi_mend_work *w, uint32_t edge, uint32_t node)
 {
     bvxi_mend_edge *const e = &w->edge[edge];
-
     if (node == e->node[0] || node == e->node[1]) return BVX_OK;
     BVXI_TRY(BVXI_SLAB_GROW(w->s, w->split, w->split_count, w->split_room, "the splits of segments"));
     w->split[w->split_count].edge = edge;
@@ -149,13 +142,11 @@ static bvx_status mend_pair(void *user, uint32_t j, uint32_t i)
 
 static bvx_status mend_find_pairs(bvxi_mend_work *w)
 {
-    bvx_status status;
-
     BVXI_TRY(BVXI_RESERVE(w->s, w->box, w->edge_count, w->box_room, "the segments of loops to mend"));
     for (uint32_t i = 0; i < w->edge_count; i++)
         w->box[i] = bvxi_box_segment(w->node[w->edge[i].node[0]].q, w->node[w->edge[i].node[1]].q, i);
     w->split_count = w->crossings = 0;
-    status = bvxi_sweep(w->s->ctx, w->box, w->edge_count, mend_pair, w);
+    bvx_status const status = bvxi_sweep(w->s->ctx, w->box, w->edge_count, mend_pair, w);
     return w->split_count == BVXI_NONE ? BVX_OK : status;
 }
 
@@ -166,17 +157,14 @@ static int mend_passes(const int32_t *a, const int32_t *b, const int32_t *c)
     int64_t const turn = x * ((int64_t)c[1] - a[1]) - y * ((int64_t)c[0] - a[0]);
     int64_t const along = x * ((int64_t)c[0] - a[0]) + y * ((int64_t)c[1] - a[1]);
     int64_t const reach = ((x < 0 ? -x : x) + (y < 0 ? -y : y)) * (MEND_PIXEL / 2);
-
     return along > 0 && along < x * x + y * y && turn < reach && turn > -reach;
 }
 
 static bvx_status mend_order_nodes(bvxi_mend_work *w, uint32_t *count)
 {
     uint32_t const n = w->node_count;
-
     BVXI_TRY(BVXI_RESERVE(w->s, w->key, n, w->key_room, "the order of segments"));
     BVXI_TRY(BVXI_RESERVE(w->s, w->order, n, w->order_room, "the order of segments"));
-
     *count = 0;
     for (uint32_t i = 0; i < n; i++) {
         /* Nodes of loops that stay as they are split nothing. */
@@ -217,7 +205,6 @@ static int64_t mend_along(const bvxi_mend_work *w, const bvxi_mend_edge *e, uint
     const int32_t *const a = w->node[e->node[0]].q;
     const int32_t *const b = w->node[e->node[1]].q;
     const int32_t *const c = w->node[node].q;
-
     return ((int64_t)b[0] - a[0]) * ((int64_t)c[0] - a[0]) + ((int64_t)b[1] - a[1]) * ((int64_t)c[1] - a[1]);
 }
 
@@ -225,7 +212,6 @@ static int64_t mend_along(const bvxi_mend_work *w, const bvxi_mend_edge *e, uint
 static void mend_sort_splits(const bvxi_mend_work *w, uint32_t *order, uint32_t count)
 {
     const bvxi_mend_edge *const e = &w->edge[w->split[order[0]].edge];
-
     for (uint32_t i = 1; i < count; i++) {
         uint32_t const x = order[i];
         int64_t const along = mend_along(w, e, w->split[x].node);
@@ -276,14 +262,12 @@ static bvx_status mend_apply_splits(bvxi_mend_work *w)
 
 bvx_status bvxi_mend_split_plane(bvxi_mend_work *w, int *done)
 {
-    uint64_t most;
-
     w->node_count = w->edge_count = 0;
     bvxi_map_clear(w->map);
     memset(w->changed, 0, w->plane->contour_count);
     for (uint32_t i = 0; i < w->plane->contour_count; i++) BVXI_TRY(mend_take_loop(w, i));
 
-    most = UINT32_MAX;
+    uint64_t most = UINT32_MAX;
     *done = 0;
     /* Until nothing meets; bounded, since moved segments may meet new ones. */
     for (int round = 0; round < MEND_ROUNDS && !*done && w->edge_count <= most; round++) {

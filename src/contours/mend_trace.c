@@ -6,7 +6,6 @@
 bvx_status bvxi_mended_add_loop(bvxi_mended *m, uint32_t section, int32_t label)
 {
     bvx_sections *const s = &m->sections;
-
     BVXI_TRY(BVXI_GROW(m, s->loops, s->loop_count, s->loop_capacity, "mended loops"));
     s->loops[s->loop_count++] = (bvx_section_loop){
         .first_point = s->point_count, .section = section, .label = label};
@@ -16,7 +15,6 @@ bvx_status bvxi_mended_add_loop(bvxi_mended *m, uint32_t section, int32_t label)
 bvx_status bvxi_mended_add_point(bvxi_mended *m, const double at[3], int32_t u, int32_t v)
 {
     bvx_sections *const s = &m->sections;
-
     BVXI_TRY(BVXI_GROW_BY(m, s->points, s->point_count, s->point_capacity, 24, "the points of mended loops"));
     BVXI_TRY(BVXI_GROW(m, m->nudge, s->point_count, m->nudge_room, "the points of mended loops"));
     memcpy(s->points + 3 * s->point_count, at, 24);
@@ -80,14 +78,12 @@ static bvx_status mend_keep_edges(mend_trace *t, uint64_t *key, uint32_t *order)
 static int mend_turns_before(const mend_trace *t, uint32_t a, uint32_t b)
 {
     int64_t d[2], e[2];
-    int low, other;
-
     bvxi_mend_direction(t->w, t->edge, a, d);
     bvxi_mend_direction(t->w, t->edge, b, e);
     /* Directions of the lower half-plane come after those of
      * the upper one; within one, the cross product decides. */
-    low = d[1] < 0 || (d[1] == 0 && d[0] < 0);
-    other = e[1] < 0 || (e[1] == 0 && e[0] < 0);
+    int const low = d[1] < 0 || (d[1] == 0 && d[0] < 0);
+    int const other = e[1] < 0 || (e[1] == 0 && e[0] < 0);
     if (low != other) return low < other;
     return d[0] * e[1] - d[1] * e[0] > 0;
 }
@@ -159,7 +155,6 @@ static double mend_narrowness(const mend_trace *t, const bvxi_mend_paths *p, con
 {
     uint32_t const all = t->start[s->node + 1] - t->start[s->node], i = t->rank[s->out], j = t->rank[s->in];
     double middle[2];
-
     if ((i + 1) % all == j) return bvxi_mend_middle(p, s->out, s->in, middle);
     return (j + 1) % all == i ? bvxi_mend_middle(p, s->in, s->out, middle) : 2.0;
 }
@@ -206,7 +201,6 @@ static bvx_status mend_give_loops(mend_trace *t, const int16_t (*nudge)[2])
 static uint32_t *mend_part(unsigned char **at, uint64_t bytes)
 {
     uint32_t *const part = (uint32_t *)(void *)*at;
-
     *at += bytes;
     return part;
 }
@@ -217,26 +211,22 @@ bvx_status bvxi_mend_trace(bvxi_mend_work *w, bvxi_mended *mended)
     uint64_t const size = edges * (8 + 4 + 4 + 8 + 8 + 4 + 2 * stops + 1) +
                           (nodes + 1) * (8 + 4 + 4 + 4 + stops);
     unsigned char *block, *at;
-    double *narrowest;
-    uint64_t *key;
-    uint32_t *order, *stays;
     mend_trace t = {.w = w, .mended = mended};
-    bvxi_mend_paths paths;
     int16_t(*nudge)[2];
 
     BVXI_TRY(bvxi_alloc(w->s->ctx, BVXI_SCRATCH, size, "the paths of loops to mend", &block));
     /* Wide items first, so that each part is aligned. */
     at = block;
-    key = (uint64_t *)(void *)mend_part(&at, edges * 8);
-    narrowest = (double *)(void *)mend_part(&at, (nodes + 1) * 8);
-    order = mend_part(&at, edges * 4);
+    uint64_t *const key = (uint64_t *)(void *)mend_part(&at, edges * 8);
+    double *const narrowest = (double *)(void *)mend_part(&at, (nodes + 1) * 8);
+    uint32_t *const order = mend_part(&at, edges * 4);
     t.edge = mend_part(&at, edges * 4);
     t.end = mend_part(&at, edges * 8);
     t.rank = mend_part(&at, edges * 8);
     t.loop = mend_part(&at, edges * 4);
     t.start = mend_part(&at, (nodes + 1) * 4);
     t.place = mend_part(&at, (nodes + 1) * 4);
-    stays = mend_part(&at, (nodes + 1) * 4);
+    uint32_t *const stays = mend_part(&at, (nodes + 1) * 4);
     t.path = (bvxi_mend_stop *)(void *)mend_part(&at, (nodes + 1 + edges) * stops);
     t.stop = (bvxi_mend_stop *)(void *)mend_part(&at, edges * stops);
     t.used = (uint8_t *)at;
@@ -248,7 +238,7 @@ bvx_status bvxi_mend_trace(bvxi_mend_work *w, bvxi_mended *mended)
         if (!t.used[i]) mend_follow(&t, i);
 
     /* The stop that stays is chosen first, as all others move away from it. */
-    paths = (bvxi_mend_paths){w, t.edge, t.rank, t.stop, t.loop, t.stop_count, t.loop_count};
+    bvxi_mend_paths paths = {w, t.edge, t.rank, t.stop, t.loop, t.stop_count, t.loop_count};
     mend_choose_stay(&t, &paths, narrowest, stays);
     BVXI_TRY(BVXI_ZEROS(w->s->ctx, t.stop_count, "the steps of points", nudge));
     BVXI_TRY(bvxi_mend_apart(&paths, stays, nudge));

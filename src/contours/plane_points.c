@@ -49,7 +49,6 @@ static int turn_of(const bvxi_plane *p, const bvxi_contour *c)
 {
     bvxi_wide sum = bvxi_wide_mul(0, 0);
     const int32_t *const o = p->q[c->first];
-
     for (uint32_t i = c->first + 1; i + 1 < c->first + c->count; i++) {
         int64_t const ax = (int64_t)p->q[i][0] - o[0], ay = (int64_t)p->q[i][1] - o[1];
         int64_t const bx = (int64_t)p->q[i + 1][0] - o[0], by = (int64_t)p->q[i + 1][1] - o[1];
@@ -61,14 +60,12 @@ static int turn_of(const bvxi_plane *p, const bvxi_contour *c)
 int bvxi_loop_contains(const bvxi_plane *p, const bvxi_contour *c, const int32_t *at)
 {
     int odd = 0;
-
     for (uint32_t i = c->first; i < c->first + c->count; i++) {
         const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
-        int64_t s;
         /* Half open, so that a place level with a point counts it once. */
         if ((a[1] <= at[1]) == (b[1] <= at[1])) continue;
-        s = ((int64_t)b[0] - a[0]) * ((int64_t)at[1] - a[1]) -
-            ((int64_t)at[0] - a[0]) * ((int64_t)b[1] - a[1]);
+        int64_t const s = ((int64_t)b[0] - a[0]) * ((int64_t)at[1] - a[1]) -
+                          ((int64_t)at[0] - a[0]) * ((int64_t)b[1] - a[1]);
         odd ^= (s > 0) == (b[1] > a[1]);
     }
     return odd;

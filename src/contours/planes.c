@@ -29,7 +29,6 @@ typedef struct planes_job {
 static void plane_place_piece(void *user, uint64_t begin, uint64_t end)
 {
     planes_job *const job = user;
-
     for (uint64_t i = begin; i < end; i++) {
         double *const b = job->bounds[i];
         b[0] = b[1] = 1e300;
@@ -42,7 +41,6 @@ static planes_job planes_job_of(bvxi_stack *s)
 {
     planes_job job = {
         .s = s, .view = *s, .pieces = bvxi_section_pieces(s->plane_count, s->all.point_room, PLANES_GRAIN)};
-
     job.view.fixed = 1;
     return job;
 }
@@ -72,7 +70,6 @@ bvx_status bvxi_planes_place(bvxi_stack *s)
 static void measure_plane(const planes_job *job, uint64_t i)
 {
     bvxi_plane *const p = &job->s->plane[i];
-
     p->area = bvxi_plane_area(job->s, p);
     bvxi_plane_tree(p);
     bvxi_plane_count_cuts(job->s, p, &job->count[2 * i], &job->count[2 * i + 1]);
@@ -83,11 +80,9 @@ static void plane_snap_piece(void *user, int32_t index, int32_t worker)
     planes_job *const job = user;
     const planes_scratch *const x = &job->scratch[worker];
     uint64_t begin, end;
-
     bvxi_piece(job->s->plane_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         bvxi_plane *const p = &job->s->plane[i];
-
         /* The quick test may say that it is not sure; such planes are left to the calling thread. */
         bvxi_plane_snap(&job->view, p);
         job->unsure[i] = !bvxi_plane_is_simple(p, x->sorted, x->active) ||
@@ -99,7 +94,6 @@ static void plane_snap_piece(void *user, int32_t index, int32_t worker)
 static bvx_status settle_planes(planes_job *job)
 {
     bvxi_stack *const s = job->s;
-
     for (uint32_t i = 0; i < s->plane_count; i++) {
         bvxi_plane *const p = &s->plane[i];
         /* In order, so that what is refused is the first plane that is wrong, whatever the threads did. */
@@ -167,10 +161,8 @@ static bvx_status open_snap_scratch(planes_job *job)
     uint64_t const boxes = job->most_points * sizeof(bvxi_segment_box);
     uint64_t const loops = job->most_loops * sizeof *job->scratch->box;
     unsigned char *at;
-
     BVXI_TRY(bvxi_alloc(job->s->ctx, BVXI_SCRATCH, (uint64_t)job->workers * (2 * boxes + loops),
                         "the order of segments", &at));
-
     for (int32_t i = 0; i < job->workers; i++, at += 2 * boxes + loops) {
         job->scratch[i].sorted = (bvxi_segment_box *)(void *)at;
         job->scratch[i].active = (bvxi_segment_box *)(void *)(at + boxes);
@@ -183,9 +175,7 @@ static bvx_status open_cut_scratch(planes_job *job)
 {
     uint64_t const n = job->most_arcs, each = n * sizeof(bvxi_arc) + (3 * n + (uint64_t)job->rows) * 4;
     unsigned char *at;
-
     BVXI_TRY(bvxi_alloc(job->s->ctx, BVXI_SCRATCH, (uint64_t)job->workers * each, "the order of arcs", &at));
-
     for (int32_t i = 0; i < job->workers; i++, at += each) {
         bvxi_arc_scratch *const x = &job->scratch[i].arcs;
         x->arc = (bvxi_arc *)(void *)at;

@@ -4,7 +4,6 @@
 bvx_status bvxi_section_add_vertex(bvxi_stack *s, const double position[3], uint32_t *number)
 {
     bvxi_section_mesh *const m = &s->mesh;
-
     if (m->vertex_count == m->vertex_room) {
         if (m->vertex_count + s->ring_vertices >= UINT32_MAX - 1)
             return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
@@ -32,7 +31,6 @@ void bvxi_section_place(const bvxi_stack *s, double u, double v, double w, doubl
 void bvxi_section_locate(bvxi_stack *s, double u, double v, double w)
 {
     double at[3];
-
     bvxi_section_place(s, u, v, w, at);
     bvxi_report_place(&s->report, at);
 }
@@ -44,7 +42,6 @@ static uint64_t map_slot(const bvxi_map *m, uint64_t key)
 {
     uint64_t const mixed = key * UINT64_C(0x9e3779b97f4a7c15) >> 24;
     uint64_t i = (m->near ? (key >> 32) * 4 + (mixed & 63) : mixed) & (m->room - 1);
-
     while (m->key[i] != UINT64_MAX && m->key[i] != key) i = (i + 1) & (m->room - 1);
     return i;
 }
@@ -71,17 +68,14 @@ static bvx_status map_resize(bvx_context *ctx, bvxi_map *m, uint64_t room)
 bvx_status bvxi_map_reserve(bvx_context *ctx, bvxi_map *m, uint64_t count)
 {
     uint64_t room = 64;
-
     while (room < 2 * count) room *= 2;
     return room > m->room ? map_resize(ctx, m, room) : BVX_OK;
 }
 
 bvx_status bvxi_map_add(bvx_context *ctx, bvxi_map *m, uint64_t key, uint32_t **value)
 {
-    uint64_t at;
-
     if (2 * m->count >= m->room) BVXI_TRY(map_resize(ctx, m, m->room == 0 ? 1024 : 2 * m->room));
-    at = map_slot(m, key);
+    uint64_t const at = map_slot(m, key);
     if (m->key[at] == UINT64_MAX) {
         m->key[at] = key;
         m->value[at] = BVXI_NONE;
@@ -98,10 +92,8 @@ bvx_status bvxi_stack_map_add(const bvxi_stack *s, bvxi_map *m, uint64_t key, ui
 
 uint32_t bvxi_map_find(const bvxi_map *m, uint64_t key)
 {
-    uint64_t at;
-
     if (m->room == 0) return BVXI_NONE;
-    at = map_slot(m, key);
+    uint64_t const at = map_slot(m, key);
     return m->key[at] == UINT64_MAX ? BVXI_NONE : m->value[at];
 }
 

@@ -79,7 +79,6 @@ bvx_status bvxi_sweep(bvx_context *ctx, const bvxi_segment_box *box, uint32_t co
     static const char what[] = "the order of segments";
     uint32_t *order, *active;
     uint64_t *key;
-    bvx_status status;
 
     BVXI_TRY(BVXI_ARRAY(ctx, count, what, key));
     BVXI_TRY(BVXI_ARRAY(ctx, count, what, order));
@@ -89,7 +88,7 @@ bvx_status bvxi_sweep(bvx_context *ctx, const bvxi_segment_box *box, uint32_t co
         order[i] = i;
     }
     BVXI_TRY(bvxi_radix_sort(ctx, key, order, count));
-    status = sweep_boxes(box, order, count, active, pair, user);
+    bvx_status const status = sweep_boxes(box, order, count, active, pair, user);
     bvxi_drop(ctx, active);
     bvxi_drop(ctx, order);
     bvxi_drop(ctx, key);
@@ -172,7 +171,6 @@ static void find_places(const bvxi_plane *p, uint32_t *place)
     for (uint32_t k = 0; k < p->contour_count; k++) {
         const bvxi_contour *const c = &p->contour[k];
         uint32_t const last = c->first + c->count - 1;
-
         uint32_t start = c->first;
         while (start < last && at_one_place(p->q[start], p->q[last])) start++;
         for (uint32_t i = c->first; i <= last; i++)
@@ -223,7 +221,6 @@ static bvx_status check_pairs(simple_work *w)
     const bvxi_plane *const p = w->p;
     bvxi_segment_box *box;
     uint32_t count = 0;
-
     BVXI_TRY(BVXI_ARRAY(w->s->ctx, p->point_count, "the segments of a section", box));
     BVXI_TRY(BVXI_ARRAY(w->s->ctx, p->point_count, "the places of points", w->place));
     find_places(p, w->place);

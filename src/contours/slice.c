@@ -81,13 +81,12 @@ static bvx_status make_planes(slice_work *w, const bvx_slice_options *o, double 
         BVXI_TRY(check_positions(w, o));
         w->plane_count = o->position_count;
     } else {
-        double count;
         if (!(o->spacing > 0.0) || o->spacing - o->spacing != 0.0)
             return bvxi_fail_for(w->ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
                                  "%s: a spacing above 0 or positions are needed", slice_name);
 
         /* As many as fit at that distance, the first half of it above the lowest vertex. */
-        count = floor((high - low) / o->spacing + 0.5);
+        double const count = floor((high - low) / o->spacing + 0.5);
         if (!(count <= SLICE_MOST_PLANES))
             return bvxi_fail_for(w->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                                  "%s: a spacing of %g makes %g planes, %d is the limit", slice_name,
@@ -153,11 +152,9 @@ static void range_of(const slice_work *w, uint64_t t, uint64_t *begin, uint64_t 
 {
     double low, high;
     uint32_t c[3];
-
     slice_corners(w, t, c);
     low = high = w->height[c[0]];
     for (int k = 1; k < 3; k++) bvxi_widen(&low, &high, &w->height[c[k]], 1);
-
     /* Planes above its lowest corner and up to its highest; none where both counts are equal. */
     *begin = planes_up_to(w, low);
     *end = planes_up_to(w, high);
@@ -166,7 +163,6 @@ static void range_of(const slice_work *w, uint64_t t, uint64_t *begin, uint64_t 
 static bvx_status list_by_plane(slice_work *w)
 {
     BVXI_TRY(BVXI_ZEROS(w->ctx, w->plane_count + 1, "the triangles of planes", w->first));
-
     for (uint64_t t = 0; t < w->view->triangle_count; t++) {
         uint64_t begin, end;
         range_of(w, t, &begin, &end);
@@ -204,11 +200,9 @@ static uint64_t edge_key(uint32_t a, uint32_t b)
 static void edge_place(const slice_work *w, uint64_t key, double position, double p[3])
 {
     uint32_t const a = (uint32_t)(key >> 32), b = (uint32_t)key;
-
     /* From the lower number to the higher one, so both triangles at an edge compute the same place. */
     double const share = (position - w->height[a]) / (w->height[b] - w->height[a]);
     double from[3], to[3];
-
     bvxi_view_position(w->view, a, from);
     bvxi_view_position(w->view, b, to);
     for (int k = 0; k < 3; k++) {
@@ -284,7 +278,6 @@ static int encloses_none(const slice_work *w, const double *p, uint64_t count)
 static uint64_t find_piece(const slice_work *w, const uint64_t *sorted, uint64_t count, uint64_t key)
 {
     uint64_t low = 0, high = count;
-
     while (low < high) {
         uint64_t const middle = low + (high - low) / 2;
         if (sorted[middle] < key) low = middle + 1;
@@ -304,7 +297,6 @@ static bvx_status follow_pieces(slice_work *w, uint64_t plane, uint64_t n)
     for (uint64_t start = 0; start < n; start++) {
         bvx_section_loop l;
         uint64_t const first = w->from[start];
-        const double *begin, *last;
         if (w->used[start]) continue;
         memset(&l, 0, sizeof l);
         l.first_point = s->point_count;
@@ -321,8 +313,8 @@ static bvx_status follow_pieces(slice_work *w, uint64_t plane, uint64_t n)
             i = find_piece(w, w->from, n, key);
             if (i == n) return open_contour(w, z, key);
         }
-        begin = s->points + 3 * l.first_point;
-        last = s->points + 3 * (s->point_count - 1);
+        const double *const begin = s->points + 3 * l.first_point;
+        const double *const last = s->points + 3 * (s->point_count - 1);
         /* The first point may be the last one's place, as neighbours' are. */
         if (l.point_count > 1 && begin[0] == last[0] && begin[1] == last[1] && begin[2] == last[2]) {
             l.point_count--;
@@ -343,9 +335,8 @@ static bvx_status slice_planes(slice_work *w)
     BVXI_TRY(BVXI_ARRAY(w->ctx, w->most, "the pieces of a contour", w->order));
     BVXI_TRY(BVXI_ARRAY(w->ctx, w->most, "the pieces of a contour", w->used));
     for (uint64_t i = 0; i < w->plane_count; i++) {
-        uint64_t n;
         BVXI_TRY(bvxi_progress(w->ctx, "slice", 0.7 + 0.3 * (double)i / (double)w->plane_count));
-        n = gather_pieces(w, i);
+        uint64_t const n = gather_pieces(w, i);
         if (n == 0) continue;
         BVXI_TRY(bvxi_radix_sort(w->ctx, w->from, w->order, n));
         BVXI_TRY(follow_pieces(w, i, n));
@@ -423,8 +414,6 @@ static bvx_status run_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh
 {
     bvx_slice_options o;
     slice_work w = {.ctx = context, .view = mesh};
-    bvx_status status;
-
     if (mesh == NULL) return bvxi_fail_null(context, slice_name, "mesh");
     BVXI_TRY(bvxi_sections_check_result(context, slice_name, sections));
     BVXI_TRY(bvxi_take_options(context, slice_name, options, &o, sizeof o));
@@ -432,7 +421,7 @@ static bvx_status run_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh
     BVXI_TRY(bvxi_view_check(context, slice_name, mesh));
     w.label = bvxi_label_taken(o.label, 1);
     if (bvxi_vec_is_zero(o.normal)) o.normal[2] = 1.0;
-    status = slice_all(&w, &o, sections);
+    bvx_status const status = slice_all(&w, &o, sections);
     bvx_sections_free(context, &w.made);
     return status;
 }

@@ -6,10 +6,7 @@
  * all. */
 #include "contours/section.h"
 
-#include "lattice/wide.h"
 #include "mesh/mesh.h"
-
-#include <math.h>
 
 enum { LEAST_CUBIC = 5 }; /* sections */
 
@@ -233,7 +230,6 @@ bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_se
                             const bvx_sections_options *options, bvxi_stack *s)
 {
     const bvxi_plane *p;
-    uint32_t n;
 
     *s = (bvxi_stack){.ctx = ctx,
                       .function = function,
@@ -245,7 +241,7 @@ bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_se
     BVXI_TRY(bvxi_choose_label(ctx, function, given, &s->options.label));
     BVXI_TRY(gather_planes(s));
     p = s->plane;
-    n = s->plane_count;
+    uint32_t const n = s->plane_count;
     /* Of few sections most are a first or last one, whose slope is a guess. The paper's way and marching cubes
      * are straight. A stack that is begun again with sections put in between keeps what was chosen. */
     if (s->options.slabs.blend == BVX_BLEND_AUTO)

@@ -118,7 +118,6 @@ int bvxi_section_parallel(const double a[3], const double b[3], int *against)
     double const one = sqrt((a[0] * a[0] + a[1] * a[1]) + a[2] * a[2]);
     double const two = sqrt((b[0] * b[0] + b[1] * b[1]) + b[2] * b[2]);
     double square = 0.0, dot = 0.0;
-
     for (int i = 0; i < 3; i++) {
         int const j = (i + 1) % 3, k = (i + 2) % 3;
         double const cross = a[j] / one * (b[k] / two) - a[k] / one * (b[j] / two);

@@ -103,7 +103,7 @@ static bvx_context *place_in_arena(void *memory, uint64_t size, size_t own, bvxi
     arena->memory = base + skip + own;
     arena->size = ((size_t)size - skip - own - BVXI_ALIGN) / BVXI_ALIGN * BVXI_ALIGN;
     arena->low = 0;
-    arena->high = arena->size;
+    arena->high = arena->least = arena->size;
     memset(arena->memory + arena->size, 0, sizeof(size_t));
     return (bvx_context *)(void *)(base + skip);
 }

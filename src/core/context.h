@@ -9,6 +9,7 @@
 typedef struct bvxi_arena {
     unsigned char *memory;
     size_t size, low, high; /* results are [0, low), scratch is [high, size) */
+    size_t least;           /* bytes between them when there were fewest */
 } bvxi_arena;
 
 /* Scratch that is in use, in the order in which it was taken. An arena has that in its own headers. */

@@ -34,7 +34,7 @@ static void *arena_alloc(bvxi_arena *a, int kind, size_t size, uint64_t serial)
 {
     size_t const gap = a->high - a->low;
 
-    if (size > gap || gap - size < 2 * BVXI_ALIGN) return NULL;
+    if (size > gap) return NULL;
     size_t const payload = (size + BVXI_ALIGN - 1) / BVXI_ALIGN * BVXI_ALIGN;
     size_t const total = payload + BVXI_ALIGN;
     size_t offset;
@@ -55,6 +55,7 @@ static void *arena_alloc(bvxi_arena *a, int kind, size_t size, uint64_t serial)
         header_at(a, offset)->used = size;
         header_at(a, offset)->serial = serial;
     }
+    if (a->high - a->low < a->least) a->least = a->high - a->low;
     return a->memory + offset + BVXI_ALIGN;
 }
 
@@ -390,12 +391,17 @@ uint64_t bvx_memory_used(const bvx_context *context)
     return context == NULL ? 0 : context->memory_used;
 }
 
+/* In an arena also the context, the chain's last word and what aligning takes at most: so much is enough. */
 uint64_t bvx_memory_peak(const bvx_context *context)
 {
-    return context == NULL ? 0 : context->memory_peak;
+    if (context == NULL) return 0;
+    if (context->arena.memory == NULL) return context->memory_peak;
+    return (uint64_t)context->size + context->arena.size - context->arena.least + 2 * BVXI_ALIGN - 1;
 }
 
 void bvx_memory_reset_peak(bvx_context *context)
 {
-    if (context != NULL) context->memory_peak = context->memory_used;
+    if (context == NULL) return;
+    context->memory_peak = context->memory_used;
+    context->arena.least = context->arena.high - context->arena.low;
 }

@@ -34,7 +34,6 @@ static unsigned sides_in_row(const carry_spaces *s, int32_t begin, int32_t end, 
     const bvx_grid *const g = s->band;
     uint64_t const row = ((uint64_t)z * (uint64_t)g->size[1] + (uint64_t)y) * (uint64_t)g->words_per_row;
     uint64_t in = 0, out = 0;
-
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) {
         uint64_t const band = g->words[row + (uint64_t)k] & bvxi_run_mask(begin, end, k);
         /* Centres in the band are all known: inside or outside. */
@@ -51,7 +50,6 @@ static void look_around_space_run(void *user, uint32_t space, int32_t begin, int
     carry_spaces *const s = user;
     const int32_t *const size = s->band->size;
     unsigned sides = s->sides[space];
-
     if (sides == (CARRY_INSIDE | CARRY_OUTSIDE)) return;
     if (begin > 0) sides |= sides_in_row(s, begin - 1, begin, y, z);
     if (end < size[0]) sides |= sides_in_row(s, end, end + 1, y, z);
@@ -80,11 +78,9 @@ static bvx_status settle_spaces(bvx_context *ctx, const char *function, const bv
 {
     carry_spaces s = {0};
     bvxi_spaces spaces;
-
     s.band = band;
     s.inside = s.to = inside;
     s.open = open;
-
     /* Spaces of what the band leaves, through faces. */
     BVXI_TRY(bvxi_spaces_open(ctx, function, "signs", band, 1, BVXI_CONNECT_6, &spaces));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the sides of spaces", &s.sides));
@@ -161,13 +157,12 @@ static void look_for_fronts(void *user, int32_t piece, uint64_t row, uint64_t en
         if (!changed_beside(f, row)) continue;
         for (int32_t k = 0; k < f->shape->words_per_row; k++) {
             uint64_t const at = row * words + (uint64_t)k, open = f->open[at];
-            uint64_t out, in;
 
             /* Cleared even where nothing is open, as both are joined later. */
             f->come[at] = f->come_in[at] = 0;
             if (open == 0) continue;
-            in = carry_reach(f, row, k, 0) & open;
-            out = carry_reach(f, row, k, ~UINT64_C(0)) & open;
+            uint64_t const in = carry_reach(f, row, k, 0) & open;
+            uint64_t const out = carry_reach(f, row, k, ~UINT64_C(0)) & open;
             f->come[at] = in | out;
             /* Outside where both come at once. */
             f->come_in[at] = in & ~out;
@@ -182,7 +177,6 @@ static void move_fronts(void *user, uint64_t row, uint64_t end)
 {
     carry_front *const f = user;
     uint64_t const words = (uint64_t)f->shape->words_per_row;
-
     for (; row < end; row++) {
         if (!f->change[row]) continue;
         for (uint64_t at = row * words; at < (row + 1) * words; at++) {
@@ -222,22 +216,19 @@ static bvx_status meet_in_spaces(bvx_context *ctx, const char *stage, double at,
     carry_front f = {.shape = band, .inside = inside, .open = open};
     uint64_t *come = NULL;
     uint8_t *changed = NULL;
-
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, 2 * bytes, "the fronts of signs", &come));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, 2 * rows, "the fronts' rows", &changed));
     f.come = come;
     f.come_in = come + bvxi_grid_words(band);
     f.changed = changed;
     f.change = changed + rows;
-    BVXI_TRY(run_fronts(ctx, stage, at, &f));
-    return BVX_OK;
+    return run_fronts(ctx, stage, at, &f);
 }
 
 bvx_status bvxi_carry_signs(bvxi_call call, const bvx_grid *band, bvx_grid *inside)
 {
     uint64_t const bytes = bvxi_grid_words(band) * 8;
     uint64_t *open = NULL, mixed = 0;
-
     BVXI_TRY(bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, bytes, "the spaces of both sides", &open));
     BVXI_TRY(BVXI_SCOPE(call.ctx, settle_spaces(call.ctx, call.function, band, inside->words, open, &mixed)));
     /* Nearly always all spaces are of one side, and no front is needed. */

@@ -65,7 +65,6 @@ static bvx_status run_field_dense(bvx_context *context, const bvx_field *field, 
 {
     static const char function[] = "bvx_field_dense";
     dense_job job;
-    double centres;
 
     if (values == NULL) return bvxi_fail_null(context, function, "values");
     BVXI_TRY(bvxi_field_check(context, function, field));
@@ -74,7 +73,7 @@ static bvx_status run_field_dense(bvx_context *context, const bvx_field *field, 
     job.field = field;
     job.values = values;
     job.vectors = vectors;
-    centres = (double)bvxi_grid_rows(&field->band) * (double)field->band.size[0];
+    double const centres = (double)bvxi_grid_rows(&field->band) * (double)field->band.size[0];
     job.pieces = bvxi_piece_count(bvxi_grid_rows(&field->band),
                                   1 + DENSE_GRAIN / (uint64_t)field->band.size[0]);
     BVXI_TRY(bvxi_each_long(context, "dense field", 0.0, far_rule == BVX_FAR_CONSTANT ? 1.0 : 0.1, job.pieces,
@@ -178,12 +177,11 @@ static inline void propagate_offer(const propagate_job *job, const int32_t at[3]
 {
     uint32_t const offered = job->source[from], has = job->source[to];
     float *const best = &job->values[to * job->each];
-    const float *q;
     float d, d2 = 0.0f;
 
     if (offered == has || offered == PROPAGATE_NONE) return;
     if (bvx_grid_get(&job->field->band, at[0], at[1], at[2])) return;
-    q = job->points + 3 * (size_t)offered;
+    const float *const q = job->points + 3 * (size_t)offered;
     for (int a = 0; a < 3; a++) {
         d = (float)(job->first[a] + (double)at[a] * job->step[a]) - q[a];
         d2 += d * d;
@@ -252,7 +250,6 @@ static void propagate_finish(void *user, int32_t piece)
     bvxi_piece(bvxi_grid_rows(g), job->pieces, piece, &row, &end);
     for (; row < end; row++) {
         int32_t const y = (int32_t)(row % (uint64_t)g->size[1]), z = (int32_t)(row / (uint64_t)g->size[1]);
-
         for (int32_t x = 0; x < g->size[0]; x++) {
             uint64_t const at = row * (uint64_t)g->size[0] + (uint64_t)x;
             float *const to = job->values + at * job->each;
@@ -308,7 +305,6 @@ static bvx_status propagate_steps(bvx_context *ctx, uint64_t voxels, propagate_j
     const bvx_grid *const g = &job->field->band;
     int32_t const pieces = bvxi_piece_count(bvxi_grid_rows(g), 1 + PROPAGATE_GRAIN / (uint64_t)g->size[0]);
     double const each = (double)voxels * PROPAGATE_MEASURE_TIME / (double)pieces;
-
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 4, "the points' numbers", &job->source));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->field->value_count * 12, "the points that are passed on",
                         &job->points));
@@ -326,7 +322,6 @@ bvx_status bvxi_field_propagate(bvx_context *ctx, const char *function, const bv
     uint64_t const voxels = bvxi_grid_rows(&field->band) * (uint64_t)field->band.size[0];
     propagate_job job = {.mesh = mesh, .values = values};
     double low[3], high[3];
-
     BVXI_TRY(bvxi_view_check(ctx, function, mesh));
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
     BVXI_TRY(check_sources(ctx, function, field, mesh));

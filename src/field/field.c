@@ -11,11 +11,9 @@ static uint64_t field_rows(const bvx_field *field)
 
 void bvx_field_free(bvx_context *context, bvx_field *field)
 {
-    uint64_t number_bytes;
-
     if (context == NULL || field == NULL) return;
     /* Sizes follow from the counts, so arrays go before the grids that hold them. */
-    number_bytes = field->value_type == BVX_F64 ? 8 : 4;
+    uint64_t const number_bytes = field->value_type == BVX_F64 ? 8 : 4;
     bvxi_free(context, field->features, field->value_count);
     bvxi_free(context, field->triangles, field->value_count * 4);
     bvxi_free(context, field->vectors, field->value_count * 3 * number_bytes);

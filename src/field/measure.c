@@ -6,7 +6,6 @@
  * Everything is checked first. Then the centres near the mesh are found and counted (nearest.h), so the
  * arrays have their exact sizes; then values are filled in by rank, the sign rule sets the grid of inside
  * centres (signs.h), and distances of centres inside become negative. */
-#include "field/room.h"
 #include "nearest/nearest.h"
 #include "field/signs.h"
 #include "mesh/view.h"
@@ -167,12 +166,9 @@ static void take_every_centre(bvx_field *field)
 static bvx_status make_band(bvx_context *ctx, const bvx_lattice *lattice, measure_job *job)
 {
     bvx_field *const f = &job->field;
-    uint64_t rows;
-
     BVXI_TRY(bvx_grid_create(ctx, lattice, &job->window, &f->band));
-    rows = bvxi_grid_rows(&f->band);
+    uint64_t const rows = bvxi_grid_rows(&f->band);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, (rows + 1) * 8, "the field's rows", &f->row_values));
-
     /* Infinity less itself is NaN: the test for a finite width without a library call. */
     if (f->half_width - f->half_width == 0.0)
         BVXI_TRY(bvxi_nearest_band(bvxi_call_of(ctx, NULL, measure_stage, 0.15, 0.8), job->nearest,
@@ -191,7 +187,6 @@ static bvx_status make_features(bvx_context *ctx, measure_job *job)
     /* Signs by features need them even when the caller does not: then they are scratch and go at the end. */
     int const kind = job->o.features ? BVXI_RESULT : BVXI_SCRATCH;
     uint64_t const n = job->field.value_count;
-
     if (!job->o.features && !signs_by_features(job->field.sign)) return BVX_OK;
     BVXI_TRY(bvxi_alloc(ctx, kind, n * 4, "the field's triangles", &job->triangles));
     /* A result that fails is freed by the field, so the field has each array as soon as it is there. */
@@ -205,7 +200,6 @@ static bvx_status make_features(bvx_context *ctx, measure_job *job)
 static bvxi_sparse measured_values(const measure_job *job)
 {
     bvxi_sparse values = bvxi_sparse_of_field(&job->field);
-
     values.triangles = job->triangles;
     values.features = job->features;
     return values;
@@ -235,7 +229,6 @@ static bvx_status make_inside(bvx_context *ctx, const bvx_lattice *lattice, meas
 {
     bvx_field *const f = &job->field;
     bvxi_sparse const values = measured_values(job);
-
     if (f->sign == BVX_SIGN_NONE) return BVX_OK;
     BVXI_TRY(bvxi_grid_open(ctx, measure_name, lattice, &job->window, &f->inside));
     if (!signs_by_features(f->sign)) return sign_by_solid(ctx, job->mesh, &f->sign, &f->inside);
@@ -286,14 +279,11 @@ static bvx_status measure_distances_of(bvx_context *ctx, const bvx_lattice *latt
 static bvx_status measure_steps(bvx_context *ctx, const bvx_lattice *lattice, measure_job *job)
 {
     bvx_field *const f = &job->field;
-    int solid;
-
     f->value_type = job->o.value_type;
     f->sign = job->o.sign;
     f->half_width = measure_width(lattice, job->o.half_width);
-
     /* A solid takes next to nothing of a sound mesh, and most of the time of one with holes. */
-    solid = f->sign != BVX_SIGN_NONE && !signs_by_features(f->sign);
+    int const solid = f->sign != BVX_SIGN_NONE && !signs_by_features(f->sign);
     BVXI_TRY(bvxi_nearest_check(ctx, measure_name, job->mesh, lattice));
     if (solid) BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.2, make_inside(ctx, lattice, job)));
     BVXI_TRY(BVXI_SHARE(ctx, solid ? 0.2 : 0.0, 1.0, measure_distances_of(ctx, lattice, job)));
@@ -306,16 +296,13 @@ static bvx_status run_measure_field(bvx_context *context, const bvx_mesh_view *m
                                     bvx_field *field)
 {
     measure_job job;
-    bvx_status status;
-
     memset(&job, 0, sizeof job);
     BVXI_TRY(check_measure(context, mesh, lattice, options, field, &job));
-    status = measure_steps(context, lattice, &job);
+    bvx_status const status = measure_steps(context, lattice, &job);
     if (status != BVX_OK) {
         bvx_field_free(context, &job.field);
         return status;
     }
-
     bvx_field_free(context, field);
     *field = job.field;
     return BVX_OK;

@@ -16,13 +16,6 @@ static bvx_status sign_band(bvxi_call call, const bvx_mesh_view *mesh, const bvx
                                    : bvxi_sign_pseudonormal(call, mesh, band, inside);
 }
 
-static void set_every_voxel(bvx_grid *grid)
-{
-    uint64_t const rows = bvxi_grid_rows(grid);
-    for (uint64_t r = 0; r < rows; r++)
-        bvxi_set_run(grid->words + r * (uint64_t)grid->words_per_row, 0, grid->size[0]);
-}
-
 /* All of inside's window as the first centre of the lattice. */
 static bvx_status sign_by_first_centre(bvxi_call call, const bvxi_nearest *nearest, const bvx_mesh_view *mesh,
                                        int32_t sign, bvx_grid *inside)
@@ -33,18 +26,21 @@ static bvx_status sign_by_first_centre(bvxi_call call, const bvxi_nearest *neare
     uint8_t feature = 0;
     bvxi_sparse one = {
         .first = first, .count = 1, .value_type = BVX_F32, .triangles = &triangle, .features = &feature};
-    bvx_grid its_side;
 
     one.where.lattice = inside->lattice;
     one.where.words = &word;
     one.where.word_capacity = 1;
     one.where.words_per_row = one.where.size[0] = one.where.size[1] = one.where.size[2] = 1;
-    its_side = one.where;
+    bvx_grid its_side = one.where;
     its_side.words = &set;
     BVXI_TRY(bvxi_nearest_fill(at_once, nearest, HUGE_VAL, &one));
     BVXI_TRY(sign_band(at_once, mesh, &one, sign, &its_side));
     memset(inside->words, 0, (size_t)bvxi_grid_words(inside) * 8);
-    if (set != 0) set_every_voxel(inside);
+    if (set != 0) {
+        uint64_t const rows = bvxi_grid_rows(inside);
+        for (uint64_t r = 0; r < rows; r++)
+            bvxi_set_run(inside->words + r * (uint64_t)inside->words_per_row, 0, inside->size[0]);
+    }
     return BVX_OK;
 }
 
@@ -54,7 +50,6 @@ static bvx_status measure_whole_band(bvxi_call call, const bvxi_nearest *nearest
 {
     double const middle = call.from + (call.to - call.from) * 0.4;
     uint64_t const rows = bvxi_grid_rows(&band->where);
-
     BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, (rows + 1) * 8, "the band's rows", &band->first));
     BVXI_TRY(bvxi_nearest_band(bvxi_call_part(call, call.from, middle), nearest, width, &band->where,
                                band->first));
@@ -90,7 +85,6 @@ static bvx_status sign_whole_band(bvxi_call call, const bvx_mesh_view *mesh, con
                                   int32_t sign, bvx_grid *inside)
 {
     bvx_grid whole = band->where;
-
     BVXI_TRY(bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, bvxi_grid_words(&whole) * 8, "the lattice's inside",
                              &whole.words));
     BVXI_TRY(sign_band(call, mesh, band, sign, &whole));
@@ -126,7 +120,6 @@ bvx_status bvxi_sign_features(bvxi_call call, const bvxi_nearest *nearest, doubl
 {
     int const whole = memcmp(inside->size, inside->lattice.dims, sizeof inside->size) == 0;
     double const voxel = bvxi_largest_spacing(&inside->lattice), enough = width < voxel ? voxel : width;
-
     if (band->count == bvxi_grid_rows(inside) * (uint64_t)inside->size[0])
         return sign_band(call, mesh, band, sign, inside);
     if (!whole || width < voxel) return sign_as_whole(call, nearest, enough, mesh, sign, inside);

@@ -36,17 +36,6 @@ static int is_rounding(double v)
     return v < 0x1p-40 && v > -0x1p-40;
 }
 
-/* away: from the closest point to the centre, where mesh and window lie within [-1, 1]. */
-static int is_behind(const double outwards[3], const double away[3])
-{
-    double const along = outwards[0] * away[0] + outwards[1] * away[1] + outwards[2] * away[2];
-    /* On the surface, as far as doubles know: the side that the moved centre lies on decides. */
-    if (along != 0.0 || !is_rounding(away[0]) || !is_rounding(away[1]) || !is_rounding(away[2]))
-        return along < 0.0;
-    if (outwards[0] != 0.0) return outwards[0] < 0.0;
-    return outwards[1] != 0.0 ? outwards[1] < 0.0 : outwards[2] < 0.0;
-}
-
 static int side_of(const side_job *job, int32_t x, int32_t y, int32_t z, uint64_t value)
 {
     const bvx_mesh_view *const mesh = job->mesh;
@@ -65,7 +54,14 @@ static int side_of(const side_job *job, int32_t x, int32_t y, int32_t z, uint64_
     /* From the closest point to the centre, in the scaled world. */
     for (int a = 0; a < 3; a++) away[a] = p[a] - q[a];
     job->outwards(job->rule, triangle, job->band->features[value], outwards);
-    return is_behind(outwards, away);
+
+    /* away: from the closest point to the centre, where mesh and window lie within [-1, 1]. */
+    double const along = outwards[0] * away[0] + outwards[1] * away[1] + outwards[2] * away[2];
+    /* On the surface, as far as doubles know: the side that the moved centre lies on decides. */
+    if (along != 0.0 || !is_rounding(away[0]) || !is_rounding(away[1]) || !is_rounding(away[2]))
+        return along < 0.0;
+    if (outwards[0] != 0.0) return outwards[0] < 0.0;
+    return outwards[1] != 0.0 ? outwards[1] < 0.0 : outwards[2] < 0.0;
 }
 
 static void decide_sides(void *user, uint64_t row, uint64_t end)
@@ -92,11 +88,9 @@ static bvx_status side_scale(bvx_context *ctx, const char *function, const bvx_m
                              const bvx_grid *g, double *scale)
 {
     double low[3], high[3], first[3], last[3];
-
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
     bvxi_field_centre(g, 0, 0, 0, first);
     bvxi_field_centre(g, g->size[0] - 1, g->size[1] - 1, g->size[2] - 1, last);
-
     /* Centres may lie outside the mesh's bounds. */
     for (int a = 0; a < 3; a++) {
         low[a] = first[a] < low[a] ? first[a] : low[a];
@@ -111,7 +105,6 @@ static bvx_status sign_side(bvxi_call call, const bvx_mesh_view *mesh, const bvx
 {
     uint64_t const rows = bvxi_grid_rows(&band->where), each = band->count / rows;
     side_job job;
-
     job.mesh = mesh;
     job.band = band;
     job.outwards = outwards;
@@ -139,9 +132,7 @@ static void outwards_of_facet(const void *user, uint32_t triangle, int32_t featu
     const normal_rule *const rule = user;
     double t[3][3];
     uint32_t c[3];
-
     (void)feature;
-
     /* About the size of 1, as products of lengths are taken. */
     bvxi_view_triangle(rule->mesh, triangle, c);
     for (int k = 0; k < 3; k++) {
@@ -195,14 +186,12 @@ static void pseudo_corners(const pseudo_rule *rule, uint32_t triangle, uint32_t 
 /* Unit normal; 0 for a triangle without area. */
 static int pseudo_normal(const pseudo_rule *rule, const uint32_t c[3], double t[3][3], double n[3])
 {
-    double length;
-
     /* About the size of 1, as products of lengths are taken. */
     for (int k = 0; k < 3; k++) {
         bvxi_view_position(rule->mesh, c[k], t[k]);
         for (int a = 0; a < 3; a++) t[k][a] *= rule->scale;
     }
-    length = bvxi_facet_normal((const double(*)[3])t, n);
+    double const length = bvxi_facet_normal((const double(*)[3])t, n);
     /* Without area it has no direction. */
     if (!(length > 0.0)) return 0;
     for (int a = 0; a < 3; a++) n[a] /= length;
@@ -239,7 +228,6 @@ static void sum_at_edge(const pseudo_rule *rule, uint32_t v, uint32_t w, double 
     uint32_t const v_count = rule->start[v + 1] - rule->start[v];
     uint32_t const w_count = rule->start[w + 1] - rule->start[w];
     uint32_t const at = v_count <= w_count ? v : w, other = at == v ? w : v;
-
     for (uint32_t i = rule->start[at]; i < rule->start[at + 1]; i++) {
         uint32_t c[3];
         double t[3][3], n[3];
@@ -254,7 +242,6 @@ static void outwards_of_feature(const void *user, uint32_t triangle, int32_t fea
     const pseudo_rule *const rule = user;
     uint32_t c[3];
     double t[3][3];
-
     pseudo_corners(rule, triangle, c);
     memset(outwards, 0, 3 * sizeof outwards[0]);
     if (feature == 0) pseudo_normal(rule, c, t, outwards);
@@ -265,7 +252,6 @@ static void outwards_of_feature(const void *user, uint32_t triangle, int32_t fea
 static void sum_at_vertices(void *user, uint64_t v, uint64_t end)
 {
     const pseudo_rule *const rule = user;
-
     for (; v < end; v++) {
         double *const sum = rule->outwards + 3 * (size_t)v;
         memset(sum, 0, 3 * sizeof *sum);
@@ -304,7 +290,6 @@ static bvx_status pseudo_open(bvx_context *ctx, pseudo_rule *rule)
 {
     const bvx_mesh_view *const m = rule->mesh;
     uint64_t unused;
-
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, m->vertex_count * 4, "the vertices' places", &rule->same));
     BVXI_TRY(bvxi_weld(ctx, m, rule->same, &unused));
     BVXI_TRY(

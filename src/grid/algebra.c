@@ -29,7 +29,6 @@ BVXI_VECTOR_INLINE void combine_words(const uint64_t *a, const uint64_t *b, uint
                                       int32_t operation)
 {
     size_t i = 0;
-
     /* Eight loads before the first store: whether the arrays overlap does not matter to the compiler. */
     for (; i + ALGEBRA_BLOCK <= n; i += ALGEBRA_BLOCK) {
         uint64_t w[ALGEBRA_BLOCK];
@@ -45,7 +44,6 @@ BVXI_VECTOR_INLINE void combine_rows(const algebra_job *job, size_t from, size_t
 {
     const uint64_t *const a = job->a->words + from, *const b = job->b->words + from;
     uint64_t *const to = job->result->words + from;
-
     switch (job->operation) {
     case BVX_BOOLEAN_UNION: combine_words(a, b, to, n, BVX_BOOLEAN_UNION); break;
     case BVX_BOOLEAN_INTERSECTION: combine_words(a, b, to, n, BVX_BOOLEAN_INTERSECTION); break;
@@ -63,9 +61,7 @@ static void combine_piece(void *user, uint64_t begin, uint64_t end)
     size_t const row = (size_t)job->a->words_per_row, from = (size_t)begin * row;
     size_t const words = (size_t)(end - begin) * row;
     uint64_t const tail = bvxi_tail_mask(job->a->size[0]);
-
     BVXI_PATH(job->cpu == BVX_CPU_AVX2, combine_rows(job, from, words), combine_rows_avx2(job, from, words));
-
     /* Only the complement sets bits past the end of a row. */
     if (job->operation != ALGEBRA_COMPLEMENT || tail == ~UINT64_C(0)) return;
     for (uint64_t r = begin; r < end; r++) job->result->words[((size_t)r + 1) * row - 1] &= tail;
@@ -75,7 +71,6 @@ static bvx_status combine_grids(bvx_context *ctx, const char *function, const bv
                                 int32_t operation, bvx_grid *result)
 {
     bvx_window window;
-    int made_here;
 
     if (result == NULL) return bvxi_fail_null(ctx, function, "result");
     BVXI_TRY(bvxi_grid_check(ctx, function, a));
@@ -90,7 +85,7 @@ static bvx_status combine_grids(bvx_context *ctx, const char *function, const bv
     memcpy(window.low, a->low, sizeof window.low);
     memcpy(window.size, a->size, sizeof window.size);
     bvxi_grid_renew(ctx, &a->lattice, &window, result);
-    made_here = result->words == NULL;
+    int const made_here = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(ctx, function, &a->lattice, &window, result));
 
     algebra_job job = {.a = a, .b = b, .result = result, .operation = operation, .cpu = bvxi_cpu(ctx)};
@@ -106,7 +101,6 @@ static bvx_status run_grid_combine(bvx_context *context, const bvx_grid *a, cons
                                    int32_t operation, bvx_grid *result)
 {
     static const char *const function = "bvx_grid_combine";
-
     if (operation < BVX_BOOLEAN_UNION || operation > BVX_BOOLEAN_XOR)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: operation %d is unknown",
                              function, (int64_t)operation);

@@ -27,7 +27,6 @@ BVXI_VECTOR_INLINE void count_row(block_counter *c, uint32_t n, const uint64_t w
 {
     uint64_t x[BLOCK_LANES];
     uint32_t p = 0;
-
     for (uint32_t l = 0; l < BLOCK_LANES; l++) x[l] = word[l];
     /* As in adding one to a binary number: a digit that had something pending is added up and carries on. */
     for (; (n >> p & 1) != 0; p++)
@@ -209,7 +208,6 @@ BVXI_VECTOR_INLINE void append_bits(gathered_bits *g, uint64_t bits, int32_t cou
     if (g->have < BVXI_WORD_BITS) return;
     *g->to++ = g->held;
     g->have -= BVXI_WORD_BITS;
-
     /* A shift by the whole word would be undefined: then nothing is held over. */
     g->held = g->have != 0 ? bits >> (count - g->have) : 0;
 }

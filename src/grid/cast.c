@@ -51,7 +51,6 @@ static uint64_t join_brick_words(const bvx_grid *g, int32_t k, int32_t y, int32_
     int32_t const y_end = g->size[1] - y < 8 ? g->size[1] : y + 8;
     int32_t const z_end = g->size[2] - z < 8 ? g->size[2] : z + 8;
     uint64_t w = 0;
-
     for (int32_t j = z; j < z_end; j++) {
         const uint64_t *at = g->words +
                              ((size_t)j * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row +
@@ -64,7 +63,6 @@ static uint64_t join_brick_words(const bvx_grid *g, int32_t k, int32_t y, int32_
 static void make_brick_rows(void *user, uint64_t begin, uint64_t end)
 {
     voxel_bricks *const b = user;
-
     for (uint64_t r = begin; r < end; r++) {
         /* Rows of bricks are eight rows of voxels along y and eight slices. */
         int32_t const y = (int32_t)(r % (uint64_t)b->size[1]) * 8;
@@ -86,8 +84,6 @@ static void free_bricks(bvx_context *ctx, voxel_bricks *bricks)
 static bvx_status make_bricks(bvx_context *ctx, const char *stage, double from, double to,
                               const bvx_grid *grid, voxel_bricks *bricks)
 {
-    bvx_status status;
-
     memset(bricks, 0, sizeof *bricks);
     bricks->grid = grid;
     for (int32_t a = 0; a < 3; a++) bricks->size[a] = (grid->size[a] + 7) >> BRICK_SHIFT;
@@ -97,9 +93,10 @@ static bvx_status make_bricks(bvx_context *ctx, const char *stage, double from, 
                         (uint64_t)bricks->size[1] * (uint64_t)bricks->size[2] *
                             (uint64_t)bricks->words_per_row * 8,
                         "the grid's bricks", &bricks->words));
-    status = BVXI_SHARE(ctx, from, to,
-                        bvxi_for(ctx, stage, (uint64_t)bricks->size[1] * (uint64_t)bricks->size[2],
-                                 BRICK_GRAIN, make_brick_rows, bricks));
+    bvx_status const status = BVXI_SHARE(ctx, from, to,
+                                         bvxi_for(ctx, stage,
+                                                  (uint64_t)bricks->size[1] * (uint64_t)bricks->size[2],
+                                                  BRICK_GRAIN, make_brick_rows, bricks));
     if (status != BVX_OK) free_bricks(ctx, bricks);
     return status;
 }
@@ -156,7 +153,6 @@ static inline int cast_reach(const cast_axis *a, int32_t n, double p, double q, 
     /* The slack covers the rounding of both places: one
      * voxel too many is tested and refused, none is missed. */
     double const least = (p < q ? p : q) - a->slack, most = (p < q ? q : p) + a->slack;
-
     if (a->way == 0) {
         *low = a->first;
         *high = a->last;
@@ -239,7 +235,6 @@ static int cast_bricks_hold(const voxel_bricks *b, int32_t low, int32_t high, in
 static inline int32_t cast_start(const cast_axis *a, int32_t shift, int32_t n, double t)
 {
     int32_t i = a->first;
-
     /* By rounding the place is right up to a voxel; the exact planes decide, in steps of one. */
     if (a->way == 0) return i >> shift;
     double const p = cast_place(a, t);
@@ -362,10 +357,9 @@ static int clip_cast_ray(const double *ray, double t_max, cast_ray *r, double *b
     /* A finite end keeps t finite, also where a plane lies at infinity. */
     r->end = t_max < 0x1.fffffffffffffp+1023 ? t_max : 0x1.fffffffffffffp+1023;
     for (int32_t i = 0; i < 3; i++) {
-        double enter, leave;
         if (!plan_cast_axis(r->grid, i, ray[i], ray[3 + i], &r->axis[i])) return 0;
-        enter = cast_enter(&r->axis[i], r->axis[i].first);
-        leave = cast_leave(&r->axis[i], r->axis[i].last);
+        double const enter = cast_enter(&r->axis[i], r->axis[i].first);
+        double const leave = cast_leave(&r->axis[i], r->axis[i].last);
         *begin = enter > *begin ? enter : *begin;
         r->end = leave < r->end ? leave : r->end;
     }

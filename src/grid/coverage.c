@@ -23,7 +23,6 @@ BVXI_VECTOR_INLINE int64_t cover_row(const bvxi_sample_axis *x, const uint64_t *
 {
     int32_t const begin = x->begin[i], n = x->end[i] - begin;
     int64_t sum = 0;
-
     for (int32_t from = 0; from < n; from += 64) {
         int32_t const part = n - from < 64 ? n - from : 64;
         uint64_t const bits = cut_bits(row, words, begin + from, part);
@@ -85,7 +84,6 @@ BVXI_VECTOR_INLINE int64_t cover_box(const bvxi_downsample *d, int32_t i, int32_
         int64_t const wz = b == z->begin[k] ? z->first[k] : b == z->end[k] - 1 ? z->last[k] : z->r;
         const uint64_t *const row = bvxi_fine_row(d, begin, b);
         int64_t slice = cover_rows(x, row, words, 1, i, fast) * y->first[j];
-
         if (between > 0) slice += cover_rows(x, row + words, words, between, i, fast) * y->r;
         if (rows > 1 && inside == rows)
             slice += cover_rows(x, row + (int64_t)words * (rows - 1), words, 1, i, fast) * y->last[j];
@@ -194,7 +192,6 @@ BVXI_AVX2_COPY(cover_piece_avx2, (const bvxi_downsample *d, int32_t piece), cove
 static void cover_piece_task(void *user, int32_t piece)
 {
     const bvxi_downsample *const d = user;
-
     BVXI_PATH(d->cpu == BVX_CPU_AVX2, cover_piece(d, piece, 0), cover_piece_avx2(d, piece));
 }
 
@@ -202,7 +199,6 @@ bvx_status bvxi_coverage_sample(bvx_context *ctx, bvxi_downsample *d, int keep_v
 {
     uint64_t const samples = (uint64_t)d->axis[0].count * (uint64_t)d->axis[1].count *
                              (uint64_t)d->axis[2].count;
-
     /* 20 bits an axis: the volume in units of 1/(r r r) has at most 60. */
     d->total = (int64_t)d->axis[0].n * d->axis[1].n * d->axis[2].n; /* each at most 2^20 */
     d->limit = bvxi_weight_limit(d->total, d->threshold);

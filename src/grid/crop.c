@@ -14,7 +14,6 @@ typedef struct content_box {
 static void widen_content(const uint64_t *row, int32_t words, int32_t y, int32_t z, content_box *box)
 {
     int32_t first = 0, last = words - 1;
-
     while (first < words && row[first] == 0) first++;
     if (first == words) return;
     while (row[last] == 0) last--;
@@ -30,7 +29,6 @@ static void widen_content(const uint64_t *row, int32_t words, int32_t y, int32_t
 void bvxi_grid_content(const bvx_grid *grid, bvx_window *window)
 {
     content_box box = {{INT32_MAX, INT32_MAX, INT32_MAX}, {-1, -1, -1}};
-
     for (int32_t z = 0; z < grid->size[2]; z++)
         for (int32_t y = 0; y < grid->size[1]; y++)
             widen_content(bvxi_grid_row(grid, y, z), grid->words_per_row, y, z, &box);
@@ -75,11 +73,9 @@ static bvx_status move_grid(bvx_context *ctx, const char *function, const bvx_gr
                             bvx_grid *result)
 {
     crop_job job;
-    int made_here;
-
     bvxi_grid_renew(ctx, lattice, window, result);
     /* Whose words the result has decides who frees them after a failure. */
-    made_here = result->words == NULL;
+    int const made_here = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(ctx, function, lattice, window, result));
     job.grid = grid;
     job.result = result;
@@ -96,10 +92,8 @@ static bvx_status run_grid_crop(bvx_context *context, const bvx_grid *grid, cons
     static const char *const function = "bvx_grid_crop";
     int32_t from[3];
     bvx_window w;
-
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     BVXI_TRY(bvxi_window_take(context, function, &grid->lattice, window, &w));
-
     /* Both windows count from the lattice's origin. */
     for (int32_t a = 0; a < 3; a++) from[a] = w.low[a] - grid->low[a];
     return move_grid(context, function, grid, &grid->lattice, &w, from, result);

@@ -75,7 +75,6 @@ bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bv
                                 const bvxi_downsample_by *by, bvxi_downsample *d)
 {
     const int32_t *const n = by->n, *const r = by->r;
-    int32_t *memory;
     uint64_t entries = 0;
 
     memset(d, 0, sizeof *d);
@@ -105,7 +104,7 @@ bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bv
     /* Six tables an axis, in one block. */
     d->table_bytes = entries * sizeof *d->tables;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, d->table_bytes, "the samples' places", &d->tables));
-    memory = d->tables;
+    int32_t *memory = d->tables;
     for (int32_t a = 0; a < 3; a++) fill_axis(&d->axis[a], &memory);
     d->pieces = bvxi_piece_count((uint64_t)d->axis[1].count * (uint64_t)d->axis[2].count, EXTENDED_GRAIN);
     return open_coarse(ctx, function, d);
@@ -145,7 +144,6 @@ static void gather_rows(const bvxi_downsample *d, int32_t j, int32_t k, sample_r
     const bvxi_sample_axis *const y = &d->axis[1], *const z = &d->axis[2];
     int64_t const high_y = y->high_weight[j], low_y = 2 * (int64_t)y->r - high_y;
     int64_t const high_z = z->high_weight[k], low_z = 2 * (int64_t)z->r - high_z;
-
     /* A row of weight 0 is not read: it may lie beyond the grid. */
     for (int32_t i = 0; i < 4; i++) {
         s->weight[i] = ((i & 1) != 0 ? high_y : low_y) * ((i >> 1) != 0 ? high_z : low_z);
@@ -199,7 +197,6 @@ static void sample_row(const bvxi_downsample *d, int32_t j, int32_t k)
     if (s.row[0] == NULL && s.row[1] == NULL && s.row[2] == NULL && s.row[3] == NULL) return;
     for (int32_t i = 0; i < x->count; i++) {
         int32_t const at = x->at[i];
-        uint64_t inside;
         /* The words change every few samples only, so both answers are found for 64 voxels at a time. */
         if (at >> 6 != word) {
             word = at >> 6;
@@ -208,7 +205,7 @@ static void sample_row(const bvxi_downsample *d, int32_t j, int32_t k)
 
         /* Without a set voxel around it the sample is 0, with all of them set it is 1: no sum is needed. */
         if ((any >> (at & 63) & 1) == 0) continue;
-        inside = all >> (at & 63) & 1;
+        uint64_t inside = all >> (at & 63) & 1;
         if (!inside) {
             int64_t const low = sum_at(&s, at, x->voxels), high = sum_at(&s, at + 1, x->voxels);
             inside = (uint64_t)(low * (voxel - x->high_weight[i]) + high * x->high_weight[i] > d->limit);
@@ -324,7 +321,6 @@ double bvxi_extended_ratio(const void *downsample, int32_t axis, int32_t i, int3
     int64_t high[3], place, low_sum, high_sum, sum;
     int32_t at[3], voxel;
     edge_lines e;
-    int start;
 
     /* The edge begins at sample (i, j, k), which lies somewhere between two voxels of its line. */
     for (int32_t b = 0; b < 3; b++) place_sample(&d->axis[b], sample[b], &at[b], &high[b]);
@@ -334,7 +330,7 @@ double bvxi_extended_ratio(const void *downsample, int32_t axis, int32_t i, int3
     low_sum = sum_across(&e, voxel);
     high_sum = sum_across(&e, voxel + 1);
     sum = low_sum * (unit - place) + high_sum * place;
-    start = sum > limit;
+    int const start = sum > limit;
     for (int32_t s = 1; s <= steps; s++) {
         int64_t const before = sum;
         /* One step further may cross several voxels: only the last two of them count. */

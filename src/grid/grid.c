@@ -11,7 +11,6 @@
 uint64_t bvx_grid_bound(const bvx_lattice *lattice, const bvx_window *window)
 {
     static const bvx_window none = {{0, 0, 0}, {0, 0, 0}};
-    uint64_t rows = 1;
     int ok = 1, whole;
     int32_t size[3];
 
@@ -24,7 +23,7 @@ uint64_t bvx_grid_bound(const bvx_lattice *lattice, const bvx_window *window)
     }
 
     /* 0 is the answer for what does not fit, as no grid has 0 words. */
-    rows = bvxi_mul((uint64_t)size[1], (uint64_t)size[2], &ok);
+    uint64_t rows = bvxi_mul((uint64_t)size[1], (uint64_t)size[2], &ok);
     rows = bvxi_mul(rows, (uint64_t)bvxi_row_words(size[0]), &ok);
     return ok && rows <= UINT64_MAX / 8 ? rows : 0;
 }
@@ -70,14 +69,12 @@ bvx_status bvx_grid_create(bvx_context *context, const bvx_lattice *lattice, con
                            bvx_grid *grid)
 {
     bvx_window w;
-    bvx_status status;
-
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (grid == NULL) return bvxi_fail_null(context, "bvx_grid_create", "grid");
     BVXI_TRY(bvxi_lattice_check(context, "bvx_grid_create", lattice));
     BVXI_TRY(bvxi_window_take(context, "bvx_grid_create", lattice, window, &w));
     bvxi_grid_renew(context, lattice, &w, grid);
-    status = bvxi_grid_open(context, "bvx_grid_create", lattice, &w, grid);
+    bvx_status const status = bvxi_grid_open(context, "bvx_grid_create", lattice, &w, grid);
     if (status != BVX_OK) return bvxi_fail_in(context, "bvx_grid_create", status);
     memset(grid->words, 0, (size_t)bvxi_grid_words(grid) * 8);
     return BVX_OK;
@@ -143,10 +140,8 @@ bvx_status bvxi_grid_check_past(bvx_context *ctx, const char *function, const bv
 static bvx_status run_grid_count(bvx_context *context, const bvx_grid *grid, uint64_t *count)
 {
     uint64_t n = 0, words;
-
     if (count == NULL) return bvxi_fail_null(context, "bvx_grid_count", "count");
     BVXI_TRY(bvxi_grid_check(context, "bvx_grid_count", grid));
-
     words = bvxi_grid_words(grid);
     for (uint64_t i = 0; i < words; i++) n += bvxi_popcount(grid->words[i]);
     *count = n;
@@ -241,7 +236,6 @@ bvx_status bvxi_grid_check_shift(bvx_context *ctx, const char *function, const b
 {
     uint64_t const bytes = bvxi_grid_words(grid) * 8;
     uint64_t const held = bytes_held(result);
-
     /* A result too small for the grid is made anew, or refused: what lies after its words is not its own. */
     if (grid->words == result->words ||
         !bvxi_overlap(grid->words, bytes, result->words, held < bytes ? held : bytes))

@@ -40,7 +40,6 @@ static void put_turned_block(const turn_job *job, size_t at, int32_t count, uint
                              const uint64_t block[64])
 {
     uint64_t *const grid = job->grid->words;
-
     for (int32_t i = 0; i < count; i++, at += job->step) {
         uint64_t const w = block[i];
         if (job->use == BVXI_TURN_SET) {
@@ -141,7 +140,6 @@ static void permute_rows(void *user, uint64_t begin, uint64_t end)
     const permute_job *const job = user;
     bvx_grid *const to = job->result;
     size_t const words = (size_t)to->words_per_row;
-
     for (uint64_t r = begin; r < end; r++) {
         int32_t const b = (int32_t)(r % (uint64_t)to->size[1]), c = (int32_t)(r / (uint64_t)to->size[1]);
         /* Steps of 0 along x leave the row's beginning; y and z may change places or turn over. */
@@ -159,7 +157,6 @@ static void load_permute_square(const permute_job *job, const uint64_t *from, in
     int32_t const first = k * BVXI_WORD_BITS, left = job->result->size[0] - first;
     int32_t const n = left < BVXI_WORD_BITS ? left : BVXI_WORD_BITS;
     uint64_t any = 0;
-
     for (int32_t i = 0; i < n; i++)
         any |= square[i] = from[(size_t)flipped(job, 0, first + i) * job->step[0]];
     /* Rows past the result's end are empty, so their bits stay 0. */
@@ -186,7 +183,6 @@ static void permute_squares(void *user, uint64_t begin, uint64_t end)
     const permute_job *const job = user;
     /* The axis that is neither x nor where x goes keeps its place: its slices are independent. */
     int32_t const third = 3 - job->x_to; /* 1 and 2 change places */
-
     for (uint64_t s = begin; s < end; s++)
         for (int32_t k = 0; k < job->result->words_per_row; k++)
             for (int32_t word = 0; word < job->grid->words_per_row; word++)
@@ -199,7 +195,6 @@ static bvx_status take_axes(bvx_context *ctx, const char *function, const int32_
     int32_t seen = 0;
 
     if (axes == NULL) return bvxi_fail_null(ctx, function, "axes");
-
     for (int32_t a = 0; a < 3; a++) {
         int32_t const flip = flips != NULL ? flips[a] : 0;
         if (axes[a] < 0 || axes[a] > 2 || (seen >> axes[a] & 1) != 0)
@@ -221,7 +216,6 @@ static bvx_status take_axes(bvx_context *ctx, const char *function, const int32_
 static void permute_place(const permute_job *job, bvx_lattice *lattice, bvx_window *window)
 {
     const bvx_grid *const g = job->grid;
-
     /* A mirrored window counts from the lattice's other end. */
     lattice->fraction_bits = g->lattice.fraction_bits;
     for (int32_t a = 0; a < 3; a++) {
@@ -240,7 +234,6 @@ static void lay_permute_steps(permute_job *job)
     size_t const row = (size_t)g->words_per_row, to_row = (size_t)to->words_per_row;
     size_t const step[3] = {0, row, row * (size_t)g->size[1]};
     size_t const to_step[3] = {0, to_row, to_row * (size_t)to->size[1]};
-
     /* x has no step in words: its voxels are bits. */
     for (int32_t a = 0; a < 3; a++) {
         job->step[a] = step[job->axes[a]];
@@ -255,8 +248,6 @@ static bvx_status run_grid_permute(bvx_context *context, const bvx_grid *grid, c
     bvx_lattice lattice;
     permute_job job;
     bvx_window window;
-    uint64_t words;
-    int mine;
 
     memset(&job, 0, sizeof job);
     BVXI_TRY(take_axes(context, function, axes, flips, &job));
@@ -266,10 +257,10 @@ static bvx_status run_grid_permute(bvx_context *context, const bvx_grid *grid, c
     job.result = result;
     permute_place(&job, &lattice, &window);
     bvxi_grid_renew(context, &lattice, &window, result);
-    mine = result->words == NULL;
+    int const mine = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(context, function, &lattice, &window, result));
     lay_permute_steps(&job);
-    words = bvxi_grid_words(result);
+    uint64_t const words = bvxi_grid_words(result);
     /* Rows stay rows: memory is read and written in one order. */
     if (job.x_to == 0) {
         return bvxi_grid_made(context,

@@ -13,7 +13,6 @@ enum { BLOCKS_GRAIN = 4096 /* least words of the grid a piece */ };
 static void lay_moves(bvxi_block_starts *s)
 {
     uint64_t m = s->mask, behind = ~s->mask << 1;
-
     /* At each step the parity of the gaps below a bit says whether it moves by this power of two. */
     for (int32_t i = 0; i < 6; i++) {
         uint64_t parity = behind;
@@ -41,7 +40,6 @@ static bvx_status lay_starts(bvx_context *ctx, bvxi_blocks *b)
 static bvx_status lay_planes(bvx_context *ctx, const char *function, bvxi_blocks *b)
 {
     uint64_t const voxels = (uint64_t)b->factor[0] * (uint64_t)b->factor[1];
-    uint64_t bytes;
 
     /* A count of a block must fit in 32 bits, as callers get it. */
     if (voxels > UINT32_MAX || voxels * (uint64_t)b->factor[2] > UINT32_MAX)
@@ -56,7 +54,7 @@ static bvx_status lay_planes(bvx_context *ctx, const char *function, bvxi_blocks
 
     /* Two sets for the row and its copy, one for the result: each worker has its own. */
     b->worker_words = (2 * (uint64_t)b->words + (uint64_t)b->count_words) * (uint64_t)b->plane_count;
-    bytes = b->worker_words * (uint64_t)b->workers * 8;
+    uint64_t const bytes = b->worker_words * (uint64_t)b->workers * 8;
     return bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the blocks' planes", &b->planes);
 }
 
@@ -75,7 +73,6 @@ static bvx_status blocks_open(bvx_context *ctx, const char *function, const bvx_
     b->cpu = bvxi_cpu(ctx);
     for (int32_t a = 0; a < 3; a++) {
         int32_t const n = grid->lattice.dims[a];
-        int64_t first, last;
         if (factor[a] < 1 || factor[a] > BVXI_MAX_SIDE)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                                  "%s: factor[%d] is %d; 1 to %d are possible", function, (int64_t)a,
@@ -85,8 +82,8 @@ static bvx_status blocks_open(bvx_context *ctx, const char *function, const bvx_
         b->factor[a] = factor[a] < n ? factor[a] : n;
 
         /* Blocks count from the lattice's origin, so a window gives the blocks that the whole grid would. */
-        first = grid->low[a] / b->factor[a];
-        last = (grid->low[a] + grid->size[a] - 1) / b->factor[a];
+        int64_t const first = grid->low[a] / b->factor[a];
+        int64_t const last = (grid->low[a] + grid->size[a] - 1) / b->factor[a];
         dims[a] = (n - 1) / b->factor[a] + 1;
         b->window.low[a] = (int32_t)first;
         b->window.size[a] = (int32_t)(last - first) + 1;
@@ -142,7 +139,6 @@ static void put_majority(const bvxi_blocks *b, const uint64_t *planes, int32_t d
                          uint64_t *row)
 {
     int32_t const last = b->window.size[0] - 1, ends[2] = {0, last};
-
     for (int32_t k = 0; k < b->count_words; k++)
         row[k] = counts_above(b, planes, digits, k, across * (uint64_t)b->factor[0] / 2);
     /* The first and the last block may be cut by the window: their half is smaller. */
@@ -189,20 +185,6 @@ static void reduce_piece(void *user, int32_t index, int32_t worker)
                    job->result->words + (size_t)r * (size_t)b->count_words);
 }
 
-static bvx_status reduce_grid(bvx_context *ctx, const char *function, reduce_job *job, bvx_grid *result)
-{
-    int mine;
-
-    /* Made once the blocks are known: their number is the size of the result. */
-    bvxi_grid_renew(ctx, &job->blocks.lattice, &job->blocks.window, result);
-    mine = result->words == NULL;
-    BVXI_TRY(bvxi_grid_open(ctx, function, &job->blocks.lattice, &job->blocks.window, result));
-    job->result = result;
-    job->pieces = block_pieces(&job->blocks);
-    return bvxi_grid_made(ctx, bvxi_parallel(ctx, "downsample", 0.0, 1.0, job->pieces, reduce_piece, job),
-                          mine, result);
-}
-
 static bvx_status run_grid_downsample(bvx_context *context, const bvx_grid *grid, const int32_t factor[3],
                                       int32_t rule, bvx_grid *result)
 {
@@ -219,8 +201,15 @@ static bvx_status run_grid_downsample(bvx_context *context, const bvx_grid *grid
 
     /* After the check of the rule, as it is the index of the table. */
     BVXI_TRY(blocks_open(context, function, grid, factor, what[rule], &job.blocks));
-    BVXI_TRY(reduce_grid(context, function, &job, result));
-    return BVX_OK;
+    /* Made once the blocks are known: their number is the size of the result. */
+    bvxi_grid_renew(context, &job.blocks.lattice, &job.blocks.window, result);
+    int const mine = result->words == NULL;
+    BVXI_TRY(bvxi_grid_open(context, function, &job.blocks.lattice, &job.blocks.window, result));
+    job.result = result;
+    job.pieces = block_pieces(&job.blocks);
+    return bvxi_grid_made(context,
+                          bvxi_parallel(context, "downsample", 0.0, 1.0, job.pieces, reduce_piece, &job),
+                          mine, result);
 }
 
 bvx_status bvx_grid_downsample(bvx_context *context, const bvx_grid *grid, const int32_t factor[3],

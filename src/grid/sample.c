@@ -90,7 +90,6 @@ static bvx_status run_grid_sample(bvx_context *context, const bvx_grid *grid, co
 {
     static const char *const function = "bvx_grid_sample";
     sample_work w = {grid, points, values, gradients};
-
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     if (points == NULL && count != 0) return bvxi_fail_null(context, function, "points");
     if (values == NULL && count != 0) return bvxi_fail_null(context, function, "values");
@@ -129,7 +128,6 @@ typedef struct resample_job {
 static int32_t source_voxel(const resample_job *job, int32_t axis, int32_t index)
 {
     const bvx_grid *const g = job->grid, *const to = job->result;
-
     /* Divided rather than stepped, so that no error adds up from voxel to voxel. */
     double const centre = to->lattice.origin[axis] +
                           ((double)to->low[axis] + (double)index + 0.5) * to->lattice.spacing[axis];
@@ -199,20 +197,18 @@ static bvx_status run_grid_resample(bvx_context *context, const bvx_grid *grid, 
     static const char *const function = "bvx_grid_resample";
     resample_job job;
     bvx_window w;
-    bvx_status status;
-    int mine;
 
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     BVXI_TRY(bvxi_lattice_check(context, function, lattice));
     BVXI_TRY(bvxi_window_take(context, function, lattice, window, &w));
     bvxi_grid_renew(context, lattice, &w, result);
-    mine = result->words == NULL;
+    int const mine = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(context, function, lattice, &w, result));
     job.grid = grid;
     job.result = result;
 
     /* The grid was checked before memory for the tables is made, and its words are freed if that fails. */
-    status = lay_resample_tables(context, &job);
+    bvx_status status = lay_resample_tables(context, &job);
     if (status != BVX_OK && mine) bvx_grid_free(context, result);
     if (status != BVX_OK) return status;
     status = bvxi_grid_made(context,

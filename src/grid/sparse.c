@@ -8,7 +8,6 @@ uint64_t bvxi_sparse_number(const bvx_grid *where, uint64_t *first)
 {
     uint64_t const rows = bvxi_grid_rows(where), words = (uint64_t)where->words_per_row;
     uint64_t count = 0;
-
     for (uint64_t r = 0; r < rows; r++) {
         first[r] = count;
         for (uint64_t k = 0; k < words; k++) count += bvxi_popcount(where->words[r * words + k]);
@@ -29,7 +28,6 @@ bvx_status bvxi_sparse_open(bvx_context *ctx, const bvx_grid *like, bvxi_sparse 
 bvx_status bvxi_sparse_rank(bvx_context *ctx, bvxi_sparse *s)
 {
     uint64_t const rows = bvxi_grid_rows(&s->where);
-
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (rows + 1) * 8, "the rows of values", &s->first));
     s->count = bvxi_sparse_number(&s->where, s->first);
     return BVX_OK;
@@ -38,7 +36,6 @@ bvx_status bvxi_sparse_rank(bvx_context *ctx, bvxi_sparse *s)
 bvx_status bvxi_sparse_columns(bvx_context *ctx, bvxi_sparse *s, int32_t value_type, uint32_t columns)
 {
     uint64_t const n = s->count, bytes = value_type == BVX_F32 ? 4 : 8;
-
     s->value_type = value_type;
     if ((columns & BVXI_VECTORS) != 0)
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 3 * bytes, "the vectors of voxels", &s->vectors));

@@ -1,6 +1,5 @@
 /* contour_text.c - contour stacks as readers make them, and which reader a format has. */
 #include "io_contour/contour_text.h"
-#include "io/formats.h"
 
 static uint64_t contour_line(const bvxi_contour_file *f, const char *at)
 {
@@ -54,10 +53,8 @@ bvx_status bvxi_contour_add_plane(bvxi_contour_file *f, double position, const d
 bvx_status bvxi_contour_add_loop(bvxi_contour_file *f, uint32_t section, int32_t label)
 {
     bvx_sections *const s = &f->sections;
-    bvx_section_loop *l;
-
     BVXI_TRY(contour_room(f, &s->loops, s->loop_count, &s->loop_capacity, sizeof *s->loops, "the loops"));
-    l = &s->loops[s->loop_count++];
+    bvx_section_loop *const l = &s->loops[s->loop_count++];
     memset(l, 0, sizeof *l);
     l->first_point = s->point_count;
     l->section = section;

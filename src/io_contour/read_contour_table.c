@@ -151,19 +151,16 @@ static bvx_status table_number(table_reader *r, int column, const char *what, do
 static bvx_status end_table_loop(table_reader *r, const char *at)
 {
     bvx_sections *const s = &r->f->sections;
-    bvx_section_loop *l;
-    const double *first, *last;
-    double x, y, z, square;
 
     /* Loops of the library are closed without a repeated point; tables often repeat it. */
     if (s->loop_count == 0) return BVX_OK;
-    l = &s->loops[s->loop_count - 1];
-    first = s->points + 3 * l->first_point;
-    last = s->points + 3 * (s->point_count - 1);
-    x = last[0] - first[0];
-    y = last[1] - first[1];
-    z = last[2] - first[2];
-    square = (x * x + y * y) + z * z;
+    bvx_section_loop *const l = &s->loops[s->loop_count - 1];
+    const double *const first = s->points + 3 * l->first_point;
+    const double *const last = s->points + 3 * (s->point_count - 1);
+    double const x = last[0] - first[0];
+    double const y = last[1] - first[1];
+    double const z = last[2] - first[2];
+    double const square = (x * x + y * y) + z * z;
     if (l->point_count > 1 && x == 0.0 && y == 0.0 && z == 0.0) {
         l->point_count--;
         s->point_count--;
@@ -204,7 +201,6 @@ static void section_key(const void *user, uint64_t number, uint32_t key[BVXI_KEY
 static bvx_status compare_plane(table_reader *r, uint32_t section, double position, const double normal[3])
 {
     const bvx_sections *const s = &r->f->sections;
-
     if (s->positions[section] != position)
         return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT,
                                  "the section has another position on an earlier line");
@@ -218,16 +214,13 @@ static bvx_status compare_plane(table_reader *r, uint32_t section, double positi
 static bvx_status find_table_section(table_reader *r, double position, const double normal[3],
                                      uint32_t *section)
 {
-    bvx_sections *const s = &r->f->sections;
-    uint64_t const next = s->section_count, room = r->section_room;
-
+    uint64_t const next = r->f->sections.section_count, room = r->section_room;
     /* The new hash stands where the section's number would: the tree compares it with the others there. */
     BVXI_TRY(remember(r, &r->section_hash, next, &r->section_room, word_hash(r->word[TABLE_SECTION], 0)));
     if (r->sections.key == NULL)
         BVXI_TRY(bvxi_key_tree_open(r->f->ctx, &r->sections, section_key, r, r->section_room));
     else if (r->section_room > room) BVXI_TRY(bvxi_key_tree_grow(r->f->ctx, &r->sections, r->section_room));
     *section = (uint32_t)bvxi_key_tree_find(&r->sections, next);
-
     /* A name that is known must lie where it lay: a second position is a mistake in the table. */
     if (*section != next) return compare_plane(r, *section, position, normal);
     return r->planes ? bvxi_contour_add_plane(r->f, position, normal)
@@ -236,12 +229,10 @@ static bvx_status find_table_section(table_reader *r, double position, const dou
 
 static bvx_status read_normal(table_reader *r, double normal[3])
 {
-    double length;
-
     BVXI_TRY(table_number(r, TABLE_NX, "expected a number as nx", &normal[0]));
     BVXI_TRY(table_number(r, TABLE_NY, "expected a number as ny", &normal[1]));
     BVXI_TRY(table_number(r, TABLE_NZ, "expected a number as nz", &normal[2]));
-    length = sqrt((normal[0] * normal[0] + normal[1] * normal[1]) + normal[2] * normal[2]);
+    double const length = sqrt((normal[0] * normal[0] + normal[1] * normal[1]) + normal[2] * normal[2]);
     if (!(length > 0.0) || !(length < 1e300))
         return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT, "the plane's normal has no length");
     return BVX_OK;
@@ -251,7 +242,6 @@ static bvx_status read_normal(table_reader *r, double normal[3])
 static int states_section(const table_reader *r)
 {
     static const int of_loop[] = {TABLE_LOOP, TABLE_X, TABLE_Y, TABLE_LABEL, TABLE_Z};
-
     /* A loop may have no name, so a point without one is still a point. */
     for (size_t i = 0; i < sizeof of_loop / sizeof of_loop[0]; i++)
         if (r->column[of_loop[i]] >= 0 && (of_loop[i] != TABLE_Z || r->planes) &&
@@ -269,7 +259,6 @@ static bvx_status read_table_line(table_reader *r, const char *p, const char *en
     BVXI_TRY(table_number(r, TABLE_POSITION, "expected a number as the position", &position));
     if (states_section(r)) {
         uint32_t section;
-
         if (r->planes) BVXI_TRY(read_normal(r, normal));
         return find_table_section(r, position, normal, &section);
     }
@@ -360,13 +349,11 @@ static bvx_status read_table_lines(table_reader *r)
 bvx_status bvxi_read_contour_table(bvxi_contour_file *f, double close_gap)
 {
     table_reader r;
-
     memset(&r, 0, sizeof r);
     r.f = f;
     r.close_gap = close_gap;
     /* The planes of a table are z = position. */
     f->sections.normal[2] = 1.0;
     if (f->end - f->p >= 3 && memcmp(f->p, "\xef\xbb\xbf", 3) == 0) f->p += 3; /* a byte order mark */
-    BVXI_TRY(read_table_lines(&r));
-    return BVX_OK;
+    return read_table_lines(&r);
 }

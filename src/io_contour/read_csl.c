@@ -33,11 +33,10 @@ static void csl_skip(bvxi_contour_file *f)
 
 static bvx_status csl_whole(bvxi_contour_file *f, const char *what, uint64_t most, uint64_t *value)
 {
-    const char *start;
     uint64_t v = 0;
 
     csl_skip(f);
-    start = f->p;
+    const char *const start = f->p;
     /* Beyond 17 digits the value stays above every limit, and the sum cannot leave 64 bits. */
     for (; f->p < f->end && *f->p >= '0' && *f->p <= '9'; f->p++)
         if (v < UINT64_C(100000000000000000)) v = v * 10 + (uint64_t)(*f->p - '0');
@@ -53,9 +52,8 @@ static bvx_status csl_whole(bvxi_contour_file *f, const char *what, uint64_t mos
 
 static bvx_status csl_real(bvxi_contour_file *f, const char *what, double *value)
 {
-    size_t used;
     csl_skip(f);
-    used = bvxi_parse_double(f->p, f->end, value);
+    size_t const used = bvxi_parse_double(f->p, f->end, value);
     if (used == 0 || (f->p + used < f->end && !csl_space(f->p[used])))
         return bvxi_contour_fail(f, f->p, BVX_ERR_FORMAT, what);
     if (!(*value - *value == 0.0)) return bvxi_contour_fail(f, f->p, BVX_ERR_RANGE, "a number is not finite");
@@ -109,7 +107,6 @@ static void csl_settle_position(bvxi_contour_file *f, uint64_t first, uint64_t e
     const double *const points = f->sections.points;
     uint64_t const count = end - first;
     double base, sum = 0.0; /* from the first point, so that equal heights have themselves as their mean */
-
     if (count == 0) return;
     base = csl_height(n, points + 3 * first);
     for (uint64_t i = first; i < end; i++) sum += csl_height(n, points + 3 * i) - base;
@@ -121,13 +118,11 @@ static bvx_status csl_points(bvxi_contour_file *f, const char *start, const doub
                              uint64_t count, double equation)
 {
     double largest = 0.0, low = HUGE_VAL, high = -HUGE_VAL;
-    int lies, mirrored;
 
     for (uint64_t i = 0; i < count; i++) {
         double *const p = points + 3 * i;
-        double height;
         for (int k = 0; k < 3; k++) BVXI_TRY(csl_real(f, "expected a point's coordinate", &p[k]));
-        height = csl_height(n, p);
+        double const height = csl_height(n, p);
         /* The span of the heights, and the largest coordinate: rounding grows with it. */
         low = height < low ? height : low;
         high = height > high ? height : high;
@@ -138,8 +133,8 @@ static bvx_status csl_points(bvxi_contour_file *f, const char *start, const doub
     /* Between the points is near enough: single points off their plane are
      * the body's matter, and their mean is what is written. */
     largest *= CSL_PLANE_OFF;
-    lies = equation >= low - largest && equation <= high + largest;
-    mirrored = -equation >= low - largest && -equation <= high + largest;
+    int const lies = equation >= low - largest && equation <= high + largest;
+    int const mirrored = -equation >= low - largest && -equation <= high + largest;
     f->upright += lies && !mirrored;
     f->flipped += mirrored && !lies;
     /* Some writers have A x + B y + C z = D: then all planes do. */
@@ -216,7 +211,6 @@ static bvx_status csl_loops(bvxi_contour_file *f, const double *points, uint64_t
     uint64_t const first = f->sections.loop_count;
     uint32_t *around = NULL;
     bvx_status status = bvxi_alloc(f->ctx, BVXI_SCRATCH, loops * 4, "the holes of a plane", &around);
-
     for (uint64_t i = 0; i < loops && status == BVX_OK; i++)
         status = csl_loop(f, points, count, section, loops, &around[i]);
     if (status == BVX_OK) status = csl_settle_holes(f, first, loops, around);
@@ -228,10 +222,9 @@ static bvx_status csl_plane(bvxi_contour_file *f, uint32_t section)
 {
     uint64_t number, points, loops;
     double equation[4], normal[3], position = 0.0, *at = NULL;
-    const char *start;
 
     csl_skip(f);
-    start = f->p;
+    const char *const start = f->p;
     BVXI_TRY(csl_whole(f, "expected a plane's number", UINT32_MAX, &number));
     BVXI_TRY(csl_whole(f, "expected a plane's number of points", (uint64_t)(f->end - f->p) / CSL_LEAST_POINT,
                        &points));

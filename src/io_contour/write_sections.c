@@ -31,7 +31,6 @@ typedef struct section_counts {
 static section_counts count_section(const bvx_sections *s, uint64_t section)
 {
     section_counts c = {0, 0};
-
     for (uint64_t i = 0; i < s->loop_count; i++)
         if (s->loops[i].section == section) {
             c.points += s->loops[i].point_count;
@@ -52,7 +51,6 @@ static void put_unit(bvxi_output *o, const double n[3])
 {
     double const length = sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2]);
     double const unit[3] = {n[0] / length, n[1] / length, n[2] / length};
-
     put_triple(o, unit);
 }
 
@@ -77,23 +75,10 @@ static void put_csl_head(const bvx_sections *s, uint64_t section, const double n
     bvxi_output_text(o, "\n\n");
 }
 
-static void put_csl_points(const bvx_sections *s, uint64_t section, bvxi_output *o)
-{
-    for (uint64_t i = 0; i < s->loop_count; i++) {
-        if (s->loops[i].section != section) continue;
-        for (uint64_t j = 0; j < s->loops[i].point_count; j++) {
-            put_triple(o, s->points + 3 * (s->loops[i].first_point + j));
-            bvxi_output_text(o, "\n");
-        }
-    }
-    bvxi_output_text(o, "\n");
-}
-
 /* The walk over the loops is in the order in which their points were written, so the indices are a count. */
 static void put_csl_loops(const bvx_sections *s, uint64_t section, bvxi_output *o)
 {
     uint64_t from = 0;
-
     for (uint64_t i = 0; i < s->loop_count; i++) {
         if (s->loops[i].section != section) continue;
         bvxi_output_number(o, s->loops[i].point_count);
@@ -114,10 +99,17 @@ static void put_csl(const bvx_sections *s, const double normal[3], bvxi_output *
     bvxi_output_text(o, " ");
     bvxi_output_number(o, count_labels(s));
     bvxi_output_text(o, "\n");
-
     for (uint64_t k = 0; k < s->section_count; k++) {
         put_csl_head(s, k, normal, o);
-        put_csl_points(s, k, o);
+        for (uint64_t i = 0; i < s->loop_count; i++) {
+            if (s->loops[i].section != k) continue;
+            for (uint64_t j = 0; j < s->loops[i].point_count; j++) {
+                put_triple(o, s->points + 3 * (s->loops[i].first_point + j));
+                bvxi_output_text(o, "\n");
+            }
+        }
+        bvxi_output_text(o, "\n");
+
         put_csl_loops(s, k, o);
     }
 }

@@ -6,8 +6,6 @@
 #include "io_grid/grid_formats.h"
 #include "io/formats.h"
 
-/* ---- The lattice ---- */
-
 bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double origin[3],
                          const double spacing[3], const uint64_t dims[3], bvx_lattice *box)
 {
@@ -96,8 +94,6 @@ void bvxi_set_file_run(bvx_grid *grid, const bvx_window *part, int64_t x, int64_
     bvxi_set_run(bvxi_grid_row(grid, (int32_t)j, (int32_t)k), (int32_t)first, (int32_t)stop);
 }
 
-/* ---- Read ---- */
-
 enum { TEXT_ASK_BYTES = 1 << 20 };
 
 bvx_status bvxi_fail_short_array(const bvxi_source *source, const char *array, uint64_t size, const char *at)
@@ -182,7 +178,6 @@ bvx_status bvxi_check_written_corner(bvx_context *ctx, const char *format, const
 {
     static const char axis_name[3][2] = {"x", "y", "z"};
     double corner[3];
-
     bvxi_grid_corner(grid, corner);
     for (int a = 0; a < 3; a++) {
         /* Both are checked: formats keep the corner, the centre, or both. */

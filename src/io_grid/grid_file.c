@@ -3,8 +3,6 @@
 #include "io_grid/grid_formats.h"
 #include "io/formats.h"
 
-/* ---- Read ---- */
-
 static bvx_status read_dense_as(const bvxi_grid_source *source, int32_t format, bvx_grid *grid)
 {
     bvxi_dense dense;
@@ -35,8 +33,6 @@ static bvx_status run_read_grid(bvx_context *context, const void *bytes, uint64_
 {
     static const char *const function = "bvx_read_grid";
     bvxi_grid_source source;
-    bvx_grid made;
-    bvx_status status;
 
     if (grid == NULL) return bvxi_fail_null(context, function, "grid");
     BVXI_TRY(bvxi_check_bytes(context, function, bytes, size));
@@ -46,8 +42,8 @@ static bvx_status run_read_grid(bvx_context *context, const void *bytes, uint64_
     source.end = source.begin + (size_t)size;
     source.window = window;
     source.volume = NULL;
-    made = *grid; /* brings the caller's words along */
-    status = read_grid_as(&source, format, &made);
+    bvx_grid made = *grid; /* brings the caller's words along */
+    bvx_status const status = read_grid_as(&source, format, &made);
     /* The words may have been freed and made anew: the caller's grid must name those that exist. */
     if (status != BVX_OK) {
         if (grid->owned == 1) *grid = made; /* its words, or others in their stead */
@@ -64,12 +60,9 @@ bvx_status bvx_read_grid(bvx_context *context, const void *bytes, uint64_t size,
     return BVXI_CALL(context, run_read_grid(context, bytes, size, format, window, grid));
 }
 
-/* ---- Written ---- */
-
 static bvx_status run_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format, bvx_buffer *file)
 {
     static const char *const function = "bvx_write_grid";
-
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     switch (format) {

@@ -92,7 +92,6 @@ static BVXI_COLD bvx_status json_expected(const json_lattice *l, uint32_t value,
 static bvx_status json_find(const json_lattice *l, uint32_t object, const char *key, uint32_t *value)
 {
     uint32_t i = object + 1;
-
     *value = BVXI_JSON_NONE;
     for (uint32_t left = bvxi_json_count(&l->json, object); left > 0; left--, i = l->json.value[i + 1].next) {
         if (!bvxi_json_is(&l->json, i, key)) continue;
@@ -119,7 +118,6 @@ static bvx_status json_take_three(const json_lattice *l, uint32_t object, const 
                                   int32_t *counts)
 {
     uint32_t array, i;
-
     BVXI_TRY(json_find(l, object, key, &array));
     if (bvxi_json_kind(&l->json, array) != BVXI_JSON_ARRAY || bvxi_json_count(&l->json, array) != 3)
         return json_expected(l, array, "three numbers between brackets");
@@ -136,7 +134,6 @@ static bvx_status json_take_exact(const json_lattice *l, const char *key, const 
                                   const char *what)
 {
     uint32_t value;
-
     BVXI_TRY(json_find(l, 0, key, &value));
     return bvxi_json_is(&l->json, value, wanted) ? BVX_OK : json_expected(l, value, what);
 }
@@ -191,7 +188,6 @@ static bvx_status run_read_lattice(bvx_context *context, const void *bytes, uint
     static const char *const function = "bvx_read_lattice";
     static const char axis_name[3][2] = {"x", "y", "z"};
     json_lattice l;
-    const char *text;
 
     BVXI_TRY(bvxi_check_bytes(context, function, bytes, size));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
@@ -202,7 +198,7 @@ static bvx_status run_read_lattice(bvx_context *context, const void *bytes, uint
     l.source.format = "lattice";
     l.source.begin = bytes;
     l.source.end = l.source.begin + (size_t)size;
-    text = bvxi_skip_mark(l.source.begin, l.source.end);
+    const char *const text = bvxi_skip_mark(l.source.begin, l.source.end);
     BVXI_TRY(bvxi_json_read(&l.source, text, (uint64_t)(l.source.end - text), &l.json));
     BVXI_TRY(json_take_lattice(&l));
 

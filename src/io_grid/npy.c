@@ -51,11 +51,9 @@ static int npy_take_word(npy_text *t, const char *word)
 static bvx_status npy_take_string(npy_text *t, const char *what, const char **text, size_t *length)
 {
     char quote;
-
     if (npy_take(t, '\'')) quote = '\'';
     else if (npy_take(t, '"')) quote = '"';
     else return npy_expected(t, what);
-
     /* A backslash would need Python's rules of escapes; names and types have none. */
     *text = t->p;
     while (t->p < t->end && *t->p != quote && *t->p != '\\' && *t->p != '\n') t->p++;
@@ -103,7 +101,6 @@ static bvx_status npy_take_number(npy_text *t, uint64_t *value)
 {
     const char *start;
     uint64_t v = 0;
-
     t->p = start = bvxi_skip_space(t->p, t->end);
     for (; t->p < t->end && *t->p >= '0' && *t->p <= '9'; t->p++)
         if (v < UINT64_MAX / 16) v = v * 10 + (uint64_t)(*t->p - '0'); /* too many digits stay too large */
@@ -158,7 +155,6 @@ static bvx_status npy_take_entry(npy_text *t, npy_head *h, int *seen)
 static bvx_status npy_take_dict(npy_text *t, npy_head *h)
 {
     int seen = 0;
-
     if (!npy_take(t, '{')) return npy_expected(t, "'{'");
     while (!npy_take(t, '}')) {
         BVXI_TRY(npy_take_entry(t, h, &seen));

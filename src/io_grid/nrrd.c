@@ -37,7 +37,6 @@ static void nrrd_place(const nrrd_head *h, double origin[3], double spacing[3])
                      : nrrd_knows(h, NRRD_HAS_SPACING, h->spacing[a]) ? h->spacing[a]
                      : low && high && steps > 0                       ? (h->max[a] - h->min[a]) / steps
                                                                       : 1.0;
-
         /* An origin is the centre of the first sample; a minimum is a face or a centre, by the axis. */
         if ((h->has & NRRD_HAS_ORIGIN) != 0) origin[a] = nrrd_corner(h, spacing[a], a);
         else origin[a] = (low ? h->min[a] : 0.0) - (low && !h->node[a] ? 0.0 : 0.5 * spacing[a]);

@@ -145,7 +145,6 @@ static bvx_status nrrd_field_type(nrrd_head *h, nrrd_value *v)
 static bvx_status nrrd_field_encoding(nrrd_head *h, nrrd_value *v)
 {
     size_t const n = (size_t)(v->end - v->p);
-
     h->encoding = bvxi_word_is(v->p, n, "raw")              ? NRRD_RAW
                   : bvxi_word_is(v->p, n, "txt|text|ascii") ? NRRD_TEXT
                   : bvxi_word_is(v->p, n, "gzip|gz")        ? NRRD_GZIP
@@ -328,7 +327,6 @@ static bvx_status nrrd_take_field(nrrd_head *h, const char *name, size_t length,
         /* One bit for each field, so that one that comes twice is refused; those that are left out, at the
          * end, have one for each name. */
         size_t const bit = nrrd_fields[i].take == nrrd_field_ignored ? i + (size_t)which : i;
-
         if (which == 0) continue;
         if ((h->seen >> bit & 1) != 0) return bvxi_fail_expected(&h->source, name, "each field once");
         h->seen |= UINT64_C(1) << bit;
@@ -527,7 +525,6 @@ static bvx_status find_in_list(const nrrd_head *h, uint64_t index, nrrd_file_nam
 {
     const char *next = h->list, *end;
     uint64_t n = 0;
-
     while (next != NULL && next < h->list_end) {
         const char *const line = next;
         next = bvxi_nrrd_line(line, h->list_end, &end);

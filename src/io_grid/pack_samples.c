@@ -135,7 +135,6 @@ static uint64_t pack_mask(const bvxi_samples *samples, uint32_t size)
                          samples->kind == BVX_SAMPLE_F64;
     uint8_t byte[8];
     uint64_t mask;
-
     /* A float of -0 is 0: its sign is in the last byte of the file's order, or in the first one. */
     memset(byte, 0xff, sizeof byte);
     if (is_float) byte[samples->big ? 0 : size - 1] = 0x7f;
@@ -171,22 +170,19 @@ bvx_status bvxi_pack_samples(bvx_context *ctx, const bvxi_samples *samples, cons
  * for none. Most samples are single digits. */
 static size_t pack_text_number(const char *p, const char *end, double *value)
 {
-    size_t used;
     if (end - p >= 2 && *p >= '0' && *p <= '9' && bvxi_is_space(p[1])) {
         *value = *p - '0';
         return 1;
     }
-    used = bvxi_parse_double(p, end, value);
+    size_t const used = bvxi_parse_double(p, end, value);
     return p + used < end && !bvxi_is_space(p[used]) ? 0 : used;
 }
 
 bvx_status bvxi_take_sample(const bvxi_source *source, const int32_t dims[3], uint64_t done, const char **p,
                             double *value)
 {
-    size_t used;
-
     *p = bvxi_skip_space(*p, source->end);
-    used = pack_text_number(*p, source->end, value);
+    size_t const used = pack_text_number(*p, source->end, value);
     if (*p == source->end)
         return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "%s: line %u: the samples end after %u of %u x %u x %u",
                          source->format, bvxi_source_line(source, *p), done, (uint64_t)dims[0],

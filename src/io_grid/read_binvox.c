@@ -17,7 +17,6 @@
  * x y z.
  *
  * 64 layers of x at a time are decoded to rows along y, and turned to a column of words of the grid. */
-#include "bits/bits.h"
 #include "io/formats.h"
 #include "io_grid/grid_formats.h"
 
@@ -226,7 +225,6 @@ static bvx_status binvox_fill(const binvox_reading *r, const bvx_window *part, b
     for (int32_t c = 0; c < grid->words_per_row; c++) {
         int32_t const left = grid->size[0] - 64 * c;
         bvx_window const wanted = {{part->low[1], part->low[2], 0}, {part->size[1], part->size[2], deep}};
-
         memset(turned->words, 0, (size_t)bvxi_grid_words(turned) * 8);
         binvox_decode(r, (uint64_t)(left < 64 ? left : 64) * layer, &wanted, turned, &place);
         BVXI_TRY(BVXI_SHARE(ctx, c / columns, (c + 1) / columns,
@@ -243,7 +241,6 @@ bvx_status bvxi_read_binvox(const bvxi_grid_source *source, bvx_grid *grid)
     bvx_lattice box;
     bvx_window part;
     bvx_grid turned = {0}, layers = {0};
-    bvx_status status;
 
     memset(&r, 0, sizeof r);
     r.source = source;
@@ -251,7 +248,7 @@ bvx_status bvxi_read_binvox(const bvxi_grid_source *source, bvx_grid *grid)
     BVXI_TRY(binvox_make_box(&r, &box));
     BVXI_TRY(binvox_check_pairs(&r));
     BVXI_TRY(bvxi_open_file_grid(source, "BINVOX", &box, NULL, &part, grid));
-    status = binvox_fill(&r, &part, &turned, &layers, grid);
+    bvx_status const status = binvox_fill(&r, &part, &turned, &layers, grid);
     bvx_grid_free(source->ctx, &layers);
     bvx_grid_free(source->ctx, &turned);
     return status;

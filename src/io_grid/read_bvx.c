@@ -99,7 +99,6 @@ static bvx_status bvx_take_head(bvx_unpacking *job)
     bvx_context *const ctx = job->source->ctx;
     const uint8_t *const head = job->source->begin;
     bvx_window *const w = &job->window;
-    bvx_status status;
 
     BVXI_TRY(bvxi_bvx_check_start(ctx, BVXI_BVX_GRID, head, (uint64_t)(job->source->end - head)));
 
@@ -113,7 +112,7 @@ static bvx_status bvx_take_head(bvx_unpacking *job)
         w->size[a] = bvx_load_side(head + (a < 2 ? BVXI_BVX_AT_SIZE + 4 * a : BVXI_BVX_AT_Z + 4));
     }
     job->lattice.fraction_bits = bvx_load_side(head + BVXI_BVX_AT_FRACTION);
-    status = bvxi_lattice_check(ctx, "BVX", &job->lattice);
+    bvx_status const status = bvxi_lattice_check(ctx, "BVX", &job->lattice);
     /* the argument at fault is the file */
     if (status != BVX_OK) return status == BVX_ERR_RANGE ? BVX_ERR_RANGE : BVX_ERR_FORMAT;
 
@@ -136,7 +135,6 @@ static void bvx_choose_slices(bvx_unpacking *job)
     int32_t const slices = job->window.size[2];
     job->first = 0;
     job->count = slices;
-
     /* Slices outside the window are stepped over: only their heads are checked. */
     if (w == NULL || w->size[2] < 1 || w->low[2] < 0 || w->low[2] > slices - 1 ||
         w->size[2] > slices - w->low[2])
@@ -198,11 +196,9 @@ static bvx_status bvx_find_slices(bvx_unpacking *job)
 /* One length of a run; NULL when it is cut, has more than 8 bytes or more than it needs. */
 static inline const uint8_t *bvx_take_length(const uint8_t *p, const uint8_t *end, uint64_t *length)
 {
-    uint64_t v;
-
     /* Seven bits a byte, the lowest first; the top bit says that another byte follows. */
     if (p == end) return NULL;
-    v = *p++;
+    uint64_t v = *p++;
     *length = v;
     if (v < 128) return p;
     v &= 127;
@@ -219,7 +215,6 @@ static inline const uint8_t *bvx_take_length(const uint8_t *p, const uint8_t *en
 static int32_t bvx_check_runs(const uint8_t *p, const uint8_t *end, uint64_t voxels)
 {
     uint64_t length;
-
     for (int32_t nth = 0; p != end; nth |= 1) {
         p = bvx_take_length(p, end, &length);
         /* The first run may be empty, when a slice begins with a set voxel; later ones may not. */
@@ -234,7 +229,6 @@ static int32_t bvx_check_slice(const bvx_unpacking *job, const uint8_t *p)
 {
     uint64_t const n = bvxi_load_u64(p + 16, 0), row = (uint64_t)bvxi_row_words(job->window.size[0]) * 8;
     uint64_t const beyond = ~bvxi_tail_mask(job->window.size[0]);
-
     /* Checksum first: a message about a run would mislead where the bytes were damaged. */
     if (bvxi_load_u64(p, 0) != bvxi_bvx_slice_check(p, n, job->frame)) return BVX_SLICE_CHECKSUM;
     if (bvxi_load_u32(p + 12, 0) == BVXI_BVX_RUNS)
@@ -250,7 +244,6 @@ static int32_t bvx_check_slice(const bvx_unpacking *job, const uint8_t *p)
 static void bvx_check_piece(void *user, int32_t piece, uint64_t k, uint64_t end)
 {
     bvx_unpacking *const job = user;
-
     /* A piece stops at its first wrong slice; the first of all pieces is the one reported. */
     for (; k < end && job->wrong[piece].why == BVX_SLICE_GOOD; k++) {
         job->wrong[piece].why = bvx_check_slice(job, job->source->begin + job->place[k]);
@@ -289,12 +282,10 @@ static uint64_t *bvx_part_row(const bvx_unpacking *job, int32_t slice, int64_t y
 static void bvx_place_run(const bvx_unpacking *job, int32_t slice, int64_t x, int64_t y, int64_t length)
 {
     const bvx_window *const part = &job->part;
-
     /* A run may go over several rows: first and last are cut to the run, those between are whole. */
     int64_t const nx = job->window.size[0], last = y + (x + length > nx ? (x + length - 1) / nx : 0);
     int64_t const end_x = x + length - (last - y) * nx; /* in the last row */
     int64_t const high = (int64_t)part->low[1] + part->size[1] - 1;
-
     for (int64_t row = y > part->low[1] ? y : part->low[1]; row <= last && row <= high; row++) {
         int64_t begin = (row == y ? x : 0) - part->low[0], end = (row == last ? end_x : nx) - part->low[0];
         if (begin < 0) begin = 0;
@@ -352,24 +343,12 @@ static void bvx_fill_from_words(const bvx_unpacking *job, int32_t slice, const u
 static void bvx_fill_piece(void *user, uint64_t k, uint64_t end)
 {
     const bvx_unpacking *const job = user;
-
     for (; k < end; k++) {
         const uint8_t *const p = job->source->begin + job->place[k], *const bytes = p + BVXI_BVX_SLICE_HEAD;
         /* All was checked before, so filling has no error to report. */
         if (bvxi_load_u32(p + 12, 0) == BVXI_BVX_RAW) bvx_fill_from_words(job, (int32_t)k, bytes);
         else bvx_fill_from_runs(job, (int32_t)k, bytes, bytes + bvxi_load_u64(p + 16, 0));
     }
-}
-
-static bvx_status bvx_unpack(bvx_unpacking *job, bvx_grid *grid)
-{
-    /* Find, check, make the grid, fill: nothing large is allocated for a file that is wrong. */
-    BVXI_TRY(bvx_find_slices(job));
-    BVXI_TRY(bvx_check_slices(job));
-    BVXI_TRY(bvxi_open_file_grid(job->source, "BVX", &job->lattice, &job->window, &job->part, grid));
-    job->grid = grid;
-    return bvxi_for_ranges(job->source->ctx, "read", 0.5, 1.0, job->pieces, (uint64_t)job->count,
-                           bvx_fill_piece, job);
 }
 
 bvx_status bvxi_read_bvx(const bvxi_grid_source *source, bvx_grid *grid)
@@ -393,7 +372,14 @@ bvx_status bvxi_read_bvx(const bvxi_grid_source *source, bvx_grid *grid)
     if (job.pieces > job.count) job.pieces = job.count;
     BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, (uint64_t)job.count * sizeof *job.place,
                         "the places of slices", &job.place));
-    BVXI_TRY(bvx_unpack(&job, grid));
+    /* Find, check, make the grid, fill: nothing large is allocated for a file that is wrong. */
+    BVXI_TRY(bvx_find_slices(&job));
+    BVXI_TRY(bvx_check_slices(&job));
+    BVXI_TRY(bvxi_open_file_grid(job.source, "BVX", &job.lattice, &job.window, &job.part, grid));
+    job.grid = grid;
+    BVXI_TRY(bvxi_for_ranges(job.source->ctx, "read", 0.5, 1.0, job.pieces, (uint64_t)job.count,
+                             bvx_fill_piece, &job));
+
     bvxi_drop(source->ctx, job.place);
     return BVX_OK;
 }

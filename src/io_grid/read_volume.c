@@ -66,12 +66,10 @@ static int machine_is_big(void)
 static uint32_t widen_half(uint16_t h)
 {
     uint32_t const sign = (uint32_t)(h & 0x8000) << 16, exponent = h >> 10 & 31, rest = h & 1023;
-
     /* Infinity and NaN keep their bits; a normal number has its exponent moved from bias 15 to 127. */
     if (exponent == 31) return sign | UINT32_C(0x7f800000) | rest << 13;
     if (exponent != 0) return sign | (exponent + 112) << 23 | rest << 13;
     if (rest == 0) return sign;
-
     /* A subnormal half is a normal float: its leading bit moves up, and each step costs the exponent one. */
     uint32_t shift = 0, r = rest;
     while ((r & 1024) == 0) {
@@ -118,7 +116,6 @@ static void turn_piece(void *user, uint64_t row, uint64_t end)
     const turn_samples_job *const j = user;
     const bvxi_samples *const s = j->from;
     uint64_t const nx = (uint64_t)j->dims[0], ny = (uint64_t)j->dims[1];
-
     /* Rows are the unit, so that pieces write apart from each other. */
     for (; row < end; row++) {
         const uint8_t *const p = s->first + (ptrdiff_t)((int64_t)(row % ny) * s->stride[1] +
@@ -251,7 +248,6 @@ static bvx_status make_volume(const bvxi_grid_source *source, const bvxi_dense *
 {
     int const half = d->samples.kind == BVXI_SAMPLE_F16;
     uint8_t *made = NULL;
-    bvx_status status = BVX_OK;
     int fits = 1;
 
     v->view.sample_type = half ? BVX_SAMPLE_F32 : d->samples.kind;
@@ -269,7 +265,7 @@ static bvx_status make_volume(const bvxi_grid_source *source, const bvxi_dense *
     /* A half becomes a float of twice the size, as C99 has no type for halves. */
     v->bytes = half ? bvxi_mul(d->size, 2, &fits) : d->size;
     BVXI_TRY(bvxi_alloc(source->ctx, BVXI_RESULT, v->bytes, "the volume", &made));
-    status = unpack_volume(source, d, made);
+    bvx_status const status = unpack_volume(source, d, made);
     if (status != BVX_OK) {
         bvxi_free(source->ctx, made, v->bytes);
         return status;

@@ -48,7 +48,6 @@ static bvx_status take_tree_head(tree_reading *job)
     bvx_context *const ctx = job->ctx;
     const uint8_t *const head = job->begin;
     uint64_t voxels = 1;
-    bvx_status status;
 
     BVXI_TRY(bvxi_bvx_check_start(ctx, BVXI_BVX_TREE, head, (uint64_t)(job->end - head)));
 
@@ -80,7 +79,7 @@ static bvx_status take_tree_head(tree_reading *job)
                          "BVX: a base of %d x %d x %d voxels; fewer than 2^31 are possible",
                          (int64_t)job->base[0], (int64_t)job->base[1], (int64_t)job->base[2]);
     job->lattice.fraction_bits = load_tree_number(head + BVXI_TREE_AT_FRACTION);
-    status = bvxi_lattice_check(ctx, "BVX", &job->lattice);
+    bvx_status const status = bvxi_lattice_check(ctx, "BVX", &job->lattice);
     if (status != BVX_OK) return BVX_ERR_FORMAT; /* the argument at fault is the file */
     job->row_words = bvxi_row_words(job->base[0]);
     job->frame = bvxi_tree_frame(head);
@@ -233,7 +232,6 @@ static void load_tree_level(void *user, int32_t number)
     const tree_level *const level = &job->level[number];
     const uint8_t *const p = level->begin + BVXI_TREE_LEVEL_HEAD;
     bvxi_octets *const o = number == 0 ? &job->tree->root : &job->tree->octets[number - 1];
-
     /* Words are turned to this machine's order one by one: the file is little-endian, at any address. */
     load_tree_words(p, level->words, o->touched);
     load_tree_words(p + 8 * level->words, level->words, o->outside);
@@ -336,10 +334,8 @@ static void put_tree_level(void *user, int32_t level)
     const bvxi_octets *const o = octets_of_level(job->tree, level);
     uint8_t *const begin = job->bytes + job->place[level];
     uint8_t *p = begin + BVXI_TREE_LEVEL_HEAD;
-
     bvxi_store_u32(begin + 8, (uint32_t)level);
     bvxi_store_u32(begin + 12, (uint32_t)bvxi_tree_split_kind(o));
-
     /* Split is written only where it is neither nothing nor the same as touched. */
     bvxi_store_u64(begin + 16, o->words);
     p = put_tree_words(p, o->touched, o->words);
@@ -351,7 +347,6 @@ static void put_tree_level(void *user, int32_t level)
 bvx_status bvxi_write_tree(bvx_context *ctx, const bvx_octree *tree, bvx_buffer *file)
 {
     tree_writing job = {0};
-    bvx_status status;
 
     job.tree = tree;
     job.place[0] = BVXI_TREE_HEAD;
@@ -367,7 +362,7 @@ bvx_status bvxi_write_tree(bvx_context *ctx, const bvx_octree *tree, bvx_buffer 
     /* The frame is part of every level's checksum: levels of two files cannot be mixed. */
     put_tree_head(tree, job.bytes);
     job.frame = bvxi_tree_frame(job.bytes);
-    status = bvxi_each(ctx, "write", 0.0, 1.0, tree->levels + 1, put_tree_level, &job);
+    bvx_status const status = bvxi_each(ctx, "write", 0.0, 1.0, tree->levels + 1, put_tree_level, &job);
     if (status != BVX_OK) bvx_buffer_free(ctx, file);
     return status;
 }

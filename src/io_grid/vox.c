@@ -201,7 +201,6 @@ static uint8_t *vox_put_chunk(uint8_t *p, const char *name, uint64_t content, ui
 static void vox_put_voxels(const bvx_grid *grid, uint8_t *p)
 {
     const uint64_t *word = grid->words;
-
     /* Each set bit once, lowest first; the last operation clears it. */
     for (int32_t z = 0; z < grid->size[2]; z++)
         for (int32_t y = 0; y < grid->size[1]; y++)
@@ -219,7 +218,6 @@ bvx_status bvxi_write_vox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *fi
     static const char axis_name[3][2] = {"x", "y", "z"};
     uint64_t count = 0;
     bvx_buffer made = {0};
-    uint8_t *p;
 
     for (int32_t a = 0; a < 3; a++)
         if (grid->size[a] > VOX_MAX_SIDE)
@@ -234,7 +232,7 @@ bvx_status bvxi_write_vox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *fi
     /* A chunk's head has the bytes of what follows, so they are summed up first. */
     uint64_t const voxels = 4 + 4 * count, children = 2 * VOX_CHUNK + VOX_SIZE_BYTES + voxels;
     BVXI_TRY(bvxi_make_buffer(ctx, VOX_START + VOX_CHUNK + children, "the VOX file", &made));
-    p = made.bytes;
+    uint8_t *p = made.bytes;
     memcpy(p, "VOX ", 4);
     bvxi_store_u32(p + 4, VOX_VERSION);
     p = vox_put_chunk(p + VOX_START, "MAIN", 0, children);

@@ -133,16 +133,6 @@ static bvx_status vti_take_image(vti_file *f)
     return BVX_OK;
 }
 
-static bvx_status vti_take_piece(vti_file *f)
-{
-    if (f->has_piece)
-        return vti_fail(f, BVX_ERR_UNSUPPORTED, f->xml.tag,
-                        "a second piece; write the image in one (vtkXMLImageDataWriter, "
-                        "SetNumberOfPieces(1))");
-    f->has_piece = 1;
-    return vti_take_extent(f, "Extent", f->extent);
-}
-
 static int32_t vti_kind_of(bvxi_xml_text type)
 {
     static const struct {
@@ -202,7 +192,6 @@ static bvx_status vti_take_array(vti_file *f, int is_point)
 static bvx_status vti_take_appended(vti_file *f)
 {
     bvxi_xml_text v;
-
     /* Raw bytes follow the underscore, so nothing after it can be parsed as XML. */
     f->appended_base64 = (int8_t)(bvxi_xml_attribute(&f->xml, "encoding", &v) && bvxi_xml_is(v, "base64"));
     if (!f->appended_base64 && !(bvxi_xml_attribute(&f->xml, "encoding", &v) && bvxi_xml_is(v, "raw")))
@@ -223,7 +212,14 @@ static bvx_status vti_take_element(vti_file *f)
         return vti_fail(f, BVX_ERR_FORMAT, x->tag, "the file is not a VTKFile");
     }
     if (bvxi_xml_is_at(x, "VTKFile/ImageData")) return vti_take_image(f);
-    if (bvxi_xml_is_at(x, "VTKFile/ImageData/Piece")) return vti_take_piece(f);
+    if (bvxi_xml_is_at(x, "VTKFile/ImageData/Piece")) {
+        if (f->has_piece)
+            return vti_fail(f, BVX_ERR_UNSUPPORTED, f->xml.tag,
+                            "a second piece; write the image in one (vtkXMLImageDataWriter, "
+                            "SetNumberOfPieces(1))");
+        f->has_piece = 1;
+        return vti_take_extent(f, "Extent", f->extent);
+    }
     if (bvxi_xml_is_at(x, "VTKFile/AppendedData")) return vti_take_appended(f);
     if (bvxi_xml_is_at(x, "VTKFile/ImageData/Piece/CellData") ||
         bvxi_xml_is_at(x, "VTKFile/ImageData/Piece/PointData"))
@@ -337,7 +333,6 @@ static bvx_status vti_find_base64(const vti_file *f, const char *p, int is_inlin
 static bvx_status vti_find_blocks(const vti_file *f, const char *p, int is_text, bvxi_dense *d)
 {
     uint64_t size = 0;
-
     bvxi_base64_start(&d->base64, p, is_text ? vti_text_end(f, p) : f->xml.source.end);
     d->encoding = BVXI_DENSE_BLOCKS;
     d->array = f->array.tag;

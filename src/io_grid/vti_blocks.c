@@ -17,7 +17,6 @@ static int take_number(const bvxi_dense *d, bvxi_base64 *from, uint64_t *number)
 {
     uint64_t const n = (uint64_t)d->number_size;
     uint8_t bytes[8];
-
     if (d->is_text) {
         if (!bvxi_base64_take(from, bytes, n)) return 0;
     } else {
@@ -74,7 +73,6 @@ bvx_status bvxi_unpack_blocks(const bvxi_grid_source *source, const bvxi_dense *
     for (uint64_t i = 0; i < blocks && take_number(d, &head, &n); i++) {
         uint64_t const plain = i + 1 == blocks && last != 0 ? last : block;
         const void *const packed = d->is_text ? (const void *)text : data.p;
-
         if (!d->is_text) data.p += n;
         else if (!bvxi_base64_take(&data, text, n))
             return fail_blocks(d, "the text of the packed blocks ends too soon");

@@ -7,7 +7,6 @@
  * Bits run along x in a grid and along y in the file, so 64 layers of x at a time are turned. Runs go on from
  * layers to layers: the file has the fewest pairs that there can be. */
 #include "bits/runs.h"
-#include "bits/bits.h"
 #include "io/formats.h"
 #include "io_grid/grid_formats.h"
 
@@ -96,7 +95,6 @@ typedef struct binvox_writing {
 static void binvox_close_run(binvox_writing *w)
 {
     uint8_t pair[2] = {w->value, 0};
-
     for (; w->length > 0; w->length -= pair[1]) {
         pair[1] = (uint8_t)(w->length < BINVOX_LONGEST_RUN ? w->length : BINVOX_LONGEST_RUN);
         bvxi_output_add(&w->out, pair, sizeof pair);
@@ -138,7 +136,6 @@ static bvx_status binvox_put(bvx_context *ctx, binvox_writing *w, bvx_buffer *fi
     const int32_t *const n = w->grid->size;
     bvx_lattice const box = {{0, 0, 0}, {1, 1, 1}, {n[0] < 64 ? n[0] : 64, n[1], n[2]}, BVXI_MIN_FRACTION};
     double corner[3], scale = 0;
-
     BVXI_TRY(binvox_corner(ctx, w->grid, corner, &scale));
     BVXI_TRY(bvx_grid_create(ctx, &box, NULL, &w->layers));
     binvox_put_header(&w->out, w->grid, corner, scale);
@@ -155,7 +152,6 @@ bvx_status bvxi_write_binvox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer 
     binvox_writing w = {.grid = grid};
     bvx_buffer made = {0};
     bvx_status const status = binvox_put(ctx, &w, &made);
-
     bvx_grid_free(ctx, &w.turned);
     bvx_grid_free(ctx, &w.layers);
     if (status == BVX_OK) *file = made;

@@ -59,7 +59,6 @@ static uint64_t bvx_measure_slice(const bvx_packing *job, int32_t k)
 {
     bvxi_runs runs;
     uint64_t left = bvx_slice_voxels(job->grid), bytes = 0;
-
     bvx_start_runs(job, k, &runs);
     while (left > 0) {
         /* Seven bits of a length take a byte. Words win a tie, as they are read faster. */
@@ -75,7 +74,6 @@ static void bvx_put_runs(const bvx_packing *job, int32_t k, uint8_t *p)
 {
     bvxi_runs runs;
     uint64_t left = bvx_slice_voxels(job->grid);
-
     bvx_start_runs(job, k, &runs);
     while (left > 0) {
         uint64_t length = bvxi_runs_next(&runs);
@@ -101,13 +99,11 @@ static void bvx_put_slice(const bvx_packing *job, int32_t k)
     /* The kind follows from the length alone: runs are only taken where they are shorter than the words. */
     uint64_t const n = job->place[k + 1] - job->place[k] - BVXI_BVX_SLICE_HEAD;
     int const raw = n == job->raw;
-
     bvxi_store_u32(p + 8, (uint32_t)(job->grid->low[2] + k));
     bvxi_store_u32(p + 12, raw ? BVXI_BVX_RAW : BVXI_BVX_RUNS);
     bvxi_store_u64(p + 16, n);
     if (raw) bvx_put_words(job, k, p + BVXI_BVX_SLICE_HEAD);
     else bvx_put_runs(job, k, p + BVXI_BVX_SLICE_HEAD);
-
     /* The checksum covers what stands after it, so it comes last. */
     bvxi_store_u64(p, bvxi_bvx_slice_check(p, n, job->frame));
 }
@@ -197,10 +193,8 @@ static bvx_status run_write_head(bvx_context *context, const bvx_lattice *lattic
 {
     static const char *const function = "bvx_write_head";
     bvx_buffer made = {0};
-
     /* The head alone names the window: its slices may be written by other calls, or other machines. */
     bvx_window whole;
-
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_lattice_check(context, function, lattice));
     BVXI_TRY(bvxi_window_take(context, function, lattice, window, &whole));

@@ -72,7 +72,6 @@ static void put_npy(const dense_written *w, bvxi_output *out)
     static const uint8_t magic[8] = {0x93, 'N', 'U', 'M', 'P', 'Y', 1, 0};
     bvxi_output dict = {0};
     uint8_t length[2];
-
     put_npy_dict(w, &dict);
     uint64_t const size = (NPY_PREFIX + dict.size + 1 + NPY_ALIGN - 1) / NPY_ALIGN * NPY_ALIGN;
     bvxi_store_u16(length, (uint16_t)(size - NPY_PREFIX));
@@ -180,7 +179,6 @@ static void write_field_rows(void *user, uint64_t row, uint64_t end)
         for (int32_t k = 0; k < g->words_per_row; k++) {
             int32_t const left = g->size[0] - k * BVXI_WORD_BITS;
             uint64_t const n = (uint64_t)(left < BVXI_WORD_BITS ? left : BVXI_WORD_BITS);
-
             bvxi_field_word(job->field, row, k, job->each == 3, &next, numbers);
             for (uint64_t i = 0; i < n; i++, voxel++)
                 for (uint64_t a = 0; a < job->each; a++) {
@@ -196,7 +194,6 @@ static bvx_status write_numbers(bvx_context *ctx, const dense_written *w, const 
                                 uint64_t voxels, uint8_t *bytes)
 {
     field_file_job job = {w->field, bytes, 1, 1, w->bytes, w->vectors ? 3 : 1};
-
     if (w->field == NULL) return bvxi_unpack_grid(ctx, w->grid, bytes);
     if (format->planes) job.plane = voxels;
     else job.stride = job.each;
@@ -213,7 +210,6 @@ static bvx_status write_file(bvx_context *ctx, const char *function, const dense
     uint64_t const tail = bvxi_text_length(format->tail);
     bvxi_output head = {0};
     bvx_buffer made = {0};
-    bvx_status status;
     int fits = 1;
 
     /* NPY holds no place, so only the others need a finite one. */
@@ -231,7 +227,7 @@ static bvx_status write_file(bvx_context *ctx, const char *function, const dense
     head.size = 0;
     format->put_head(w, &head);
     memcpy(made.bytes + size - tail, format->tail, (size_t)tail);
-    status = write_numbers(ctx, w, format, voxels, made.bytes + head.size);
+    bvx_status const status = write_numbers(ctx, w, format, voxels, made.bytes + head.size);
     if (status != BVX_OK) bvx_buffer_free(ctx, &made);
     else *file = made;
     return status;
@@ -248,7 +244,6 @@ static bvx_status run_write_field(bvx_context *context, const bvx_field *field, 
 {
     static const char *const function = "bvx_write_field";
     dense_written w = {.field = field, .vectors = vectors};
-
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_field_check(context, function, field));
     BVXI_TRY(bvxi_field_check_vectors(context, function, field, vectors));

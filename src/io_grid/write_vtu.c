@@ -22,20 +22,6 @@ typedef struct vtu_leaves {
     uint64_t points;
 } vtu_leaves;
 
-static void list_vtu_corners(vtu_leaves *v)
-{
-    for (uint64_t n = 0; n < 8 * v->count; n++) {
-        /* Doubling the place for each level up brings corners of all levels to one lattice. */
-        const bvx_octree_leaf *const leaf = &v->leaf[n / 8];
-        int32_t const up = v->tree->levels - leaf->level;
-        uint64_t at[3];
-        for (int a = 0; a < 3; a++) at[a] = (uint64_t)(leaf->ijk[a] + (int32_t)(n >> a & 1)) << up;
-        /* 21 bits each: the sides are checked to be below 2^21, so the last corner fits too. */
-        v->place[n] = at[2] << 2 * VTU_SIDE_BITS | at[1] << VTU_SIDE_BITS | at[0];
-        v->corner[n] = (uint32_t)n;
-    }
-}
-
 static uint64_t count_vtu_points(const uint64_t *sorted, uint64_t count)
 {
     uint64_t n = 0;
@@ -117,7 +103,6 @@ static uint8_t *put_vtu_corners(const vtu_leaves *v, const uint64_t size[VTU_ARR
 static void put_vtu_arrays(const vtu_leaves *v, uint8_t *to)
 {
     uint64_t size[VTU_ARRAYS];
-
     vtu_sizes(v, size);
     to = put_vtu_length(put_vtu_corners(v, size, to), size[2]);
     for (uint64_t n = 0; n < v->count; n++, to += 4) bvxi_store_u32(to, (uint32_t)(8 * n + 8));
@@ -135,7 +120,17 @@ static bvx_status write_vtu_file(vtu_leaves *v, bvx_buffer *file)
     bvxi_output head = {0};
     uint64_t size[VTU_ARRAYS], bytes = sizeof tail - 1;
 
-    list_vtu_corners(v);
+    for (uint64_t n = 0; n < 8 * v->count; n++) {
+        /* Doubling the place for each level up brings corners of all levels to one lattice. */
+        const bvx_octree_leaf *const leaf = &v->leaf[n / 8];
+        int32_t const up = v->tree->levels - leaf->level;
+        uint64_t at[3];
+        for (int a = 0; a < 3; a++) at[a] = (uint64_t)(leaf->ijk[a] + (int32_t)(n >> a & 1)) << up;
+        /* 21 bits each: the sides are checked to be below 2^21, so the last corner fits too. */
+        v->place[n] = at[2] << 2 * VTU_SIDE_BITS | at[1] << VTU_SIDE_BITS | at[0];
+        v->corner[n] = (uint32_t)n;
+    }
+
     BVXI_TRY(bvxi_radix_sort(v->ctx, v->place, v->corner, 8 * v->count));
     BVXI_TRY(bvxi_progress(v->ctx, "octree", 0.7));
     v->points = count_vtu_points(v->place, 8 * v->count);
@@ -188,8 +183,7 @@ static bvx_status write_vtu(bvx_context *ctx, const bvx_octree *tree, int32_t st
                                 v.count, &v.count));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v.count * 64, "the leaves' corners", &v.place));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v.count * 32, "the leaves' corners", &v.corner));
-    BVXI_TRY(write_vtu_file(&v, file));
-    return BVX_OK;
+    return write_vtu_file(&v, file);
 }
 
 static bvx_status run_write_octree(bvx_context *context, const bvx_octree *tree, int32_t states,

@@ -63,6 +63,8 @@ typedef struct bvxi_glb_file {
     const bvx_assets *assets; /* NULL: none */
     uint64_t materials;       /* of the assets; triangles of others have the default */
     int matte;                /* colours alone: the default would be a metal, so one is written */
+    const char *const *names; /* of meshes that are no levels, or NULL */
+    const uint8_t *colours;   /* of their materials, or NULL [Size: levels * 4] */
     uint64_t end;             /* of the binary chunk, without padding */
 } bvxi_glb_file;
 

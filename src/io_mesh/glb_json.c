@@ -97,6 +97,21 @@ static void json_three(bvxi_output *out, const char *name, const double value[3]
     bvxi_output_text(out, "]");
 }
 
+/* Quotes, backslashes and control characters are escaped. */
+static void json_string(bvxi_output *out, const char *text)
+{
+    static const char hex[] = "0123456789abcdef";
+
+    bvxi_output_text(out, "\"");
+    for (const char *p = text; *p != 0; p++) {
+        uint8_t const c = (uint8_t)*p;
+        char const escape[6] = {'\\', 'u', '0', '0', hex[c >> 4], hex[c & 15]};
+        if (c < 32 || c == '"' || c == '\\') bvxi_output_add(out, escape, sizeof escape);
+        else bvxi_output_add(out, p, 1);
+    }
+    bvxi_output_text(out, "\"");
+}
+
 /* ---- texts of other files ---- */
 
 /* An array without its brackets; 0: it is empty, or there is none. */
@@ -145,7 +160,7 @@ static void glb_put_extensions(const bvxi_glb_file *file, bvxi_output *out)
     int put = 0;
 
     /* MSFT_lod is used, not required: a reader that does not know it shows the finest level. */
-    if (file->levels > 1 && !json_names(others, LOD_EXTENSION)) own[0] = LOD_EXTENSION;
+    if (file->levels > 1 && file->names == NULL && !json_names(others, LOD_EXTENSION)) own[0] = LOD_EXTENSION;
     if (file->frame.step > 0.0 && !json_names(others, QUANTIZE_EXTENSION)) own[1] = QUANTIZE_EXTENSION;
     if (own[0] == NULL && own[1] == NULL && inner_size == 0) return;
 
@@ -195,8 +210,32 @@ static void glb_put_coverage(const bvxi_glb_file *file, bvxi_output *out)
     bvxi_output_text(out, "0]}");
 }
 
+/* Meshes that are no levels: all nodes are in the scene. */
+static void glb_put_named_nodes(const bvxi_glb_file *file, bvxi_output *out)
+{
+    bvxi_output_text(out, "\"scene\":0,\"scenes\":[{\"nodes\":[0");
+    for (uint64_t i = 1; i < file->levels; i++) {
+        bvxi_output_text(out, ",");
+        bvxi_output_number(out, i);
+    }
+    bvxi_output_text(out, "]}],\"nodes\":[");
+    for (uint64_t i = 0; i < file->levels; i++) {
+        bvxi_output_text(out, i > 0 ? ",{\"name\":" : "{\"name\":");
+        json_string(out, file->names[i]);
+        bvxi_output_text(out, ",");
+        json_whole(out, "mesh", i);
+        glb_put_frame(&file->frame, out);
+        bvxi_output_text(out, "}");
+    }
+    bvxi_output_text(out, "],");
+}
+
 static void glb_put_nodes(const bvxi_glb_file *file, bvxi_output *out)
 {
+    if (file->names != NULL) {
+        glb_put_named_nodes(file, out);
+        return;
+    }
     /* Only the first node is in the scene: a viewer that does not know MSFT_lod shows the finest level. */
     bvxi_output_text(out, "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[");
     for (uint64_t i = 0; i < file->levels; i++) {
@@ -243,22 +282,29 @@ static void glb_put_attributes(const bvxi_glb *glb, uint64_t first, bvxi_output 
 }
 
 /* One primitive a material; all share the level's vertices. */
-static void glb_put_mesh(const bvxi_glb_file *file, const bvxi_glb *glb, uint64_t *number, bvxi_output *out)
+static void glb_put_mesh(const bvxi_glb_file *file, uint64_t level, uint64_t *number, bvxi_output *out)
 {
+    const bvxi_glb *const glb = &file->level[level];
     uint64_t const first = *number;
     int put = 0;
 
     for (int i = 0; i < BVXI_GLB_INDEX; i++) *number += glb->count[i] != 0;
-    bvxi_output_text(out, "{\"primitives\":[");
+    bvxi_output_text(out, "{");
+    if (file->names != NULL) {
+        bvxi_output_text(out, "\"name\":");
+        json_string(out, file->names[level]);
+        bvxi_output_text(out, ",");
+    }
+    bvxi_output_text(out, "\"primitives\":[");
     for (uint64_t g = 0; g <= file->materials; g++) {
         if (!glb_has_group(glb, g)) continue;
         bvxi_output_text(out, put++ != 0 ? ",{\"attributes\":{" : "{\"attributes\":{");
         glb_put_attributes(glb, first, out);
         bvxi_output_text(out, "},");
         json_whole(out, "indices", (*number)++);
-        if (g < file->materials || file->matte) {
+        if (g < file->materials || file->matte || file->colours != NULL) {
             bvxi_output_text(out, ",");
-            json_whole(out, "material", g);
+            json_whole(out, "material", file->colours != NULL ? level : g);
         }
         bvxi_output_text(out, ",\"mode\":4}");
     }
@@ -272,7 +318,27 @@ static void glb_put_meshes(const bvxi_glb_file *file, bvxi_output *out)
     bvxi_output_text(out, "\"meshes\":[");
     for (uint64_t level = 0; level < file->levels; level++) {
         if (level > 0) bvxi_output_text(out, ",");
-        glb_put_mesh(file, &file->level[level], &number, out);
+        glb_put_mesh(file, level, &number, out);
+    }
+    bvxi_output_text(out, "],");
+}
+
+/* A material a mesh, with the mesh's name. */
+static void glb_put_colours_of_meshes(const bvxi_glb_file *file, bvxi_output *out)
+{
+    bvxi_output_text(out, "\"materials\":[");
+    for (uint64_t i = 0; i < file->levels; i++) {
+        const uint8_t *const colour = file->colours + 4 * i;
+        bvxi_output_text(out, i > 0 ? ",{\"name\":" : "{\"name\":");
+        json_string(out, file->names[i]);
+        if (colour[3] < 255) bvxi_output_text(out, ",\"alphaMode\":\"BLEND\"");
+        bvxi_output_text(out, ",\"pbrMetallicRoughness\":{\"baseColorFactor\":[");
+        for (int c = 0; c < 3; c++) {
+            bvxi_output_double(out, (double)glb_linear_light[colour[c]] / UINT16_MAX);
+            bvxi_output_text(out, ",");
+        }
+        bvxi_output_double(out, (double)colour[3] / UINT8_MAX);
+        bvxi_output_text(out, "],\"metallicFactor\":0,\"roughnessFactor\":1}}");
     }
     bvxi_output_text(out, "],");
 }
@@ -282,6 +348,7 @@ static void glb_put_assets(const bvxi_glb_file *file, uint64_t view, bvxi_output
 {
     const bvx_assets *const assets = file->assets;
 
+    if (file->colours != NULL) glb_put_colours_of_meshes(file, out);
     if (file->matte)
         bvxi_output_text(out, "\"materials\":[{\"pbrMetallicRoughness\":"
                               "{\"metallicFactor\":0,\"roughnessFactor\":1}}],");

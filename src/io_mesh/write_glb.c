@@ -420,7 +420,9 @@ bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *levels, uint64_t lev
         glb.level[l].mesh = &levels[l];
         glb.level[l].frame = &glb.frame;
     }
-    glb_find_assets(options->source, &glb);
+    glb.names = options->names;
+    glb.colours = options->names != NULL ? options->colours : NULL;
+    if (glb.colours == NULL) glb_find_assets(options->source, &glb);
 
     for (uint64_t l = 0; l < level_count; l++) BVXI_TRY(glb_plan_level(ctx, &glb, l));
     glb.end = glb.level[level_count - 1].end;

@@ -142,9 +142,9 @@ static bvx_status check_mesh_format(bvx_context *ctx, const char *function, int3
     case BVX_FORMAT_GLB: break;
     default: return bvxi_fail_format(ctx, BVX_ERR_UNSUPPORTED, function, "mesh", format, BVX_MESHES_WRITTEN);
     }
-    if (!o->quantize || format == BVX_FORMAT_GLB) return BVX_OK;
-    return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: options.quantize is for GLB; format is %d", function,
-                     (int64_t)format);
+    if ((!o->quantize && o->names == NULL) || format == BVX_FORMAT_GLB) return BVX_OK;
+    return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: options.%s is for GLB; format is %d", function,
+                     o->quantize ? "quantize" : "names", (int64_t)format);
 }
 
 /* The format is one of those that hold a mesh; only GLB holds several. GLB always has normals. */

@@ -58,12 +58,20 @@ typedef struct bvxi_net {
     double origin[3], spacing[3]; /* of positions: origin 0 in a local frame */
 } bvxi_net;
 
+/* A face on the staircase, from its corner in the highest cell, and how its corners have moved. */
+typedef struct bvxi_face {
+    uint32_t vertex[4];
+    double at[4][3], moved[4][3];
+} bvxi_face;
+
+void bvxi_read_face(const bvxi_net *net, uint32_t face, bvxi_face *f); /* smooth.c */
 /* smooth.c: write the position of a vertex; without offsets it is at its cell's centre. */
 void bvxi_net_put(const bvxi_net *net, uint64_t vertex);
 /* Move the offsets. Memory: 12 bytes a vertex, and 12 a face and what sorting them takes. */
 bvx_status bvxi_net_smooth(bvx_context *ctx, bvxi_net *net);
 /* untangle.c: move offsets back until no two triangles cross, and write their positions; the others are written.
- * Memory: 5 bytes a vertex, a byte for 64 voxels, 16 bytes a face, and what bvx_mesh_crossings takes of all. */
+ * Memory: 5 bytes a vertex, 1 a face, and what bvx_mesh_crossings takes of those near a face that leaves its
+ * envelope. */
 bvx_status bvxi_net_untangle(bvx_context *ctx, bvxi_net *net);
 
 #endif

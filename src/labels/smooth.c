@@ -63,15 +63,9 @@ static void relax_range(void *user, uint64_t begin, uint64_t end)
 
 /* ---- Volumes between pairs of labels ---- */
 
-/* A face on the staircase, from its first corner, and how its corners have moved. */
-typedef struct net_face {
-    uint32_t vertex[4];
-    double at[4][3], moved[4][3];
-} net_face;
-
-static void read_face(const net_work *w, uint32_t face, net_face *f)
+void bvxi_read_face(const bvxi_net *net, uint32_t face, bvxi_face *f)
 {
-    const bvx_complex *const c = w->net->complex;
+    const bvx_complex *const c = net->complex;
     const uint32_t *const t = c->mesh.triangles + 6 * (size_t)face;
     uint64_t const row = (uint64_t)c->size[0] + 1;
     int32_t const owner = bvxi_face_owner(c, face);
@@ -89,11 +83,11 @@ static void read_face(const net_work *w, uint32_t face, net_face *f)
     }
     for (int32_t n = 0; n < 4; n++)
         for (int32_t a = 0; a < 3; a++)
-            f->moved[n][a] = (double)w->net->offset[3 * (size_t)f->vertex[n] + (size_t)a];
+            f->moved[n][a] = (double)net->offset[3 * (size_t)f->vertex[n] + (size_t)a];
 }
 
 /* Twice the area vector of corners a, b, c when they have moved a share t of their way. */
-static void area_at(const net_face *f, int32_t a, int32_t b, int32_t c, double t, double area[3])
+static void area_at(const bvxi_face *f, int32_t a, int32_t b, int32_t c, double t, double area[3])
 {
     double p[3], q[3];
 
@@ -104,7 +98,7 @@ static void area_at(const net_face *f, int32_t a, int32_t b, int32_t c, double t
     bvxi_vec_cross(p, q, area);
 }
 
-static double face_diagonal(const net_face *f, int32_t from)
+static double face_diagonal(const bvxi_face *f, int32_t from)
 {
     double way[3];
     for (int32_t d = 0; d < 3; d++)
@@ -119,9 +113,9 @@ static void split_faces(void *user, uint64_t begin, uint64_t end)
 
     for (uint64_t i = begin; i < end; i++) {
         uint32_t *const t = w->net->complex->mesh.triangles + 6 * (size_t)i;
-        net_face f;
+        bvxi_face f;
 
-        read_face(w, (uint32_t)i, &f);
+        bvxi_read_face(w->net, (uint32_t)i, &f);
         if (face_diagonal(&f, 1) >= face_diagonal(&f, 0)) continue;
         t[0] = t[3] = f.vertex[1];
         t[1] = f.vertex[2];
@@ -131,7 +125,7 @@ static void split_faces(void *user, uint64_t begin, uint64_t end)
 }
 
 /* The volume that a triangle sweeps: its area vector is a quadratic in t, so Simpson's rule is exact. */
-static double swept(const net_face *f, int32_t b, int32_t c, double last[3])
+static double swept(const bvxi_face *f, int32_t b, int32_t c, double last[3])
 {
     double begin[3], middle[3], sum = 0.0;
 
@@ -157,9 +151,9 @@ static double measure_pair(const net_work *w, uint64_t begin, uint64_t end, doub
     *area = 0.0;
     for (uint64_t i = begin; i < end; i++) {
         double half[2][3];
-        net_face f;
+        bvxi_face f;
 
-        read_face(w, w->faces[i], &f);
+        bvxi_read_face(w->net, w->faces[i], &f);
         volume += swept(&f, 1, 2, half[0]) + swept(&f, 2, 3, half[1]);
         double const size[2] = {bvxi_vec_length(half[0]), bvxi_vec_length(half[1])};
         for (int32_t n = 0; n < 4; n++) {

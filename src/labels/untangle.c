@@ -1,69 +1,112 @@
 /* untangle.c - move vertices of a smoothed complex back until no two of its triangles cross.
  *
  * Where junctions have become straight, narrow faces beside them may fold over, and sheets that share a cell may
- * meet. Crossings are found exactly
- * (nearest/crossing_pairs.c), and the vertices of both triangles go half the way to their cells' centres, the third
- * time all of it. On the staircase nothing crosses, so it ends. The first round looks at all triangles; what was
- * moved has crossings only near it, so later rounds look there alone.
+ * meet. Crossings are found exactly (nearest/crossing_pairs.c), and the vertices of both triangles go half the way to
+ * their cells' centres, the third time all of it. On the staircase nothing crosses, so it ends.
+ *
+ * Source: Ju, Udeshi. Intersection-free Contouring on an Octree Grid. 2006 (the envelope of a face).
+ *
+ * Nearly all faces are excluded first. A face with single vertices in its cells has an envelope: the four tetrahedra
+ * of its lattice edge with each of its sides. Envelopes of different edges have no inner point in common, so of two
+ * faces that cross one leaves its own. Faces lie in the box of their cells, so it has a corner in a cell in which the
+ * other has one too. Later rounds look around what was moved.
  * Guarantee: pairs are listed in the order of triangles, and each vertex moves once a round, so the result follows
  * from the labels alone. */
 #include "labels/labels.h"
 #include "mesh/mesh.h"
 
-enum { ROUNDS = 64, STRIKES = 3, BLOCK = 4, IS_NEAR = 1, IS_MOVED = 2, STRIKE = 4 };
+enum { ROUNDS = 64, STRIKES = 3, FACE_GRAIN = 4096, IS_NEAR = 1, IS_MOVED = 2, STRIKE = 4 };
 
 typedef struct tangle {
     bvxi_net *net;
+    double margin;   /* more than rounded positions change volumes of tetrahedra [Units: voxels^3] */
     uint8_t *state;  /* of each vertex: IS_NEAR, IS_MOVED, and STRIKE as often as it was moved */
+    uint8_t *chosen; /* of each face */
     uint32_t *index; /* of each vertex in the look, or UINT32_MAX */
-    uint8_t *blocks; /* of BLOCK^3 cells: near a vertex that was moved */
-    uint64_t size[3], block_count;
     uint32_t *vertices, *triangles; /* of the look: which they are; three indices each */
     void *positions;
     uint64_t vertex_count, triangle_count;
 } tangle;
 
-static uint64_t block_at(const tangle *t, const uint64_t block[3])
+/* Whether others are in the vertex's cell. */
+static int shares_cell(const bvx_complex *c, uint64_t vertex)
 {
-    return (block[2] * t->size[1] + block[1]) * t->size[0] + block[0];
+    return (vertex > 0 && c->cells[vertex - 1] == c->cells[vertex]) ||
+           (vertex + 1 < c->mesh.vertex_count && c->cells[vertex + 1] == c->cells[vertex]);
 }
 
-static void mark_near_blocks(const tangle *t, uint64_t vertex)
+static double cross_flat(const double a[3], const double b[3], int32_t u, int32_t v)
 {
-    uint64_t cell[3], low[3], high[3], b[3];
-
-    /* Triangles that meet lie within two cells of each other. */
-    bvxi_cell_of(t->net->complex, vertex, cell);
-    for (int a = 0; a < 3; a++) {
-        low[a] = (cell[a] < 3 ? 0 : cell[a] - 3) / BLOCK;
-        high[a] = (cell[a] + 3) / BLOCK;
-        if (high[a] >= t->size[a]) high[a] = t->size[a] - 1;
-    }
-    for (b[2] = low[2]; b[2] <= high[2]; b[2]++)
-        for (b[1] = low[1]; b[1] <= high[1]; b[1]++)
-            for (b[0] = low[0]; b[0] <= high[0]; b[0]++) t->blocks[block_at(t, b)] = 1;
+    return a[u] * b[v] - a[v] * b[u];
 }
 
-/* Vertices near what was moved, whose faces are looked at. */
-static void choose_near(tangle *t)
+/* Whether the face stays in its envelope: its diagonal does, where it passes the edge through the triangle of the
+ * edge and the corner on that side. */
+static int is_in_envelope(const tangle *t, uint32_t face)
 {
     const bvx_complex *const c = t->net->complex;
+    bvxi_face f;
+    int32_t axis = 0;
 
-    for (uint64_t v = 0; v < c->mesh.vertex_count; v++) {
-        uint64_t cell[3];
-        bvxi_cell_of(c, v, cell);
-        for (int a = 0; a < 3; a++) cell[a] /= BLOCK;
-        t->state[v] = (uint8_t)((t->state[v] & ~(IS_NEAR | IS_MOVED)) |
-                                (t->blocks[block_at(t, cell)] ? IS_NEAR : 0));
-    }
+    bvxi_read_face(t->net, face, &f);
+    for (int32_t n = 0; n < 4; n++)
+        if (shares_cell(c, f.vertex[n])) return 0;
+    for (int32_t a = 0; a < 3; a++)
+        if (f.at[0][a] == f.at[1][a] && f.at[1][a] == f.at[2][a]) axis = a;
+
+    int32_t const u = (axis + 1) % 3, v = (axis + 2) % 3;
+    for (int32_t n = 0; n < 4; n++)
+        for (int32_t a = 0; a < 3; a++) f.at[n][a] += f.moved[n][a] + 0.5; /* from the edge's low end */
+
+    /* Turn to the side of the diagonal on which the edge is. */
+    double const way = cross_flat(f.at[0], f.at[2], u, v), turn = cross_flat(f.at[0], f.at[1], u, v);
+    const double *const side = f.at[(way > 0.0) == (turn > 0.0) ? 1 : 3];
+    double const to = bvxi_absolute(cross_flat(f.at[0], side, u, v)),
+                 from = bvxi_absolute(cross_flat(side, f.at[2], u, v)), out = bvxi_absolute(way),
+                 height = from * f.at[0][axis] + to * f.at[2][axis] - out * side[axis];
+    return height >= t->margin && height <= to + from - out - t->margin;
 }
 
-static int is_near_face(const tangle *t, uint64_t face)
+static void choose_suspects(void *user, uint64_t begin, uint64_t end)
 {
-    int near = 0;
+    const tangle *const t = user;
+    for (uint64_t f = begin; f < end; f++) t->chosen[f] = !is_in_envelope(t, (uint32_t)f);
+}
+
+static int has_state(const tangle *t, uint64_t face, int state)
+{
+    int any = 0;
     for (int32_t n = 0; n < 4; n++)
-        near |= t->state[bvxi_face_vertex(t->net->complex, (uint32_t)face, n)] & IS_NEAR;
-    return near;
+        any |= t->state[bvxi_face_vertex(t->net->complex, (uint32_t)face, n)] & state;
+    return any != 0;
+}
+
+static void choose_moved(void *user, uint64_t begin, uint64_t end)
+{
+    const tangle *const t = user;
+    for (uint64_t f = begin; f < end; f++) t->chosen[f] = (uint8_t)has_state(t, f, IS_MOVED);
+}
+
+static void choose_near(void *user, uint64_t begin, uint64_t end)
+{
+    const tangle *const t = user;
+    for (uint64_t f = begin; f < end; f++) t->chosen[f] = (uint8_t)has_state(t, f, IS_NEAR);
+}
+
+/* Mark all vertices in the cells of the chosen faces. */
+static void mark_near(const tangle *t)
+{
+    const bvx_complex *const c = t->net->complex;
+    uint64_t const vertices = c->mesh.vertex_count;
+
+    for (uint64_t v = 0; v < vertices; v++) t->state[v] &= (uint8_t) ~(IS_NEAR | IS_MOVED);
+    for (uint64_t f = 0; f < c->face_count; f++)
+        for (int32_t n = 0; t->chosen[f] && n < 4; n++) {
+            uint64_t const v = bvxi_face_vertex(c, (uint32_t)f, n);
+            uint64_t first = v;
+            while (first > 0 && c->cells[first - 1] == c->cells[v]) first--;
+            for (; first < vertices && c->cells[first] == c->cells[v]; first++) t->state[first] |= IS_NEAR;
+        }
 }
 
 /* The near faces as a mesh of their own. */
@@ -73,14 +116,14 @@ static bvx_status gather_near_faces(bvx_context *ctx, tangle *t)
     size_t const size = c->mesh.position_type == BVX_F64 ? 24 : 12;
     uint64_t faces = 0, at = 0;
 
-    for (uint64_t f = 0; f < c->face_count; f++) faces += is_near_face(t, f) != 0;
+    for (uint64_t f = 0; f < c->face_count; f++) faces += t->chosen[f];
     t->triangle_count = 2 * faces;
     t->vertex_count = 0;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, faces * 24, "the near triangles", &t->triangles));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, faces * 16, "the near vertices", &t->vertices));
     memset(t->index, 0xff, (size_t)c->mesh.vertex_count * 4);
     for (uint64_t f = 0; f < c->face_count; f++) {
-        if (!is_near_face(t, f)) continue;
+        if (!t->chosen[f]) continue;
         for (uint64_t k = 0; k < 6; k++) {
             uint32_t const v = c->mesh.triangles[6 * f + k];
             if (t->index[v] == UINT32_MAX) {
@@ -107,7 +150,6 @@ static void move_back(tangle *t, uint32_t vertex)
     if (*state < STRIKES * STRIKE) *state = (uint8_t)(*state + STRIKE);
     for (int a = 0; a < 3; a++) offset[a] = *state < STRIKES * STRIKE ? 0.5F * offset[a] : 0.0F;
     bvxi_net_put(t->net, vertex);
-    mark_near_blocks(t, vertex);
 }
 
 /* One round; *count becomes the number of crossings that it has found. */
@@ -115,54 +157,58 @@ static bvx_status look_for_crossings(bvx_context *ctx, tangle *t, int first, uin
 {
     const bvx_complex *const c = t->net->complex;
     uint32_t *pairs;
-
-    *count = 0;
     bvx_mesh_view view;
+
+    BVXI_TRY(BVXI_SHARE(
+        ctx, 0.0, 0.2,
+        bvxi_for(ctx, "envelopes", c->face_count, FACE_GRAIN, first ? choose_suspects : choose_moved, t)));
+    mark_near(t);
+    BVXI_TRY(BVXI_SHARE(ctx, 0.2, 0.3, bvxi_for(ctx, "near", c->face_count, FACE_GRAIN, choose_near, t)));
+    BVXI_TRY(gather_near_faces(ctx, t));
     bvx_mesh_view_of(&c->mesh, &view);
-    const uint32_t *corners = c->mesh.triangles;
-    if (!first) {
-        choose_near(t);
-        BVXI_TRY(gather_near_faces(ctx, t));
-        view.positions = t->positions;
-        view.indices = corners = t->triangles;
-        view.vertex_count = t->vertex_count;
-        view.triangle_count = t->triangle_count;
-    }
-    /* Far more than there are; else they are searched for again. */
-    uint64_t const capacity = view.triangle_count;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, capacity * 8, "the crossings", &pairs));
-    bvx_status const status = bvx_mesh_crossings(ctx, &view, count, pairs, capacity);
-    if (status == BVX_ERR_CAPACITY) {
-        bvxi_drop(ctx, pairs);
-        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, *count * 8, "the crossings", &pairs));
-        BVXI_TRY(bvx_mesh_crossings(ctx, &view, count, pairs, *count));
-    } else BVXI_TRY(status);
-    memset(t->blocks, 0, (size_t)t->block_count);
+    view.positions = t->positions;
+    view.indices = t->triangles;
+    view.vertex_count = t->vertex_count;
+    view.triangle_count = t->triangle_count;
+
+    /* Counted first: no length is enough for all lists. */
+    BVXI_TRY(BVXI_SHARE(ctx, 0.3, 0.9, bvx_mesh_crossings(ctx, &view, count, NULL, 0)));
+    if (*count == 0) return BVX_OK;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, *count * 8, "the crossings", &pairs));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.9, 1.0, bvx_mesh_crossings(ctx, &view, count, pairs, *count)));
     for (uint64_t i = 0; i < 2 * *count; i++)
-        for (uint64_t k = 0; k < 3; k++) {
-            uint32_t const v = corners[3 * (size_t)pairs[i] + k];
-            move_back(t, first ? v : t->vertices[v]);
-        }
+        for (uint64_t k = 0; k < 3; k++) move_back(t, t->vertices[t->triangles[3 * (size_t)pairs[i] + k]]);
     return BVX_OK;
+}
+
+/* A product of three coordinates that are at most 1 and wrong by half a step each, and ten of them. */
+static double rounding_margin(const bvxi_net *net)
+{
+    const bvx_complex *const c = net->complex;
+    double most = 0.0;
+
+    for (int32_t a = 0; a < 3; a++) {
+        double const voxels = bvxi_absolute((double)c->low[a]) + (double)c->size[a] + 1.0;
+        double const far = bvxi_absolute(net->origin[a]) / net->spacing[a] + voxels;
+        if (far > most) most = far;
+    }
+    return most / (c->mesh.position_type == BVX_F32 ? 262144.0 : 70368744177664.0); /* 2^18, 2^46 */
 }
 
 bvx_status bvxi_net_untangle(bvx_context *ctx, bvxi_net *net)
 {
     const bvx_complex *const c = net->complex;
     uint64_t const vertices = c->mesh.vertex_count;
-    tangle t = {.net = net, .block_count = 1};
+    tangle t = {.net = net, .margin = rounding_margin(net)};
 
-    for (int a = 0; a < 3; a++) {
-        t.size[a] = (uint64_t)c->size[a] / BLOCK + 1;
-        t.block_count *= t.size[a];
-    }
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, vertices, "the vertices' states", &t.state));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * 4, "the vertices' indices", &t.index));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, t.block_count, "the moved blocks", &t.blocks));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->face_count, "the chosen faces", &t.chosen));
     for (int32_t round = 0; round < ROUNDS; round++) {
+        /* However many rounds there are, progress goes on. */
+        double const from = 1.0 - 1.0 / (1.0 + (double)round), to = 1.0 - 1.0 / (2.0 + (double)round);
         uint64_t count;
-        BVXI_TRY(BVXI_SHARE(ctx, round == 0 ? 0.0 : 0.7, round == 0 ? 0.7 : 1.0,
-                            BVXI_SCOPE(ctx, look_for_crossings(ctx, &t, round == 0, &count))));
+        BVXI_TRY(BVXI_SHARE(ctx, from, to, BVXI_SCOPE(ctx, look_for_crossings(ctx, &t, round == 0, &count))));
         if (count == 0) return BVX_OK;
     }
 

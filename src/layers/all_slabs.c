@@ -87,10 +87,8 @@ static bvx_status open_slab_meshes(slabs_job *job)
 
 static bvx_status fill_in_view(slabs_worker *w, bvxi_slab *slab)
 {
-    bvx_status status;
-
     w->view.mesh = slab->mesh;
-    status = bvxi_slab_fill(&w->work, slab);
+    bvx_status const status = bvxi_slab_fill(&w->work, slab);
     slab->mesh = w->view.mesh;
     return status;
 }
@@ -107,7 +105,6 @@ static void fill_slab_piece(void *user, int32_t index, int32_t worker)
 static bvx_status fill_again(slabs_job *job)
 {
     slabs_worker *const w = &job->worker[0];
-
     w->view.fixed = 0;
     for (uint32_t i = 0; i < job->count; i++) {
         bvxi_slab *const slab = &job->slab[i];
@@ -166,7 +163,6 @@ static bvx_status fill_in_order(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 {
     uint32_t const lines = ((uint32_t)s->size[0] + 1) * ((uint32_t)s->size[1] + 1);
     bvxi_slab_work w;
-
     BVXI_TRY(bvxi_slab_work_open(&w, s, lines, SLAB_SPARE));
     for (uint32_t i = 0; i < count; i++) {
         BVXI_TRY(bvxi_progress(s->ctx, "surface", (double)i / count));
@@ -178,7 +174,6 @@ static bvx_status fill_in_order(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 bvx_status bvxi_slabs_fill(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 {
     slabs_job job = {.s = s, .slab = slabs, .count = count};
-
     return s->options.slabs.crossings == BVX_CROSSINGS_EXACT ? fill_side_by_side(&job)
                                                              : fill_in_order(s, slabs, count);
 }
@@ -220,7 +215,6 @@ bvx_status bvxi_slabs_join(bvxi_stack *s, const bvxi_slab *slabs, uint32_t count
     slabs_job made = {.s = s, .slab = (bvxi_slab *)slabs, .count = count, .mesh = mesh}, *const job = &made;
     const bvxi_section_mesh *const own = &s->mesh;
     uint64_t vertices = own->vertex_count, triangles = 0;
-    bvx_status status;
 
     BVXI_TRY(BVXI_ARRAY(s->ctx, count, "the slabs' places", job->vertex));
     BVXI_TRY(BVXI_ARRAY(s->ctx, count, "the slabs' places", job->triangle));
@@ -247,8 +241,8 @@ bvx_status bvxi_slabs_join(bvxi_stack *s, const bvxi_slab *slabs, uint32_t count
     if (own->triangle_count != 0)
         memcpy(job->mesh->triangles + 3 * (triangles - own->triangle_count), own->triangle,
                (size_t)own->triangle_count * 12);
-    status = bvxi_for_pieces(s->ctx, "surface", 0.0, 1.0, job->pieces, job->s->mesh.vertex_count, join_piece,
-                             job);
+    bvx_status const status = bvxi_for_pieces(s->ctx, "surface", 0.0, 1.0, job->pieces,
+                                              job->s->mesh.vertex_count, join_piece, job);
     if (status != BVX_OK) bvx_mesh_free(s->ctx, job->mesh);
     return status;
 }

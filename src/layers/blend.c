@@ -20,7 +20,6 @@ enum { BLEND_STEPS = 40 };
 static double slope_between(double before, double before_width, double after, double after_width)
 {
     double const a = 2.0 * after_width + before_width, b = after_width + 2.0 * before_width;
-
     /* At an extremum the cubic must be level, or it would overshoot the section's value. NaN gives 0 too. */
     if (!(before * after > 0.0)) return 0.0;
     return (a + b) / (a / before + b / after);
@@ -31,9 +30,7 @@ static double slope_at_end(double next, double next_width, double beyond, double
 {
     double const slope = ((2.0 * next_width + beyond_width) * next - next_width * beyond) /
                          (next_width + beyond_width);
-
     if (!(slope * next > 0.0)) return 0.0;
-
     /* Three times the step is as steep as a cubic may begin without turning back within the interval. */
     if (next * beyond < 0.0 && slope * slope > 9.0 * next * next) return 3.0 * next;
     return slope;
@@ -64,7 +61,6 @@ static void blend_cubic(const bvxi_blend *b, const double f[BVXI_BLEND_SECTIONS]
 double bvxi_blend_value(const bvxi_blend *b, const double f[BVXI_BLEND_SECTIONS], double t)
 {
     double c[3];
-
     /* Exactly the section's own value there, not what the polynomial rounds to. */
     if (t <= 0.0) return f[BVXI_BLEND_BELOW];
     if (t >= 1.0) return f[BVXI_BLEND_ABOVE];
@@ -82,7 +78,6 @@ double bvxi_blend_zero(const bvxi_blend *b, const double f[BVXI_BLEND_SECTIONS])
     for (int i = 0; i < BLEND_STEPS; i++) {
         double const value = first + t * (c[0] + t * (c[1] + t * c[2]));
         double const slope = c[0] + t * (2.0 * c[1] + t * 3.0 * c[2]);
-        double next;
 
         if (value == 0.0) return t;
 
@@ -90,7 +85,7 @@ double bvxi_blend_zero(const bvxi_blend *b, const double f[BVXI_BLEND_SECTIONS])
          * Newton's cannot lose it. */
         if ((value > 0.0) == (first > 0.0)) low = t;
         else high = t;
-        next = slope != 0.0 ? t - value / slope : low;
+        double next = slope != 0.0 ? t - value / slope : low;
         if (!(next > low && next < high)) next = 0.5 * (low + high);
         if (next - t < BLEND_CLOSE && t - next < BLEND_CLOSE) return next;
         t = next;

@@ -34,7 +34,6 @@ typedef struct cap_work {
 static int cap_meets(const cap_work *w, uint32_t a, uint32_t b, uint32_t c, uint32_t d)
 {
     int32_t(*const q)[2] = w->plane->q;
-
     if (a == c || a == d || b == c || b == d) { /* a common end: the other one may not lie on the segment */
         uint32_t const common = a == c || a == d ? a : b, mine = common == a ? b : a,
                        other = common == c ? d : c;
@@ -123,10 +122,9 @@ void bvxi_plane_owners(const bvxi_plane *p, uint32_t *owner)
         owner[h] = BVXI_NONE;
         if (!p->contour[h].hole) continue;
         for (uint32_t o = 0; o < p->contour_count; o++) {
-            double area;
             if (p->contour[o].hole || !bvxi_loop_contains(p, &p->contour[o], p->q[p->contour[h].first]))
                 continue;
-            area = bvxi_cap_area(p, &p->contour[o]);
+            double const area = bvxi_cap_area(p, &p->contour[o]);
             if (owner[h] != BVXI_NONE && area >= best) continue;
             owner[h] = o;
             best = area;
@@ -189,9 +187,8 @@ static bvx_status join_holes(cap_work *w, uint32_t *owner, uint32_t outer)
     for (;;) {
         uint32_t next = BVXI_NONE, from = 0, corner = 0;
         for (uint32_t h = 0; h < p->contour_count; h++) {
-            uint32_t r;
             if (owner[h] != outer) continue;
-            for (r = p->contour[h].first; r < p->contour[h].first + p->contour[h].count; r++)
+            for (uint32_t r = p->contour[h].first; r < p->contour[h].first + p->contour[h].count; r++)
                 if (w->after[r] != BVXI_NONE && (next == BVXI_NONE || p->q[r][0] > p->q[from][0])) {
                     next = h;
                     from = r;
@@ -227,7 +224,6 @@ static uint32_t side_vertex(const bvxi_plane *p, const cap_side *side, uint32_t 
 static void find_side(const cap_work *w, uint32_t a, uint32_t b, cap_side *side)
 {
     const bvxi_plane *const p = w->plane;
-
     memset(side, 0, sizeof *side);
     /* Only corners that follow each other have a stretch of the ring between them; bridges have none. */
     if (p->lines || w->after[a] != b) return;
@@ -317,7 +313,6 @@ bvx_status bvxi_cap_fill(bvxi_stack *s, const bvxi_plane *plane, int32_t side)
     uint64_t const corners = (uint64_t)plane->point_count + 2 * (uint64_t)plane->contour_count;
     uint32_t *owner = NULL;
     cap_work w = {.s = s, .plane = plane, .side = side};
-
     w.polygon.ctx = s->ctx;
     w.fixed = has_moved_points(&w);
     BVXI_TRY(BVXI_ARRAY(s->ctx, plane->contour_count, "the holes of a cap", owner));

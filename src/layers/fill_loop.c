@@ -91,7 +91,6 @@ static uint32_t find_stretches(const bvxi_trace *l, uint32_t *below, uint32_t *a
 {
     uint32_t const n = l->count;
     uint32_t start = 0, m = 0;
-
     while (start < n && !((l->faces[start] & FILL_BELOW) != 0 &&
                           (l->faces[start == 0 ? n - 1 : start - 1] & FILL_ABOVE) != 0))
         start++;
@@ -214,7 +213,6 @@ bvx_status bvxi_fill_loop(bvxi_trace *l)
     uint32_t common = 0xff;
 
     l->strip = 0;
-
     for (uint32_t i = 0; i < l->count; i++) common &= l->faces[i];
     if (l->count == 3 && common == 0 && !l->cone)
         return bvxi_section_add_triangle(l->s, l->vertex[0], l->vertex[1], l->vertex[2]);

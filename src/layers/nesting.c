@@ -34,7 +34,6 @@ typedef struct nest_work {
 static int nest_contains(const bvxi_plane *p, uint32_t number, const nest_loop *loop, const int32_t *at)
 {
     const int32_t *const box = loop[number].box;
-
     return at[0] >= box[0] && at[0] <= box[2] && at[1] >= box[1] && at[1] <= box[3] &&
            bvxi_loop_contains(p, &p->contour[number], at);
 }
@@ -68,21 +67,6 @@ static void nest_meet(nest_loop *a, nest_loop *b)
     a->met = b->met = 1;
 }
 
-/* Candidates of which one encloses the other's first point. */
-static void nest_meet_by_points(nest_work *w)
-{
-    for (uint32_t i = 0; i < w->plane[0]->contour_count; i++)
-        for (uint32_t j = 0; j < w->plane[1]->contour_count; j++) {
-            nest_loop *const a = &w->on[0][i], *const b = &w->on[1][j];
-
-            if (!a->candidate || !b->candidate || (a->met && b->met)) continue;
-            /* A loop within another holds its first point; those that cross are found by their segments. */
-            if (nest_contains(w->plane[0], i, w->on[0], w->plane[1]->q[w->plane[1]->contour[j].first]) ||
-                nest_contains(w->plane[1], j, w->on[1], w->plane[0]->q[w->plane[0]->contour[i].first]))
-                nest_meet(a, b);
-        }
-}
-
 static bvx_status nest_meet_segments(void *user, uint32_t one, uint32_t two)
 {
     nest_work *const w = user;
@@ -90,7 +74,6 @@ static bvx_status nest_meet_segments(void *user, uint32_t one, uint32_t two)
     uint32_t const i = one & ~(UINT32_C(1) << NESTING_ABOVE_BIT),
                    n = two & ~(UINT32_C(1) << NESTING_ABOVE_BIT);
     const bvxi_plane *const p = w->plane[j], *const o = w->plane[k];
-
     if (j != k && bvxi_segments_meet(p->q[i], p->q[p->next[i]], o->q[n], o->q[o->next[n]]))
         nest_meet(&w->on[j][bvxi_contour_of(p, i)], &w->on[k][bvxi_contour_of(o, n)]);
     return BVX_OK;
@@ -99,7 +82,6 @@ static bvx_status nest_meet_segments(void *user, uint32_t one, uint32_t two)
 static bvx_status nest_meet_by_segments(nest_work *w)
 {
     uint32_t count = 0;
-
     for (uint32_t k = 0; k < 2; k++) {
         const bvxi_plane *const p = w->plane[k];
         for (uint32_t c = 0; c < p->contour_count; c++)
@@ -116,7 +98,6 @@ static bvx_status nest_meet_by_segments(nest_work *w)
 static uint32_t nest_choose_candidates(nest_work *w, uint8_t *const level[2], uint32_t depth)
 {
     uint32_t count[2] = {0, 0};
-
     for (int k = 0; k < 2; k++)
         for (uint32_t c = 0; c < w->plane[k]->contour_count; c++) {
             nest_loop *const l = &w->on[k][c];
@@ -135,7 +116,17 @@ static bvx_status nest_pair_depth(nest_work *w, uint8_t *const level[2], uint32_
 
     *found = 0;
     if (goes_on && depth < NESTING_DEEPEST && nest_choose_candidates(w, level, depth) != 0) {
-        nest_meet_by_points(w);
+        /* Candidates of which one encloses the other's first point. */
+        for (uint32_t i = 0; i < w->plane[0]->contour_count; i++)
+            for (uint32_t j = 0; j < w->plane[1]->contour_count; j++) {
+                nest_loop *const a = &w->on[0][i], *const b = &w->on[1][j];
+                if (!a->candidate || !b->candidate || (a->met && b->met)) continue;
+                /* A loop within another holds its first point; those that cross are found by their segments. */
+                if (nest_contains(w->plane[0], i, w->on[0], w->plane[1]->q[w->plane[1]->contour[j].first]) ||
+                    nest_contains(w->plane[1], j, w->on[1], w->plane[0]->q[w->plane[0]->contour[i].first]))
+                    nest_meet(a, b);
+            }
+
         for (int k = 0; k < 2; k++)
             for (uint32_t c = 0; c < w->plane[k]->contour_count; c++)
                 all_met &= !w->on[k][c].candidate || w->on[k][c].met;
@@ -153,7 +144,6 @@ static bvx_status nest_pair_depth(nest_work *w, uint8_t *const level[2], uint32_
     return BVX_OK;
 }
 
-/* Between a plane and the next one. */
 static bvx_status nest_find_between(nest_work *w, uint32_t number)
 {
     bvxi_stack *const s = w->s;
@@ -211,7 +201,6 @@ bvx_status bvxi_nesting_find(bvxi_stack *s)
 bvx_status bvxi_nesting_open(bvxi_stack *s)
 {
     bvxi_nesting *const n = &s->nesting;
-
     if (s->report.holes == 0 || s->options.slabs.crossings != BVX_CROSSINGS_EXACT) return BVX_OK;
     BVXI_TRY(BVXI_ZEROS(s->ctx, s->plane_count, "the levels of loops", n->count));
     BVXI_TRY(BVXI_ZEROS(s->ctx, s->plane_count, "the levels of loops", n->joined));

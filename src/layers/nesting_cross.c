@@ -23,7 +23,6 @@ typedef struct nest_mesh {
 static const double *nest_slab_vertex(const nest_mesh *m, const bvxi_slab *slab, uint32_t v)
 {
     uint64_t const rings = m->s->mesh.vertex_count;
-
     return v < rings ? m->s->mesh.position + 3 * (uint64_t)v : slab->mesh.position + 3 * (v - rings);
 }
 
@@ -71,7 +70,6 @@ static void nest_mark_cells(nest_mesh *m, const bvxi_slab *slab, uint64_t *own)
 static int nest_is_shared(const nest_mesh *m, const bvxi_slab *slab, uint64_t triangle)
 {
     int32_t first[2], last[2];
-
     nest_cells_of_triangle(m, slab, triangle, first, last);
     for (int32_t j = first[1]; j <= last[1]; j++)
         for (int32_t i = first[0]; i <= last[0]; i++)
@@ -83,7 +81,6 @@ static int nest_is_shared(const nest_mesh *m, const bvxi_slab *slab, uint64_t tr
 static bvx_status nest_keep_triangle(nest_mesh *m, uint32_t number, uint64_t triangle)
 {
     const bvxi_slab *const slab = &m->slab[number];
-
     BVXI_TRY(BVXI_GROW_BY(m->s, m->position, m->triangles, m->position_room, 72, "the surfaces of levels"));
     BVXI_TRY(BVXI_GROW(m->s, m->owner, m->triangles, m->owner_room, "the surfaces of levels"));
     /* Corners are copied, since slabs number their vertices apart. */
@@ -106,7 +103,6 @@ static bvx_status nest_gather_shared(nest_mesh *m, uint64_t *own)
         BVXI_TRY(bvxi_progress(m->s->ctx, "levels", 0.5 * (double)i / m->count));
         memset(m->seen, 0, (size_t)bytes);
         memset(m->shared, 0, (size_t)bytes);
-        /* Cells first, for all levels; then the triangles in cells of several. */
         for (uint32_t k = i; k < end; k++) nest_mark_cells(m, &m->slab[k], own);
         for (uint32_t k = i; k < end; k++)
             for (uint64_t t = 0; t < m->slab[k].mesh.triangle_count; t++)
@@ -124,7 +120,6 @@ static void nest_mark_pairs(const nest_mesh *m, const uint32_t *pairs, uint64_t 
     for (uint64_t i = 0; i < count; i++) {
         const bvxi_slab *const a = &m->slab[m->owner[pairs[2 * i]]];
         const bvxi_slab *const b = &m->slab[m->owner[pairs[2 * i + 1]]];
-
         if (a->below != b->below || a->level == b->level || joined[a->below] >= BVXI_LEVELS_CROSSED) continue;
         joined[a->below] |= BVXI_LEVELS_CROSSED;
         ++*found;

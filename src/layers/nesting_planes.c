@@ -26,7 +26,6 @@ static void nest_measure_level(const bvxi_stack *s, const bvxi_plane *whole, con
         if (level[c] == number) size->segments += whole->contour[c].count;
     for (uint32_t i = 0; i < whole->arc_count; i++)
         size->arcs += level[nest_contour_of_arc(whole, &whole->arc[i])] == number;
-
     bvxi_plane_tree_size(size->segments, &size->groups, &size->boxes);
     size->inside = bvxi_stack_words(s);
     size->bytes = whole->contour_count * sizeof *whole->contour + size->groups * sizeof *whole->group +
@@ -63,11 +62,9 @@ static void nest_place_level(bvxi_plane *p, unsigned char *at, const nest_sizes 
 static void nest_copy_loops(bvxi_plane *p, const uint8_t *level, uint32_t number, uint32_t *part)
 {
     const bvxi_plane *const whole = p->whole;
-
     memcpy(p->contour, whole->contour, whole->contour_count * sizeof *p->contour);
     p->ends[0] = p->ends[1] = 0;
     if (!whole->ends[0] && !whole->ends[1]) return;
-
     bvxi_plane_parts(whole, part);
     for (uint32_t c = 0; c < p->contour_count; c++) {
         if (level[c] == level[part[c]]) continue;
@@ -78,29 +75,12 @@ static void nest_copy_loops(bvxi_plane *p, const uint8_t *level, uint32_t number
         for (int k = 0; k < 2; k++) p->ends[k] |= level[c] == number && p->contour[c].end[k] > 0.0;
 }
 
-/* Each crossing of a line of one v turns the grid points beyond it, and is the end of one arc. */
-static void nest_set_inside(const bvxi_stack *s, bvxi_plane *p)
-{
-    memset(p->inside, 0, (size_t)bvxi_stack_words(s) * 8);
-    for (uint32_t i = 0; i < p->arc_count; i++) {
-        const bvxi_line_cut *const c = &p->cut[p->arc[i].to];
-        uint32_t const bit = (p->arc_cell[i] & 0xffff) + 1;
-
-        /* Loops inside a cell and crossings of the other axis turn no row. */
-        if (p->arc[i].from == BVXI_NONE || c->axis != 1) continue;
-        p->inside[(size_t)(c->line >> s->fine) * (size_t)s->words + (bit >> 6)] ^= UINT64_C(1) << (bit & 63);
-    }
-    bvxi_plane_fill_rows(s, p->inside);
-    for (uint64_t i = 0; i < bvxi_stack_words(s) && p->turned; i++) p->inside[i] = ~p->inside[i];
-}
-
 static void nest_fill_level(const bvxi_stack *s, bvxi_plane *p, const uint8_t *level, uint32_t number,
                             uint32_t *segment)
 {
     const bvxi_plane *const whole = p->whole;
 
     p->segment_count = p->arc_count = p->asking_count = 0;
-
     for (uint32_t c = 0; c < p->contour_count; c++)
         for (uint32_t i = 0; i < p->contour[c].count && level[c] == number; i++)
             segment[p->segment_count++] = p->contour[c].first + i;
@@ -112,7 +92,19 @@ static void nest_fill_level(const bvxi_stack *s, bvxi_plane *p, const uint8_t *l
     }
 
     bvxi_plane_look_at_cells(s, p);
-    nest_set_inside(s, p);
+
+    /* Each crossing of a line of one v turns the grid points beyond it, and is the end of one arc. */
+    memset(p->inside, 0, (size_t)bvxi_stack_words(s) * 8);
+    for (uint32_t i = 0; i < p->arc_count; i++) {
+        const bvxi_line_cut *const c = &p->cut[p->arc[i].to];
+        uint32_t const bit = (p->arc_cell[i] & 0xffff) + 1;
+        /* Loops inside a cell and crossings of the other axis turn no row. */
+        if (p->arc[i].from == BVXI_NONE || c->axis != 1) continue;
+        p->inside[(size_t)(c->line >> s->fine) * (size_t)s->words + (bit >> 6)] ^= UINT64_C(1) << (bit & 63);
+    }
+    bvxi_plane_fill_rows(s, p->inside);
+    for (uint64_t i = 0; i < bvxi_stack_words(s) && p->turned; i++) p->inside[i] = ~p->inside[i];
+
     bvxi_plane_tree(p);
 }
 
@@ -164,7 +156,6 @@ bvx_status bvxi_nesting_make(bvxi_stack *s)
 void bvxi_nesting_refresh(bvxi_plane *p)
 {
     const bvxi_plane *const whole = p->whole;
-
     if (whole == NULL) return;
     p->cut = whole->cut;
     p->cut_count = whole->cut_count;

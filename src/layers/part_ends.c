@@ -23,10 +23,9 @@ typedef struct ends_work {
 double bvxi_contour_distance(const bvxi_plane *p, double u, double v, uint32_t *hint, uint32_t *contour)
 {
     uint32_t segment;
-    double d;
     *contour = 0;
     if (p->contour_count == 1) return bvxi_plane_distance(p, u, v, hint); /* which segment does not matter */
-    d = bvxi_plane_nearest(p, u, v, &segment);
+    double const d = bvxi_plane_nearest(p, u, v, &segment);
     *contour = bvxi_contour_of(p, segment);
     return d;
 }
@@ -88,7 +87,6 @@ static int is_met_by_points(ends_work *w, uint32_t part)
 static void box_of_unmet(const ends_work *w, int32_t low[2], int32_t high[2])
 {
     const bvxi_plane *const p = w->plane;
-
     low[0] = low[1] = INT32_MAX;
     high[0] = high[1] = 0;
     for (uint32_t c = 0; c < p->contour_count; c++) {
@@ -96,7 +94,6 @@ static void box_of_unmet(const ends_work *w, int32_t low[2], int32_t high[2])
         for (uint32_t i = p->contour[c].first; i < p->contour[c].first + p->contour[c].count; i++)
             for (int k = 0; k < 2; k++) {
                 int32_t const line = p->q[i][k] >> w->s->fine;
-
                 if (line < low[k]) low[k] = line;
                 if (line > high[k]) high[k] = line;
             }
@@ -107,13 +104,11 @@ static void depth_by_grid(ends_work *w, double *depth)
 {
     const bvxi_stack *const s = w->s;
     int32_t low[2], high[2];
-
     box_of_unmet(w, low, high);
     for (int32_t j = low[1]; j <= high[1]; j++)
         for (int32_t i = low[0]; i <= high[0]; i++) {
             double d;
             uint32_t part;
-
             if (!bvxi_grid_bit(s, w->plane, i, j)) continue;
             part = part_of_place(w, s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], &d);
             if (!w->met[part] && d > depth[part]) depth[part] = d;
@@ -129,11 +124,9 @@ static void depth_by_area(const ends_work *w, double *depth)
         const bvxi_contour *const l = &p->contour[c];
         const double *const first = p->uv[l->first];
         double twice_area = 0.0, border = 0.0;
-
         if (w->owner[c] != c || w->met[c] || depth[c] > 0.0) continue;
         for (uint32_t i = l->first; i < l->first + l->count; i++) {
             const double *const a = p->uv[i], *const b = p->uv[p->next[i]];
-
             twice_area += (a[0] - first[0]) * (b[1] - first[1]) - (a[1] - first[1]) * (b[0] - first[0]);
             border += sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
         }

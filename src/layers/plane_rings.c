@@ -99,7 +99,6 @@ typedef struct ring_job {
 static void ring_count_piece(void *user, uint64_t begin, uint64_t end)
 {
     const ring_job *const job = user;
-
     for (uint64_t i = begin; i < end; i++) {
         /* Pieces take whole planes, and arrays are shared: no worker writes where another does. */
         bvxi_plane *const p = &job->s->plane[i];
@@ -114,7 +113,6 @@ static void ring_count_piece(void *user, uint64_t begin, uint64_t end)
 static void ring_place_piece(void *user, uint64_t begin, uint64_t end)
 {
     const bvxi_stack *const s = ((const ring_job *)user)->s;
-
     for (const bvxi_plane *p = s->plane + begin; p < s->plane + end; p++) {
         double *const position = s->mesh.position + 3 * (uint64_t)p->vertex;
         for (uint32_t i = 0; i < p->point_count; i++)

@@ -17,7 +17,6 @@
 static double grid_distance(bvxi_field *f, bvxi_plane_field *p, int32_t i, int32_t j)
 {
     size_t const n = (size_t)j * (size_t)(f->s->size[0] + 1) + (size_t)i;
-
     if (p->distance == NULL)
         return bvxi_plane_distance(p->plane, f->s->origin[0] + i * f->s->step[0],
                                    f->s->origin[1] + j * f->s->step[1], &p->hint);
@@ -82,9 +81,8 @@ double bvxi_field_corner(bvxi_field *f, const int32_t at[2], int k, int inside)
 
 static double plane_at(bvxi_field *f, int k, double u, double v)
 {
-    double d;
     if (is_nothing(f, k)) return outside_value(f, k, u, v, 0.0);
-    d = bvxi_plane_distance(f->slab->plane[k], u, v, &f->plane[k].hint);
+    double const d = bvxi_plane_distance(f->slab->plane[k], u, v, &f->plane[k].hint);
     return bvxi_plane_inside(f->s, f->slab->plane[k], u, v) ? d : outside_value(f, k, u, v, d);
 }
 
@@ -92,10 +90,8 @@ static double plane_at(bvxi_field *f, int k, double u, double v)
 static double far_at(bvxi_field *f, int k, double u, double v)
 {
     const bvxi_plane *const p = f->slab->far[k - BVXI_BLEND_FAR_BELOW];
-    double d;
-
     if (p == NULL) return 0.0;
-    d = bvxi_plane_distance(p, u, v, &f->plane[k].hint);
+    double const d = bvxi_plane_distance(p, u, v, &f->plane[k].hint);
     return bvxi_plane_encloses(p, u, v) ? d : -d;
 }
 
@@ -103,19 +99,16 @@ static double far_corner(bvxi_field *f, const int32_t at[2], int k)
 {
     const bvxi_plane *const p = f->slab->far[k - BVXI_BLEND_FAR_BELOW];
     int32_t const fine = f->s->fine, part = (1 << fine) - 1;
-    double d;
-
     if (p == NULL) return 0.0;
     if ((at[0] & part) != 0 || (at[1] & part) != 0)
         return far_at(f, k, bvxi_fixed_u(f->s, 0, at[0]), bvxi_fixed_u(f->s, 1, at[1]));
-    d = grid_distance(f, &f->plane[k], at[0] >> fine, at[1] >> fine);
+    double const d = grid_distance(f, &f->plane[k], at[0] >> fine, at[1] >> fine);
     return bvxi_grid_bit(f->s, p, at[0] >> fine, at[1] >> fine) ? d : -d;
 }
 
 double bvxi_field_between(bvxi_field *f, const int32_t at[2], const uint8_t inside[2], double t)
 {
     double value[BVXI_BLEND_SECTIONS];
-
     for (int k = 0; k < 2; k++) value[k] = bvxi_field_corner(f, at, k, inside[k]);
     if (!f->cubic) return (1.0 - t) * value[0] + t * value[1];
     for (int k = BVXI_BLEND_FAR_BELOW; k < BVXI_BLEND_SECTIONS; k++) value[k] = far_corner(f, at, k);
@@ -152,10 +145,8 @@ static int ending_line(bvxi_field *f, int from, double u, double v, double d[2])
 static double line_zero(const bvxi_field *f, int from, const double d[BVXI_BLEND_SECTIONS])
 {
     double value[BVXI_BLEND_SECTIONS];
-
     if (!f->cubic) return d[0] + d[1] > 0.0 ? d[0] / (d[0] + d[1]) : 0.5;
     memcpy(value, d, sizeof value);
-
     value[1 - from] = -value[1 - from];
     return bvxi_blend_zero(&f->blend, value);
 }
@@ -164,7 +155,6 @@ static double line_zero(const bvxi_field *f, int from, const double d[BVXI_BLEND
 static double line_share(const bvxi_field *f, double t, uint8_t *layer)
 {
     int32_t l = 0;
-
     /* Of several layers each has its own margins, so that no crossing lies on a level between two. */
     if (f->layers > 1) {
         t *= f->layers;
@@ -328,11 +318,9 @@ static void set_plane(bvxi_field *f, bvxi_plane_field *p, const bvxi_plane *plan
 static void index_hanging(bvxi_field *f)
 {
     const bvxi_slab *const slab = f->slab;
-
     for (int k = 0; k < 2; k++) {
         uint32_t *const start = k == 0 ? f->hanging_column : f->hanging_row;
         uint32_t n = 0;
-
         for (int32_t i = 0; i < f->s->size[k] + 2; i++) {
             while (n < slab->hanging_count &&
                    slab->hanging[k == 0 ? slab->by_u[n] : n].at[k] >> f->s->fine < i)
@@ -346,12 +334,10 @@ static void index_hanging(bvxi_field *f)
 static void set_blend(bvxi_field *f)
 {
     const bvxi_slab *const slab = f->slab;
-
     f->cubic = slab->far[0] != NULL || slab->far[1] != NULL;
     if (is_nothing(f, 0) || is_nothing(f, 1) || slab->plane[0]->ends[1] || slab->plane[1]->ends[0])
         f->cubic = 0;
     if (!f->cubic) return;
-
     f->blend.height = slab->plane[1]->w - slab->plane[0]->w;
     f->blend.below = slab->far[0] == NULL ? 0.0 : slab->plane[0]->w - slab->far[0]->w;
     f->blend.above = slab->far[1] == NULL ? 0.0 : slab->far[1]->w - slab->plane[1]->w;

@@ -28,7 +28,6 @@ static void keep_points_near(const bvxi_stack *s, const bvxi_plane *pair, bvxi_d
 {
     double const gap = pair[1].w - pair[0].w;
     double most = 0.0;
-
     for (int k = 0; k < 2; k++)
         for (uint32_t i = 0; i < pair[k].point_count; i++) {
             double const off = bvxi_along_axis(s->axis[2],
@@ -37,7 +36,6 @@ static void keep_points_near(const bvxi_stack *s, const bvxi_plane *pair, bvxi_d
             if (off > most) most = off;
             if (-off > most) most = -off;
         }
-
     /* A little less than the quarter that is checked, for rounding. */
     while (g->steps > 1 && 0.2 * gap / g->steps < most) g->steps--;
 }
@@ -45,7 +43,6 @@ static void keep_points_near(const bvxi_stack *s, const bvxi_plane *pair, bvxi_d
 static bvx_status add_shift_position(bvxi_shifted *to, double w)
 {
     bvx_sections *const body = &to->body.sections;
-
     BVXI_TRY(BVXI_GROW(&to->body, to->positions, body->section_count, to->position_room,
                        "the positions of sections"));
     to->positions[body->section_count++] = w;

@@ -47,7 +47,6 @@ static double *shift_value(double *value, const shift_lattice *l, int32_t i, int
 static double group_value(shift_lattice *l, const bvxi_disc_group *g, double t, double u, double v)
 {
     double value[2];
-
     for (int k = 0; k < 2; k++) {
         /* The place as seen from the plane: moved back by the part of the shift that the group has gone. */
         double const back = k == 0 ? -t : 1.0 - t;
@@ -98,7 +97,6 @@ static void fill_group_values(shift_lattice *l, const bvxi_disc_group *g, double
 static void fill_values(shift_lattice *l, double t)
 {
     size_t const n = (size_t)l->size[0] * (size_t)l->size[1];
-
     for (size_t i = 0; i < n; i++) l->value[i] = -1e300;
     for (uint32_t depth = 0; depth < l->g->depths; depth++) {
         for (size_t i = 0; i < n; i++) l->level[i] = -1e300;
@@ -118,7 +116,6 @@ static void find_deep(shift_lattice *l, bvxi_disc_group *g)
 {
     int const k = g->count[0] == 0;
     int32_t range[2][2];
-
     lattice_range(l, g, k, range);
     for (int32_t j = range[1][0]; j <= range[1][1]; j++)
         for (int32_t i = range[0][0]; i <= range[0][1]; i++) {
@@ -141,7 +138,6 @@ static bvx_status add_crossing(shift_lattice *l, int32_t i, int32_t j, int axis)
     double const a = *shift_value(l->value, l, i, j),
                  b = *shift_value(l->value, l, i + (axis == 0), j + axis);
     double share = a / (a - b), at[2], place[3];
-
     /* Also where the values are bounds, of which one may be infinitely large. */
     if (!(share > SHIFT_OFF)) share = SHIFT_OFF;
     if (share > 1.0 - SHIFT_OFF) share = 1.0 - SHIFT_OFF;
@@ -159,14 +155,11 @@ static int leaving_side(shift_lattice *l, int32_t i, int32_t j, int from)
 {
     int const inside[4] = {value_inside(l, i, j), value_inside(l, i + 1, j), value_inside(l, i + 1, j + 1),
                            value_inside(l, i, j + 1)};
-    double middle;
-
     if (inside[0] != inside[1] && inside[1] != inside[2] && inside[2] != inside[3]) {
-        middle = (*shift_value(l->value, l, i, j) + *shift_value(l->value, l, i + 1, j)) +
-                 (*shift_value(l->value, l, i, j + 1) + *shift_value(l->value, l, i + 1, j + 1));
+        double const middle = (*shift_value(l->value, l, i, j) + *shift_value(l->value, l, i + 1, j)) +
+                              (*shift_value(l->value, l, i, j + 1) + *shift_value(l->value, l, i + 1, j + 1));
         return middle > 0.0 ? (from + 1) & 3 : (from + 3) & 3;
     }
-
     for (int n = 1; n < 3; n++)
         if (inside[(from + n) & 3] != inside[(from + n + 1) & 3]) return (from + n) & 3;
     return (from + 3) & 3;
@@ -178,7 +171,6 @@ static int see_edge(shift_lattice *l, int32_t i, int32_t j)
     size_t const n = (size_t)j * (size_t)l->size[0] + (size_t)i;
     uint64_t const bit = UINT64_C(1) << (n & 63);
     int const is_new = (l->seen[n >> 6] & bit) == 0;
-
     l->seen[n >> 6] |= bit;
     return is_new;
 }
@@ -197,11 +189,10 @@ static bvx_status trace_loop(shift_lattice *l, int32_t i, int32_t j)
     for (;;) {
         /* The side's edge, as its low end and axis. */
         int32_t const x = i + (from == 1), y = j + (from == 2);
-        int side;
         if (from % 2 == 0) (void)see_edge(l, x, y);
         BVXI_TRY(add_crossing(l, x, y, from % 2));
 
-        side = leaving_side(l, i, j, from);
+        int const side = leaving_side(l, i, j, from);
         if (side == 0) j--;
         else if (side == 1) i++;
         else if (side == 2) j++;
@@ -210,19 +201,6 @@ static bvx_status trace_loop(shift_lattice *l, int32_t i, int32_t j)
         /* Back at the first edge; cells on both sides of it may be where it is entered from. */
         if (from % 2 == 0 && i == start[0] && j + (from == 2) == start[1]) return BVX_OK;
     }
-}
-
-/* Each loop crosses an edge along u: at the end of a run of points inside. */
-static bvx_status trace_section(shift_lattice *l)
-{
-    size_t const words = ((size_t)l->size[0] * (size_t)l->size[1] + 63) / 64;
-
-    memset(l->seen, 0, words * 8);
-    for (int32_t j = 0; j < l->size[1]; j++)
-        for (int32_t i = 0; i + 1 < l->size[0]; i++)
-            if (value_inside(l, i, j) != value_inside(l, i + 1, j) && see_edge(l, i, j))
-                BVXI_TRY(trace_loop(l, i, j));
-    return BVX_OK;
 }
 
 /* ---- sections ---- */
@@ -235,7 +213,6 @@ static void lay_shift_lattice(shift_lattice *l)
     double const larger = s->step[0] > s->step[1] ? s->step[0] : s->step[1];
     int32_t const most = s->size[0] > s->size[1] ? s->size[0] : s->size[1];
     int32_t fold = 1;
-
     while (fold < SHIFT_FINEST && larger / fold > l->g->width / SHIFT_WIDTH_CELLS &&
            2 * fold * most <= SHIFT_MOST_SIDE)
         fold *= 2;
@@ -249,7 +226,6 @@ static void lay_shift_lattice(shift_lattice *l)
 static bvx_status add_sections(shift_lattice *l, uint32_t number)
 {
     double const below = l->on[0].plane->w, above = l->on[1].plane->w;
-
     for (uint32_t i = 0; i < l->g->count; i++)
         if (l->g->group[i].count[0] == 0 || l->g->group[i].count[1] == 0) find_deep(l, &l->g->group[i]);
     for (uint32_t n = 1; n < l->g->steps; n++) {
@@ -258,7 +234,14 @@ static bvx_status add_sections(shift_lattice *l, uint32_t number)
         l->w = below + t * (above - below);
         l->section = number + n - 1;
         fill_values(l, t);
-        BVXI_TRY(trace_section(l));
+
+        /* Each loop crosses an edge along u: at the end of a run of points inside. */
+        size_t const words = ((size_t)l->size[0] * (size_t)l->size[1] + 63) / 64;
+        memset(l->seen, 0, words * 8);
+        for (int32_t j = 0; j < l->size[1]; j++)
+            for (int32_t i = 0; i + 1 < l->size[0]; i++)
+                if (value_inside(l, i, j) != value_inside(l, i + 1, j) && see_edge(l, i, j))
+                    BVXI_TRY(trace_loop(l, i, j));
     }
     return BVX_OK;
 }
@@ -267,11 +250,8 @@ bvx_status bvxi_shift_between(const bvxi_stack *s, bvxi_discs on[2], bvxi_disc_g
                               bvxi_mended *to)
 {
     shift_lattice l = {.s = s, .on = on, .g = g, .to = to};
-    uint64_t points;
-
     lay_shift_lattice(&l);
-    points = (uint64_t)l.size[0] * (uint64_t)l.size[1];
-
+    uint64_t const points = (uint64_t)l.size[0] * (uint64_t)l.size[1];
     BVXI_TRY(BVXI_ARRAY(s->ctx, points, "a section between two", l.value));
     BVXI_TRY(BVXI_ARRAY(s->ctx, points, "a section between two", l.level));
     BVXI_TRY(BVXI_ARRAY(s->ctx, (points + 63) / 64, "a section between two", l.seen));

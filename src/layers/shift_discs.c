@@ -53,20 +53,6 @@ static int in_disc_box(const double box[4], const double *at)
     return at[0] >= box[0] && at[0] <= box[2] && at[1] >= box[1] && at[1] <= box[3];
 }
 
-/* Loops do not touch, so one point of a loop says whether all of it lies in another. */
-static void find_depths(bvxi_discs *d)
-{
-    const bvxi_plane *const p = d->plane;
-
-    for (uint32_t i = 0; i < d->count; i++) {
-        uint32_t const at = p->contour[i].first;
-        for (uint32_t j = 0; j < d->count; j++)
-            if (j != i && in_disc_box(d->disc[j].box, p->uv[at]) &&
-                bvxi_loop_contains(p, &p->contour[j], p->q[at]))
-                d->disc[i].depth++;
-    }
-}
-
 static void make_discs(bvxi_discs *d)
 {
     const bvxi_plane *const p = d->plane;
@@ -93,7 +79,15 @@ static void make_discs(bvxi_discs *d)
         disc_box(p, &p->contour[c], disc->box);
         measure_disc(p, &p->contour[c], disc);
     }
-    find_depths(d);
+
+    /* Loops do not touch, so one point of a loop says whether all of it lies in another. */
+    for (uint32_t i = 0; i < d->count; i++) {
+        uint32_t const at = p->contour[i].first;
+        for (uint32_t j = 0; j < d->count; j++)
+            if (j != i && in_disc_box(d->disc[j].box, p->uv[at]) &&
+                bvxi_loop_contains(p, &p->contour[j], p->q[at]))
+                d->disc[i].depth++;
+    }
 }
 
 bvx_status bvxi_discs_open(const bvxi_stack *s, const bvxi_plane *plane, bvxi_discs *d)
@@ -143,18 +137,6 @@ static int discs_overlap(const bvxi_disc *a, const bvxi_disc *b)
     return has_point_in(a, b) || has_point_in(b, a);
 }
 
-static void join_overlapping(bvxi_discs on[2], uint8_t *met, uint32_t *joined)
-{
-    for (uint32_t i = 0; i < on[0].count; i++)
-        for (uint32_t j = 0; j < on[1].count; j++) {
-            const bvxi_disc *const a = &on[0].disc[i], *const b = &on[1].disc[j];
-            /* A hole over an outline is no overlap of parts. */
-            if (a->depth != b->depth || !discs_overlap(a, b)) continue;
-            met[i] = met[on[0].count + j] = 1;
-            bvxi_join(joined, i, on[0].count + j);
-        }
-}
-
 /* ---- the nearest of those that do not ---- */
 
 typedef struct shift_near {
@@ -171,11 +153,9 @@ static double centre_square(const bvxi_disc *a, const bvxi_disc *b)
 static shift_near find_near_disc(bvxi_discs on[2], const uint8_t *met, uint32_t i, double reach)
 {
     shift_near near = {BVXI_NONE, reach * reach};
-
     for (uint32_t j = 0; j < on[1].count; j++) {
-        double square;
         if (met[on[0].count + j] || on[1].disc[j].depth != on[0].disc[i].depth) continue;
-        square = centre_square(&on[0].disc[i], &on[1].disc[j]);
+        double const square = centre_square(&on[0].disc[i], &on[1].disc[j]);
         /* Of equally near ones the first stays; one just at the reach is taken too. */
         if (square < near.square || (square == near.square && near.to == BVXI_NONE)) {
             near.to = j;
@@ -214,7 +194,6 @@ static void add_to_group(bvxi_disc_groups *g, bvxi_discs on[2], int k, uint32_t 
 {
     bvxi_disc *const d = &on[k].disc[number];
     bvxi_disc_group *const group = &g->group[d->group];
-
     for (int i = 0; i < 2; i++) {
         if (group->count[k] == 0 || d->box[i] < group->box[k][i]) group->box[k][i] = d->box[i];
         if (group->count[k] == 0 || d->box[i + 2] > group->box[k][i + 2])
@@ -229,7 +208,6 @@ static void add_to_group(bvxi_disc_groups *g, bvxi_discs on[2], int k, uint32_t 
 static void number_groups(bvxi_disc_groups *g, bvxi_discs on[2], uint32_t *joined)
 {
     uint32_t const n = on[0].count + on[1].count;
-
     /* A root is the lowest of its group, so it has its number before the others look it up. */
     for (uint32_t i = 0; i < n; i++) {
         uint32_t const root = bvxi_root(joined, i);
@@ -247,12 +225,10 @@ static void set_shift(bvxi_disc_groups *g, bvxi_discs on[2], bvxi_disc_group *gr
     double const width = a->width < b->width ? a->width : b->width, far = sqrt(centre_square(a, b));
     double const share = width > 0.0 ? far * SHIFT_STEPS_A_WIDTH / width : 0.0;
     double const steps = floor(share) < share ? floor(share) + 1.0 : share;
-
     /* Discs that overlap may have centres farther apart than is to be shifted: they stay where they are. */
     if (far > reach) return;
     for (int k = 0; k < 2; k++) group->by[k] = b->centre[k] - a->centre[k];
     if (!(steps > 1.0)) return;
-
     if (g->shifted++ == 0 || width < g->width) g->width = width;
     if (steps > SHIFT_MOST_STEPS) g->steps = SHIFT_MOST_STEPS;
     else if (steps > g->steps) g->steps = (uint32_t)steps;
@@ -275,7 +251,15 @@ bvx_status bvxi_disc_groups_open(const bvxi_stack *s, bvxi_discs on[2], bvxi_dis
     for (uint32_t i = 0; i < n; i++) joined[i] = i;
 
     /* Overlaps first: only what has none is looked for further off. */
-    join_overlapping(on, met, joined);
+    for (uint32_t i = 0; i < on[0].count; i++)
+        for (uint32_t j = 0; j < on[1].count; j++) {
+            const bvxi_disc *const a = &on[0].disc[i], *const b = &on[1].disc[j];
+            /* A hole over an outline is no overlap of parts. */
+            if (a->depth != b->depth || !discs_overlap(a, b)) continue;
+            met[i] = met[on[0].count + j] = 1;
+            bvxi_join(joined, i, on[0].count + j);
+        }
+
     join_nearest(on, met, joined, near, reach);
     number_groups(g, on, joined);
     for (uint32_t i = 0; i < g->count; i++)
@@ -287,7 +271,6 @@ static double disc_box_distance(const double box[4], double u, double v)
 {
     double const left = box[0] - u, right = u - box[2], low = box[1] - v, high = v - box[3];
     double x = left > right ? left : right, y = low > high ? low : high;
-
     if (!(x > 0.0)) x = 0.0;
     if (!(y > 0.0)) y = 0.0;
     return sqrt(x * x + y * y);
@@ -297,14 +280,12 @@ double bvxi_disc_group_distance(bvxi_discs on[2], const bvxi_disc_group *g, int 
 {
     double least = 1e300;
     int inside = 0;
-
     /* Discs of a group do not overlap: the place is inside at most one. */
     for (uint32_t i = g->count[k] == 0 ? BVXI_NONE : g->first[k]; i != BVXI_NONE; i = on[k].disc[i].next) {
         bvxi_disc *const d = &on[k].disc[i];
         double const at[2] = {u, v};
-        double distance;
         if (disc_box_distance(d->box, u, v) > least) continue;
-        distance = bvxi_plane_distance(&d->view, u, v, &d->hint);
+        double const distance = bvxi_plane_distance(&d->view, u, v, &d->hint);
         if (distance < least) least = distance;
         if (!inside && in_disc_box(d->box, at)) inside = bvxi_plane_encloses(&d->view, u, v);
     }

@@ -121,7 +121,6 @@ static void set_slab(bvxi_slab *slab, bvxi_plane *below, bvxi_plane *above, doub
 static uint32_t lay_levels(const bvxi_stack *s, bvxi_slab *slabs, uint32_t below, bvxi_plane *level)
 {
     uint32_t const levels = s->nesting.count[below];
-
     for (uint32_t i = 0; i < levels; i++, level += 2) {
         set_slab(&slabs[i], &level[0], &level[1], s->plane[below].w, s->plane[below + 1].w);
         slabs[i].below = below;
@@ -138,7 +137,6 @@ static const bvxi_plane *plane_beyond(const bvxi_stack *s, const bvxi_slab *slab
     uint32_t const last = s->plane_count - 1,
                    levels = s->nesting.count == NULL ? 1 : s->nesting.count[b->below];
     const bvxi_plane *whole;
-    uint32_t other;
 
     /* The first and last section have nothing beyond; a plane without contours would have no distances to
      * blend with. */
@@ -148,7 +146,7 @@ static const bvxi_plane *plane_beyond(const bvxi_stack *s, const bvxi_slab *slab
     if (b->plane[0]->whole == NULL) return whole;
     if (s->nesting.joined[b->below] != BVXI_LEVELS_APART) return NULL;
 
-    other = s->nesting.count[side == 0 ? b->below - 1 : b->below + 1];
+    uint32_t const other = s->nesting.count[side == 0 ? b->below - 1 : b->below + 1];
     if (other > 1) {
         if (b->level >= other) return NULL;
         return side == 0 ? slabs[slab - other].plane[0] : slabs[slab + levels].plane[1];

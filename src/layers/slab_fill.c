@@ -66,7 +66,6 @@ static void next_lines(bvxi_slab_work *w, int32_t i, const uint32_t inside[2], u
 {
     static const uint8_t left[2] = {0, 3}, right[2] = {1, 2};
     uint32_t const crossed = inside[0] ^ inside[1];
-
     /* Lines are numbered by rows of corners, so two running counts per row of cells replace a look-up. */
     for (int k = 0; k < 2; k++) {
         line[left[k]] = line[right[k]] = BVXI_NONE;
@@ -117,7 +116,6 @@ static bvx_status fill_traced_cell(bvxi_slab_work *w, int32_t i, int32_t j, cons
 {
     bvxi_trace *const t = &w->trace;
     const bvxi_slab *const slab = w->field.slab;
-
     /* Subdivided cells come in the same order as the walk, so the next one is enough to compare with. */
     if (w->split < slab->split_count && slab->split[w->split].cell == t->key)
         return fill_leaves(w, &slab->split[w->split++]);
@@ -161,26 +159,10 @@ static bvx_status fill_grid_cell(bvxi_slab_work *w, int32_t i, int32_t j)
     return BVX_OK;
 }
 
-static bvx_status fill_layer(bvxi_slab_work *w)
-{
-    bvxi_stack *const s = w->s;
-
-    w->split = w->arc[0] = w->arc[1] = 0;
-    for (int32_t j = 0; j < s->size[1]; j++) {
-        find_active(w, j);
-        for (int k = 0; k < 2; k++) w->line[k] = w->field.before[(size_t)(j + k) * (size_t)s->words];
-        for (int32_t k = 0; k < s->words; k++)
-            for (uint64_t bits = w->row[k]; bits != 0; bits &= bits - 1)
-                BVXI_TRY(fill_grid_cell(w, 64 * k + bvxi_lowest(bits), j));
-    }
-    return BVX_OK;
-}
-
 static void set_level(bvxi_slab_work *w, bvxi_level *level, int32_t number)
 {
     const bvxi_slab *const slab = w->field.slab;
     int const k = number == 0 ? 0 : number == w->field.layers ? 1 : -1;
-
     memset(level, 0, sizeof *level);
     level->t = (double)number / w->field.layers;
     level->w = k >= 0 ? slab->w[k] : slab->w[0] + level->t * (slab->w[1] - slab->w[0]);
@@ -209,7 +191,15 @@ static bvx_status fill_layers(bvxi_slab_work *w)
         t->low_w = t->level[0].w;
         t->high_w = t->level[1].w;
         t->layer = layer;
-        BVXI_TRY(fill_layer(w));
+        bvxi_stack *const s = w->s;
+        w->split = w->arc[0] = w->arc[1] = 0;
+        for (int32_t j = 0; j < s->size[1]; j++) {
+            find_active(w, j);
+            for (int k = 0; k < 2; k++) w->line[k] = w->field.before[(size_t)(j + k) * (size_t)s->words];
+            for (int32_t k = 0; k < s->words; k++)
+                for (uint64_t bits = w->row[k]; bits != 0; bits &= bits - 1)
+                    BVXI_TRY(fill_grid_cell(w, 64 * k + bvxi_lowest(bits), j));
+        }
     }
     return BVX_OK;
 }
@@ -217,18 +207,15 @@ static bvx_status fill_layers(bvxi_slab_work *w)
 /* The field's crossings on a plane are kept for the slab above it: in the field's way slabs come in order. */
 bvx_status bvxi_slab_fill(bvxi_slab_work *w, bvxi_slab *slab)
 {
-    bvx_status status;
-
     if (w->field.plane[1].plane != slab->plane[0]) bvxi_map_clear(&w->map[w->map_top]);
     bvxi_map_clear(&w->trace.folds);
     BVXI_TRY(bvxi_field_set(&w->field, slab));
     w->plain = !w->only_traced && w->s->options.slabs.crossings == BVX_CROSSINGS_EXACT &&
                w->field.layers == 1;
-
     /* Bits that are set for this slab and cleared after it cost less than clearing the whole plane each
      * time. */
     mark_split(w, 1);
-    status = fill_layers(w);
+    bvx_status const status = fill_layers(w);
     mark_split(w, 0);
     return status;
 }

@@ -14,7 +14,6 @@ static uint32_t count_ends(const bvxi_plane *p, const bvxi_arc *arc, uint32_t co
                            uint32_t ends[4])
 {
     uint32_t inner = 0;
-
     ends[0] = ends[1] = ends[2] = ends[3] = 0;
     for (uint32_t i = 0; i < count; i++) {
         if (arc[i].from == BVXI_NONE) {
@@ -77,10 +76,8 @@ static bvx_status add_to_pool(bvxi_split_work *w, const bvxi_arc *arc)
 static bvx_status add_piece(bvxi_split_work *w, uint32_t quadrant, uint32_t from, uint32_t to, uint32_t point,
                             uint32_t count)
 {
-    bvxi_split_piece *p;
-
     BVXI_TRY(BVXI_SLAB_GROW(w->s, w->piece, w->piece_count, w->piece_room, "the pieces of arcs"));
-    p = &w->piece[w->piece_count++];
+    bvxi_split_piece *const p = &w->piece[w->piece_count++];
     p->quadrant = quadrant;
     p->arc.from = from;
     p->arc.to = to;
@@ -143,7 +140,6 @@ static bvx_status cut_open_arc(bvxi_split_work *w, bvxi_plane *p, const bvxi_arc
 {
     uint32_t segment = p->cut[arc->from].segment, point = arc->point;
     piece_walk a = {.quadrant = quadrant_of_cut(w, p, &p->cut[arc->from]), .last = arc->from};
-
     for (uint32_t i = 0; i < arc->count; i++) {
         BVXI_TRY(walk_part(w, p, &a, segment, quadrant_of_point(w, p->q[point])));
         if (a.count++ == 0) a.point = point;
@@ -158,7 +154,6 @@ static bvx_status cut_inner_loop(bvxi_split_work *w, bvxi_plane *p, const bvxi_a
 {
     uint32_t point = arc->point;
     piece_walk a = {.quadrant = quadrant_of_point(w, p->q[point]), .last = BVXI_NONE};
-
     for (uint32_t i = 0; i < arc->count; i++) {
         if (a.count++ == 0) a.point = point;
         BVXI_TRY(walk_part(w, p, &a, point, quadrant_of_point(w, p->q[p->next[point]])));
@@ -176,7 +171,6 @@ static uint32_t corners_of_quarters(const bvxi_split_work *w, const bvxi_plane *
 {
     uint32_t const in = c->inside[k];
     uint32_t odd[4] = {0, 0, 0, 0}; /* of the lower half of each side */
-    uint32_t bottom, top, left, right, centre;
 
     /* A new corner in a side's middle is as the side's low end is, but for the crossings between. */
     for (uint32_t i = 0; i < c->arc_count[k]; i++) {
@@ -188,11 +182,11 @@ static uint32_t corners_of_quarters(const bvxi_split_work *w, const bvxi_plane *
         }
     }
     /* Corners are known; the middle of the cell follows from the bottom's along the line to it. */
-    bottom = (in & 1) ^ odd[0];
-    right = (in >> 1 & 1) ^ odd[1];
-    top = (in >> 2 & 1) ^ odd[2];
-    left = (in & 1) ^ odd[3];
-    centre = bottom ^ w->odd_u[0];
+    uint32_t const bottom = (in & 1) ^ odd[0];
+    uint32_t const right = (in >> 1 & 1) ^ odd[1];
+    uint32_t const top = (in >> 2 & 1) ^ odd[2];
+    uint32_t const left = (in & 1) ^ odd[3];
+    uint32_t const centre = bottom ^ w->odd_u[0];
     return (in & 1) | bottom << 1 | (in >> 1 & 1) << 2 | left << 3 | centre << 4 | right << 5 |
            (in >> 2 & 1) << 6 | top << 7 | (in >> 3 & 1) << 8;
 }
@@ -200,7 +194,6 @@ static uint32_t corners_of_quarters(const bvxi_split_work *w, const bvxi_plane *
 static bvx_status split_plane(bvxi_split_work *w, const bvxi_split_cell *c, int k, bvxi_split_cell quarter[4])
 {
     bvxi_plane *const p = w->slab->plane[k];
-    uint32_t corners;
 
     w->piece_count = 0;
     memset(w->odd_u, 0, sizeof w->odd_u);
@@ -210,7 +203,7 @@ static bvx_status split_plane(bvxi_split_work *w, const bvxi_split_cell *c, int 
         BVXI_TRY(arc.from == BVXI_NONE ? cut_inner_loop(w, p, &arc) : cut_open_arc(w, p, &arc));
     }
 
-    corners = corners_of_quarters(w, p, c, k);
+    uint32_t const corners = corners_of_quarters(w, p, c, k);
     for (uint32_t j = 0; j < 4; j++) {
         uint32_t const at = (j & 1) + 3 * (j >> 1);
         quarter[j].inside[k] = (uint8_t)((corners >> at & 3) | (corners >> (at + 3) & 3) << 2);
@@ -225,7 +218,6 @@ static bvx_status split_plane(bvxi_split_work *w, const bvxi_split_cell *c, int 
 static bvx_status split_in_four(bvxi_split_work *w, const bvxi_split_cell *c, bvxi_split_cell quarter[4])
 {
     int32_t const half = c->size / 2;
-
     /* Sizes are powers of two, and lines stay even until the deepest: middles are whole numbers. */
     w->middle[0] = c->low[0] + half;
     w->middle[1] = c->low[1] + half;
@@ -243,12 +235,11 @@ static bvx_status add_hanging(bvxi_split_work *w, int32_t u, int32_t v, uint32_t
 {
     bvxi_slab *const slab = w->slab;
     int32_t const part = (1 << w->s->fine) - 1;
-    bvxi_hanging *h;
 
     if ((u & part) == 0 && (v & part) == 0) return BVX_OK; /* a grid point */
     BVXI_TRY(
         BVXI_SLAB_GROW(w->s, slab->hanging, slab->hanging_count, slab->hanging_room, "the corners of cells"));
-    h = &slab->hanging[slab->hanging_count++];
+    bvxi_hanging *const h = &slab->hanging[slab->hanging_count++];
     memset(h, 0, sizeof *h);
     h->at[0] = u;
     h->at[1] = v;
@@ -261,10 +252,9 @@ static bvx_status add_hanging(bvxi_split_work *w, int32_t u, int32_t v, uint32_t
 static bvx_status add_leaf(bvxi_split_work *w, const bvxi_split_cell *c)
 {
     bvxi_slab *const slab = w->slab;
-    bvxi_leaf *leaf;
 
     BVXI_TRY(BVXI_SLAB_GROW(w->s, slab->leaf, slab->leaf_count, slab->leaf_room, "the parts of cells"));
-    leaf = &slab->leaf[slab->leaf_count++];
+    bvxi_leaf *const leaf = &slab->leaf[slab->leaf_count++];
     memset(leaf, 0, sizeof *leaf);
     leaf->low[0] = c->low[0];
     leaf->low[1] = c->low[1];
@@ -287,7 +277,6 @@ static bvx_status add_leaf(bvxi_split_work *w, const bvxi_split_cell *c)
     return BVX_OK;
 }
 
-/* Quarters in order, depth first. */
 static bvx_status split_down(bvxi_split_work *w, const bvxi_split_cell *root)
 {
     bvxi_split_cell stack[SPLIT_STACK];
@@ -316,7 +305,6 @@ bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j)
     bvxi_stack *const s = w->s;
     bvxi_slab *const slab = w->slab;
     bvxi_split_cell c = {0};
-    bvxi_split *split;
 
     w->pool_count = 0;
     c.low[0] = i << s->fine;
@@ -330,13 +318,12 @@ bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j)
         uint32_t const first = bvxi_plane_arcs_in(p, bvxi_cell_key(i, j), &c.arc_count[k]);
         for (uint32_t a = first; a < first + c.arc_count[k]; a++) BVXI_TRY(add_to_pool(w, &p->arc[a]));
     }
-    /* Without subdivision there is only what has to be reported. */
     if (s->options.slabs.depth == 0) {
         count_unkept(w, &c);
         return BVX_OK;
     }
     BVXI_TRY(BVXI_SLAB_GROW(s, slab->split, slab->split_count, slab->split_room, "the subdivided cells"));
-    split = &slab->split[slab->split_count++];
+    bvxi_split *const split = &slab->split[slab->split_count++];
     split->cell = bvxi_cell_key(i, j);
     split->leaf = slab->leaf_count;
     BVXI_TRY(split_down(w, &c));

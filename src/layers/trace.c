@@ -9,8 +9,6 @@
 
 #include "lattice/wide.h"
 
-/* ---- crossings of contours ---- */
-
 static bvx_status gather_ends(bvxi_trace *t)
 {
     t->end_count = 0;
@@ -21,10 +19,9 @@ static bvx_status gather_ends(bvxi_trace *t)
             const bvxi_arc *const a = &t->arc[k][i];
             if (a->from == BVXI_NONE) continue;
             for (int to = 0; to < 2; to++) {
-                bvxi_trace_end *e;
                 const bvxi_line_cut *const c = &p->cut[to ? a->to : a->from];
                 BVXI_TRY(BVXI_SLAB_GROW(t->s, t->end, t->end_count, t->end_room, "the crossings of a cell"));
-                e = &t->end[t->end_count++];
+                bvxi_trace_end *const e = &t->end[t->end_count++];
                 e->arc = i;
                 e->cut = to ? a->to : a->from;
                 e->is_to = (uint8_t)to;
@@ -38,19 +35,6 @@ static bvx_status gather_ends(bvxi_trace *t)
         }
     }
     return BVX_OK;
-}
-
-/* Each end's point goes on along its arc: contours below run forwards, above backwards. */
-static void link_arcs(bvxi_trace *t)
-{
-    for (uint32_t i = 0; i + 1 < t->end_count; i += 2) { /* from, to */
-        const bvxi_trace_end *const from = &t->end[i], *const to = &t->end[i + 1];
-        const bvxi_trace_end *const a = from->k == 0 ? from : to, *const b = from->k == 0 ? to : from;
-        bvxi_trace_point *const p = &t->point[a->point];
-        p->next = b->point;
-        p->arc = from->arc;
-        p->link = from->k == 0 ? BVXI_LINK_ARC : BVXI_LINK_ARC_BACK;
-    }
 }
 
 /* 1 when crossing c comes before d on one line, towards higher coordinates; exact. */
@@ -99,8 +83,6 @@ static uint32_t sort_side(const bvxi_trace *t, int side, int k)
     return n;
 }
 
-/* ---- around the cell ---- */
-
 /* A side of the cell on the way along its strips: ends in the rows below and above, those that are done. */
 typedef struct side_walk {
     int side;
@@ -123,7 +105,6 @@ static bvx_status link_strip(bvxi_trace *t, side_walk *w, uint32_t a, uint32_t b
             const bvxi_plane *const p = t->level[k].plane;
             int32_t const m = right->at[w->side & 1]; /* sides 0 and 2 run along u */
             uint32_t n = 0;
-
             while (w->done[k] + n < w->count[k] &&
                    (last || bvxi_cut_beyond(p, &p->cut[t->end[row[n]].cut], m) == (w->side >= 2)))
                 n++;
@@ -169,7 +150,6 @@ static bvx_status link_sides(bvxi_trace *t, const uint32_t corner[5], uint32_t *
 bvx_status bvxi_trace_slab_cell(bvxi_trace *t)
 {
     uint32_t corner[5];
-
     t->point_count = 0;
     BVXI_TRY(bvxi_trace_nodes(t, corner));
     BVXI_TRY(gather_ends(t));
@@ -177,7 +157,17 @@ bvx_status bvxi_trace_slab_cell(bvxi_trace *t)
     BVXI_TRY(bvxi_trace_open_loop(t, (uint64_t)t->node_count + 16));
     /* the loop's scratch holds the nodes' points until loops are followed */
     BVXI_TRY(link_sides(t, corner, t->next));
-    link_arcs(t);
+
+    /* Each end's point goes on along its arc: contours below run forwards, above backwards. */
+    for (uint32_t i = 0; i + 1 < t->end_count; i += 2) { /* from, to */
+        const bvxi_trace_end *const from = &t->end[i], *const to = &t->end[i + 1];
+        const bvxi_trace_end *const a = from->k == 0 ? from : to, *const b = from->k == 0 ? to : from;
+        bvxi_trace_point *const p = &t->point[a->point];
+        p->next = b->point;
+        p->arc = from->arc;
+        p->link = from->k == 0 ? BVXI_LINK_ARC : BVXI_LINK_ARC_BACK;
+    }
+
     for (int k = 0; k < 2; k++)
         if (t->level[k].kind == BVXI_PLANE_FIELD) bvxi_trace_face(t, k);
     return bvxi_trace_loops(t);

@@ -57,7 +57,6 @@ static void uv_of_vertex(const bvxi_trace *t, uint32_t vertex, double uv[2])
 static int face_joins(bvxi_trace *t, int k)
 {
     double p[4][2], d, x, y, share;
-
     for (int i = 0; i < 4; i++) uv_of_vertex(t, t->point[t->cross[k][i]].vertex, p[i]);
     d = (p[2][0] - p[0][0]) * (p[3][1] - p[1][1]) - (p[2][1] - p[0][1]) * (p[3][0] - p[1][0]);
     share = ((p[1][0] - p[0][0]) * (p[3][1] - p[1][1]) - (p[1][1] - p[0][1]) * (p[3][0] - p[1][0])) / d;
@@ -72,11 +71,9 @@ void bvxi_trace_face(bvxi_trace *t, int k)
 {
     uint32_t const n = t->cross_count[k];
     uint32_t const *const cross = t->cross[k];
-
     /* crossings into the inside, counter-clockwise, are those of this parity */
     uint32_t const enters = t->node[0].inside[k];
     int const joins = n == 4 && face_joins(t, k);
-
     for (uint32_t i = enters; i < n; i += 2) {
         uint32_t const in = cross[i], out = cross[joins ? (i + n - 1) % n : (i + 1) % n];
         bvxi_trace_point *const p = &t->point[k == 0 ? out : in];
@@ -84,8 +81,6 @@ void bvxi_trace_face(bvxi_trace *t, int k)
         p->link = k == 0 ? BVXI_LINK_FIELD : BVXI_LINK_FIELD_BACK;
     }
 }
-
-/* ---- contour points ---- */
 
 /* 1 when the point belongs to the line from a to b, and not to a nearer one of the face. */
 static int is_nearest_line(bvxi_trace *t, int k, uint32_t from, uint32_t to, const double a[2],
@@ -131,7 +126,6 @@ bvx_status bvxi_trace_insert(bvxi_trace *t, int k, uint32_t from, uint32_t to, i
         for (uint32_t j = 0; j < p->arc[arc].count; j++, i = p->next[i]) {
             double const along = (p->uv[i][0] - a[0]) * (b[0] - a[0]) + (p->uv[i][1] - a[1]) * (b[1] - a[1]);
             uint32_t at = n;
-
             if (!is_nearest_line(t, k, from, to, a, b, p->uv[i])) continue;
             for (; at > 0 && t->insert[at - 1].along > along; at--) t->insert[at] = t->insert[at - 1];
             t->insert[at].along = along;

@@ -28,11 +28,10 @@ static double uncross_volume(const double *a, const double *b, const double *c, 
 static int uncross_pierces(const double *p, const double *q, const double *const t[3])
 {
     double const sp = uncross_volume(t[0], t[1], t[2], p), sq = uncross_volume(t[0], t[1], t[2], q);
-    double a, b, c;
     if ((sp > 0.0) == (sq > 0.0)) return 0;
-    a = uncross_volume(p, q, t[0], t[1]);
-    b = uncross_volume(p, q, t[1], t[2]);
-    c = uncross_volume(p, q, t[2], t[0]);
+    double const a = uncross_volume(p, q, t[0], t[1]);
+    double const b = uncross_volume(p, q, t[1], t[2]);
+    double const c = uncross_volume(p, q, t[2], t[0]);
     return (a > 0.0 && b > 0.0 && c > 0.0) || (a < 0.0 && b < 0.0 && c < 0.0);
 }
 
@@ -49,7 +48,6 @@ static void uncross_box(const bvxi_stack *s, const uint32_t *t, double box[6])
 static int uncross_pair(const bvxi_stack *s, const uint32_t *a, const uint32_t *b)
 {
     const uint32_t *const corner[2] = {a, b};
-
     for (int i = 0; i < 2; i++) {
         const uint32_t *const o = corner[1 - i];
         const double *const at[3] = {bvxi_section_vertex(s, o[0]), bvxi_section_vertex(s, o[1]),
@@ -100,9 +98,7 @@ static bvx_status follow_ring(bvxi_trace *t, int k, const bvxi_arc *a, int back,
     const bvxi_plane *const p = t->level[k].plane;
     uint32_t const face = k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE;
     uint32_t first, end, i = p->cut[back ? a->to : a->from].ring, stop = p->cut[back ? a->from : a->to].ring;
-
     bvxi_ring_stretch(p, bvxi_contour_of(p, p->cut[a->from].segment), &first, &end);
-
     for (;;) {
         if (back) i = i == first ? end - 1 : i - 1;
         else i = i + 1 == end ? first : i + 1;
@@ -114,7 +110,6 @@ static bvx_status follow_ring(bvxi_trace *t, int k, const bvxi_arc *a, int back,
 bvx_status bvxi_trace_fill(bvxi_trace *t, uint32_t count)
 {
     uint32_t digits = t->choice; /* to the base of three */
-
     for (uint32_t i = 0; i < t->loop_count && i < TRACE_CHOICES; i++) digits /= 3;
     t->cone = t->loop_count < TRACE_CHOICES ? (int)(digits % 3) : 0;
     t->count = count;
@@ -135,10 +130,9 @@ static bvx_status keep_cap_lines(bvxi_trace *t, int k, uint32_t from, uint32_t c
         return BVX_OK;
     for (uint32_t i = from - 1; i < count; i++) {
         uint32_t const a = t->vertex[i], b = i + 1 < count ? t->vertex[i + 1] : last;
-        uint32_t *e;
         BVXI_TRY(BVXI_SLAB_GROW(s, s->cap_edge[k], s->cap_edge_count[k], s->cap_edge_room[k],
                                 "the lines of a cap"));
-        e = s->cap_edge[k][s->cap_edge_count[k]++];
+        uint32_t *const e = s->cap_edge[k][s->cap_edge_count[k]++];
         e[0] = k == 0 ? a : b;
         e[1] = k == 0 ? b : a;
     }
@@ -193,7 +187,6 @@ void bvxi_trace_begin_fill(bvxi_trace *t, uint32_t choice, bvxi_trace_made *made
 {
     const bvxi_stack *const s = t->s;
     t->choice = choice;
-
     t->loop_count = t->strips = 0;
     made->triangles = s->mesh.triangle_count;
     made->vertices = s->mesh.vertex_count;
@@ -222,7 +215,6 @@ static bvx_status fill_cell_loops(bvxi_trace *t, uint32_t choice, bvxi_trace_mad
 {
     bvxi_trace_begin_fill(t, choice, made);
     for (uint32_t i = 0; i < t->point_count; i++) t->point[i].seen = 0;
-
     /* Loops by their lowest point, so that the order does not depend on what came before. */
     for (uint32_t i = 0; i < t->point_count; i++)
         if (!t->point[i].seen) BVXI_TRY(follow_loop(t, i));
@@ -236,13 +228,12 @@ static bvx_status fill_cell_loops(bvxi_trace *t, uint32_t choice, bvxi_trace_mad
 
 bvx_status bvxi_trace_loops(bvxi_trace *t)
 {
-    bvxi_stack *const s = t->s;
     bvxi_trace_made made;
     uint32_t choices = 1;
 
     BVXI_TRY(fill_cell_loops(t, 0, &made));
     if (!bvxi_trace_crosses(t, &made)) return BVX_OK;
-    if (s->options.slabs.crossings != BVX_CROSSINGS_PAPER)
+    if (t->s->options.slabs.crossings != BVX_CROSSINGS_PAPER)
         for (uint32_t i = 0; i < t->loop_count && i < TRACE_CHOICES; i++) choices *= 3;
     for (uint32_t i = 1; i < choices; i++) {
         bvxi_trace_undo_fill(t, &made);

@@ -9,7 +9,6 @@ static uint32_t hanging_from(const bvxi_field *f, int by_column, const int32_t p
     const uint32_t *const start = (by_column ? f->hanging_column : f->hanging_row) +
                                   (place[across] >> f->s->fine);
     uint32_t low = start[0], high = start[1];
-
     while (low < high) {
         uint32_t const middle = low + (high - low) / 2;
         const int32_t *const at = f->slab->hanging[by_column ? f->slab->by_u[middle] : middle].at;
@@ -40,9 +39,8 @@ static bvx_status add_hanging_nodes(bvxi_trace *t, int side)
         /* Sides 2 and 3 run towards lower coordinates. */
         uint32_t const number = side >= 2 ? low + n - 1 - i : low + i;
         const bvxi_hanging *const h = &slab->hanging[along == 0 ? number : slab->by_u[number]];
-        bvxi_trace_node *node;
         BVXI_TRY(BVXI_SLAB_GROW(t->s, t->node, t->node_count, t->node_room, "the corners of a cell"));
-        node = &t->node[t->node_count++];
+        bvxi_trace_node *const node = &t->node[t->node_count++];
         memcpy(node->at, h->at, sizeof node->at);
         node->faces = (uint8_t)(BVXI_FACE_SIDE << side);
         node->on[0] = h->inside[0];
@@ -59,7 +57,6 @@ static bvx_status add_hanging_nodes(bvxi_trace *t, int side)
 static void level_node(bvxi_trace_node *n, int32_t layer)
 {
     int32_t const crossed = n->inside[0];
-
     if (n->on[0] == n->on[1]) {
         n->inside[0] = n->inside[1] = n->on[0];
         n->vertex = BVXI_NONE;
@@ -78,10 +75,9 @@ static bvx_status add_corner(bvxi_trace *t, int i)
         BVXI_FACE_SIDE << 1 | BVXI_FACE_SIDE << 2, BVXI_FACE_SIDE << 2 | BVXI_FACE_SIDE << 3};
     const bvxi_slab *const slab = t->field->slab;
     int32_t const fine = t->s->fine, part = (1 << fine) - 1;
-    bvxi_trace_node *n;
 
     BVXI_TRY(BVXI_SLAB_GROW(t->s, t->node, t->node_count, t->node_room, "the corners of a cell"));
-    n = &t->node[t->node_count++];
+    bvxi_trace_node *const n = &t->node[t->node_count++];
     n->at[0] = t->low[0] + (i == 1 || i == 2 ? t->size : 0);
     n->at[1] = t->low[1] + (i >= 2 ? t->size : 0);
     n->faces = faces[i];

@@ -6,11 +6,9 @@ enum { TRACE_FEW = 64 };
 
 bvx_status bvxi_trace_add_point(bvxi_trace *t, uint32_t vertex, uint32_t faces, uint32_t *point)
 {
-    bvxi_trace_point *p;
-
     BVXI_TRY(BVXI_SLAB_GROW(t->s, t->point, t->point_count, t->point_room, "the crossings of a cell"));
     *point = t->point_count++;
-    p = &t->point[*point];
+    bvxi_trace_point *const p = &t->point[*point];
     p->vertex = vertex;
     p->next = BVXI_NONE;
     p->arc = BVXI_NONE;
@@ -83,11 +81,9 @@ bvx_status bvxi_trace_open_rows(bvxi_trace *t)
 bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop)
 {
     bvxi_stack *const s = t->s;
-
     BVXI_TRY(BVXI_SLAB_GROW(s, t->node, 0, t->node_room, "the corners of a cell"));
     BVXI_TRY(BVXI_SLAB_GROW(s, t->point, 0, t->point_room, "the crossings of a cell"));
     BVXI_TRY(BVXI_SLAB_GROW(s, t->end, 0, t->end_room, "the crossings of a cell"));
-
     t->end_count = t->node_count = TRACE_FEW;
     BVXI_TRY(bvxi_trace_open_rows(t));
     t->end_count = t->node_count = 0;

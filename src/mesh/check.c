@@ -20,22 +20,6 @@ typedef struct checker {
     bvx_certificate result;
 } checker;
 
-/* Representatives become numbers without gaps, in their order. */
-static bvx_status weld_and_renumber(bvx_context *ctx, checker *c)
-{
-    uint32_t next = 0;
-
-    /* Each position is represented by its first vertex, so
-     * representatives rise and get the next numbers in their order. */
-    if (c->representative == NULL) BVXI_TRY(bvxi_weld(ctx, c->view, c->renumber, &c->vertex_count));
-    else memcpy(c->renumber, c->representative, (size_t)c->view->vertex_count * 4);
-    for (uint64_t v = 0; v < c->view->vertex_count; v++) {
-        uint32_t const r = c->renumber[v]; /* at most v, so an earlier one is renumbered already */
-        c->renumber[v] = r == v ? next++ : c->renumber[r];
-    }
-    return BVX_OK;
-}
-
 /* What a triangle adds: twice its area, or -1 where it does not count, and six times its volume. */
 typedef struct check_terms {
     double twice, volume;
@@ -96,7 +80,6 @@ static void add_round(collector *w, double *area, double *volume)
 
     for (int32_t i = 0; i < w->count; i++) {
         uint64_t const own = w->begin + (uint64_t)i;
-
         if (w->terms[i].twice < 0.0) continue;
         if (c->triangle_count != own) memcpy(c->corners + 3 * c->triangle_count, c->corners + 3 * own, 12);
         c->triangle_count++;
@@ -134,7 +117,6 @@ static bvx_status collect_triangles(bvx_context *ctx, checker *c, double progres
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * sizeof *w.terms, "what triangles add", &w.terms));
     for (; w.begin < all; w.begin += (uint64_t)w.count) {
         double const at = progress + 0.05 * (double)w.begin / (double)all;
-
         w.count = (int32_t)(all - w.begin < CHECK_ROUND ? all - w.begin : CHECK_ROUND);
         w.tasks = bvxi_piece_count((uint64_t)w.count, CHECK_GRAIN);
         BVXI_TRY(bvxi_for_pieces(ctx, "check", at, at, w.tasks, (uint64_t)w.count, collect_task, &w));
@@ -173,7 +155,17 @@ static bvx_status check_whole_mesh(bvx_context *ctx, checker *c, int weld, const
     if (weld) {
         BVXI_TRY(
             bvxi_alloc(ctx, BVXI_SCRATCH, c->view->vertex_count * 4, "the check's welding", &c->renumber));
-        BVXI_TRY(weld_and_renumber(ctx, c));
+
+        /* Representatives become numbers without gaps, in their order. */
+        uint32_t next = 0;
+        /* Each position is represented by its first vertex, so
+         * representatives rise and get the next numbers in their order. */
+        if (c->representative == NULL) BVXI_TRY(bvxi_weld(ctx, c->view, c->renumber, &c->vertex_count));
+        else memcpy(c->renumber, c->representative, (size_t)c->view->vertex_count * 4);
+        for (uint64_t v = 0; v < c->view->vertex_count; v++) {
+            uint32_t const r = c->renumber[v]; /* at most v, so an earlier one is renumbered already */
+            c->renumber[v] = r == v ? next++ : c->renumber[r];
+        }
     }
     BVXI_TRY(collect_triangles(ctx, c, 0.3, low, high));
     /* once more about the right centre */
@@ -210,7 +202,6 @@ bvx_status bvxi_check_welded(bvx_context *ctx, const char *function, const bvxi_
                              bvx_certificate *certificate)
 {
     checker c;
-
     memset(&c, 0, sizeof c);
     c.view = mesh->view;
     c.vertex_count = mesh->different;

@@ -16,7 +16,6 @@
 static unsigned cross_own(const double *const p[3], const double *const q[3])
 {
     unsigned own = 0;
-
     for (unsigned k = 0; k < 3; k++) own |= (unsigned)((q[k] != p[0]) & (q[k] != p[1]) & (q[k] != p[2])) << k;
     return own;
 }
@@ -47,7 +46,6 @@ static int cross_beside(const double *const p[3], const double *const q[3], int 
         /* the edge from i to k, opposite to l */
         unsigned const k = i == 2 ? 0 : i + 1, l = i == 0 ? 2 : i - 1;
         int apart = own != 0 && (not_in_q >> l & 1) != 0, side;
-
         if (!apart) continue;
         side = bvxi_orient_flat_side(p[i], p[k], p[l], axis);
         apart = side != 0;
@@ -55,7 +53,6 @@ static int cross_beside(const double *const p[3], const double *const q[3], int 
             if ((own >> j & 1) != 0) apart = bvxi_orient_flat_side(p[i], p[k], q[j], axis) == -side;
         if (apart) return 1;
     }
-
     return 0;
 }
 
@@ -63,9 +60,7 @@ static int cross_beside(const double *const p[3], const double *const q[3], int 
 static int cross_view_axis(const bvxi_orient_plane *plane)
 {
     double size[3];
-
     for (int k = 0; k < 3; k++) size[k] = bvxi_absolute(plane->normal[k]);
-
     if (size[0] > size[1]) return size[0] > size[2] ? 0 : 2;
     return size[1] > size[2] ? 1 : 2;
 }
@@ -94,7 +89,6 @@ static int cross_flat_segments(const double p[3], const double q[3], const doubl
 {
     int const to_a = bvxi_orient_flat(p, q, a, axis), to_b = bvxi_orient_flat(p, q, b, axis);
     int const to_p = bvxi_orient_flat(a, b, p, axis), to_q = bvxi_orient_flat(a, b, q, axis);
-
     /* Both cross each other's line properly, or an end of one lies on the other. */
     if (to_a * to_b < 0 && to_p * to_q < 0) return 1;
     return (to_a == 0 && cross_in_box(a, p, q, axis)) || (to_b == 0 && cross_in_box(b, p, q, axis)) ||
@@ -105,14 +99,12 @@ static int cross_flat_segments(const double p[3], const double q[3], const doubl
 static int cross_segments(const double p[3], const double q[3], const double a[3], const double b[3])
 {
     if (bvxi_orient(p, q, a, b) != 0) return 0;
-
     /* Four points of a plane: seen along an axis that shows an area of
      * three of them, the plane loses nothing. */
     for (int axis = 0; axis < 3; axis++)
         if (bvxi_orient_flat(p, q, a, axis) != 0 || bvxi_orient_flat(p, q, b, axis) != 0 ||
             bvxi_orient_flat(a, b, p, axis) != 0 || bvxi_orient_flat(a, b, q, axis) != 0)
             return cross_flat_segments(p, q, a, b, axis);
-
     /* Four points of a line: one segment has an end in the other. */
     return cross_in_box(a, p, q, 3) || cross_in_box(b, p, q, 3) || cross_in_box(p, a, b, 3) ||
            cross_in_box(q, a, b, 3);
@@ -131,11 +123,9 @@ static void cross_open_sides(const double *const p[3], unsigned own, const doubl
                              cross_triangle *a)
 {
     bvxi_orient_plane plane;
-
     bvxi_orient_plane_of(q, &plane);
     for (unsigned k = 0; k < 3; k++) {
         int const side = bvxi_orient_side(&plane, p[k]);
-
         a->corner[k] = p[k];
         a->side[k] = (own >> k & 1) == 0 ? 0 : side != 0 ? -side : bvxi_orient_exact(q[0], q[1], q[2], p[k]);
     }
@@ -147,10 +137,8 @@ static void cross_open(const double *const p[3], const double *const q[3], cross
 {
     /* A common corner lies in both planes, so its side is 0 without being computed. */
     unsigned const own_p = cross_own(q, p), own_q = cross_own(p, q);
-
     cross_open_sides(p, own_p, q, a);
     cross_open_sides(q, own_q, p, b);
-
     /* An area is looked for only where all corners lie in the other's plane. */
     a->has_area = b->side[0] != 0 || b->side[1] != 0 || b->side[2] != 0 || bvxi_has_area(p);
     b->has_area = a->side[0] != 0 || a->side[1] != 0 || a->side[2] != 0 || bvxi_has_area(q);
@@ -172,7 +160,6 @@ static int cross_edge(const cross_triangle *a, int i, int k, const cross_triangl
     /* In the plane: an end may be inside, or the segment may cross an edge. */
     if (a->side[i] == 0 && a->side[k] == 0) {
         int const axis = cross_axis(t);
-
         if (cross_flat_inside(p, t, axis) || cross_flat_inside(q, t, axis)) return 1;
         return cross_flat_segments(p, q, t[0], t[1], axis) || cross_flat_segments(p, q, t[1], t[2], axis) ||
                cross_flat_segments(p, q, t[2], t[0], axis);
@@ -197,10 +184,8 @@ static int cross_any_edge(const cross_triangle *a, const cross_triangle *b)
 static int cross_opposite(const cross_triangle *a, const double *common, const cross_triangle *b)
 {
     int own[2] = {0, 0}, count = 0;
-
     for (int k = 0; k < 3; k++)
         if (a->corner[k] != common) own[count++] = k;
-
     /* Without an area the ray ends at one of the other corners. */
     if (a->has_area) return cross_edge(a, own[0], own[1], b);
     for (int k = 0; k < count; k++)
@@ -219,16 +204,12 @@ static int cross_beyond(const double a[3], const double b[3], const double c[3])
 static int cross_fold(const double *a, const double *b, const double *c, const double *d)
 {
     const double *const p[3] = {a, b, c}, *const q[3] = {a, b, d};
-    int axis, other;
-
     if (bvxi_orient(a, b, c, d) != 0) return 0;
-
     /* One plane, unless a triangle has no area: then it is on the line of the common edge. */
-    axis = cross_axis(p);
-    other = cross_axis(q);
+    int const axis = cross_axis(p);
+    int const other = cross_axis(q);
     if (axis >= 0 && other >= 0) return bvxi_orient_flat(a, b, c, axis) == bvxi_orient_flat(a, b, d, axis);
     if (axis >= 0 || other >= 0) return 0;
-
     return cross_beyond(a, b, c) != 0 && cross_beyond(a, b, c) == cross_beyond(a, b, d);
 }
 
@@ -239,28 +220,12 @@ typedef struct cross_corners {
     int count;
 } cross_corners;
 
-static void cross_compare(const double *const p[3], const double *const q[3], cross_corners *c)
-{
-    c->count = 0;
-    c->own_p = c->own_q = NULL;
-
-    for (int i = 0; i < 3; i++) {
-        int const again = (i > 0 && p[i] == p[0]) || (i > 1 && p[i] == p[1]);
-
-        if (p[i] != q[0] && p[i] != q[1] && p[i] != q[2]) c->own_p = p[i];
-        else if (!again) c->common[c->count++] = p[i];
-        if (q[i] != p[0] && q[i] != p[1] && q[i] != p[2]) c->own_q = q[i];
-    }
-}
-
 int bvxi_triangles_cross_rest(const bvxi_orient_plane *plane, const double *const p[3],
                               const double *const q[3])
 {
     int const axis = cross_view_axis(plane);
-
     /* Most that reach this point are neighbours in one plane, or nearly. */
     if (cross_beside(p, q, axis) || cross_beside(q, p, axis)) return 0;
-
     return bvxi_triangles_cross_exact(p, q);
 }
 
@@ -268,14 +233,19 @@ int bvxi_triangles_cross_exact(const double *const p[3], const double *const q[3
 {
     cross_corners c;
     cross_triangle a, b;
-
-    cross_compare(p, q, &c);
+    c.count = 0;
+    c.own_p = c.own_q = NULL;
+    for (int i = 0; i < 3; i++) {
+        int const again = (i > 0 && p[i] == p[0]) || (i > 1 && p[i] == p[1]);
+        if (p[i] != q[0] && p[i] != q[1] && p[i] != q[2]) c.own_p = p[i];
+        else if (!again) c.common[c.count++] = p[i];
+        if (q[i] != p[0] && q[i] != p[1] && q[i] != p[2]) c.own_q = q[i];
+    }
 
     /* The same triangle: it overlaps itself where it has an area. */
     if (c.count == 3) return bvxi_has_area(p);
     if (c.count == 2)
         return c.own_p != NULL && c.own_q != NULL && cross_fold(c.common[0], c.common[1], c.own_p, c.own_q);
-
     /* Sides are only needed where one corner or none is common. */
     cross_open(p, q, &a, &b);
     if (c.count == 1) return cross_opposite(&a, c.common[0], &b) || cross_opposite(&b, c.common[0], &a);

@@ -12,7 +12,6 @@
 static int finite_vertex(const bvx_mesh *mesh, uint64_t vertex)
 {
     size_t const at = (size_t)vertex * 3;
-
     if (mesh->position_type == BVX_F32) {
         const float *const p = (const float *)mesh->positions + at;
         return p[0] * 0.0f + p[1] * 0.0f + p[2] * 0.0f == 0.0f;
@@ -23,7 +22,6 @@ static int finite_vertex(const bvx_mesh *mesh, uint64_t vertex)
 static void finite_move(void *array, size_t size, uint64_t from, uint64_t to)
 {
     unsigned char *const bytes = array;
-
     if (array != NULL) memcpy(bytes + (size_t)to * size, bytes + (size_t)from * size, size);
 }
 
@@ -57,7 +55,6 @@ static void finite_pack_triangles(bvx_mesh *mesh, const uint32_t *number)
 
     for (uint64_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *const corner = mesh->triangles + (size_t)t * 3;
-
         uint32_t const now[3] = {number[corner[0]], number[corner[1]], number[corner[2]]};
         if (now[0] == FINITE_GONE || now[1] == FINITE_GONE || now[2] == FINITE_GONE) continue;
         memcpy(mesh->triangles + (size_t)kept * 3, now, sizeof now);
@@ -104,7 +101,6 @@ bvx_status bvxi_mesh_drop_nonfinite(bvx_context *ctx, const char *function, bvx_
 static bvx_status run_drop_nonfinite(bvx_context *context, bvx_mesh *mesh, uint64_t *dropped)
 {
     static const char *const function = "bvx_mesh_drop_nonfinite";
-
     if (mesh == NULL) return bvxi_fail_null(context, function, "mesh");
     if (dropped == NULL) return bvxi_fail_null(context, function, "dropped");
     BVXI_TRY(bvxi_mesh_check_reserved(context, function, mesh));

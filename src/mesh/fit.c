@@ -54,7 +54,6 @@ static bvx_status take_bounds(bvx_context *ctx, const char *name, const bvx_mesh
     /* A cloud of points is a mesh without triangles: all its vertices count. */
     if (mesh->triangle_count == 0) {
         bvx_mesh_view cloud;
-
         BVXI_TRY(bvxi_view_take_points(ctx, name, mesh, &cloud));
         return bvxi_view_point_bounds(ctx, name, &cloud, low, high);
     }
@@ -127,7 +126,6 @@ static bvx_status run_lattice_fit(bvx_context *context, const bvx_mesh_view *mes
                                   bvx_lattice *lattice)
 {
     bvx_lattice_options const o = {.struct_size = sizeof o, .resolution = resolution};
-
     if (resolution < 1)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                              "bvx_lattice_fit: resolution %d is outside 1 to %d", (int64_t)resolution,

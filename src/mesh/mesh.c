@@ -77,7 +77,6 @@ bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t positi
                           uint64_t vertex_count, uint64_t triangle_count, bvx_mesh *mesh)
 {
     bvx_mesh made = {.owned = 1, .position_type = position_type};
-    bvx_status status;
 
     /* Arrays of the library's that do not suit are freed at once, so that both need not live together. */
     if (mesh->owned == 1 && !suits(mesh, position_type, keys != 0, vertex_count, triangle_count))
@@ -93,7 +92,7 @@ bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t positi
     /* New arrays go to a mesh of their own: after a failure the caller's is as it was. */
     made.vertex_count = made.vertex_capacity = vertex_count;
     made.triangle_count = made.triangle_capacity = triangle_count;
-    status = make_arrays(ctx, keys, &made);
+    bvx_status const status = make_arrays(ctx, keys, &made);
     if (status != BVX_OK) {
         bvx_mesh_free(ctx, &made);
         return status;
@@ -246,10 +245,8 @@ bvx_status bvx_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint64_t *h
 double bvxi_view_area(const bvx_mesh_view *view)
 {
     double sum = 0;
-
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         double p[3][3], n[3];
-
         bvxi_view_corners(view, t, p);
         /* The cross product is as long as twice the area. */
         sum += 0.5 * bvxi_facet_normal((const double(*)[3])p, n);
@@ -262,7 +259,6 @@ double bvxi_view_area(const bvx_mesh_view *view)
 void bvxi_pieces(const bvx_mesh_view *view, const uint32_t *representative, uint32_t *piece)
 {
     uint32_t c[3];
-
     for (uint64_t v = 0; v < view->vertex_count; v++) piece[v] = representative[v];
     /* The least vertex of a part is its root, so the answer does not depend on the order of triangles. */
     for (uint64_t t = 0; t < view->triangle_count; t++) {

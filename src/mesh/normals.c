@@ -25,7 +25,6 @@ static void add_normals(const bvx_mesh_view *view, double scale, double *sum)
 {
     double n[3];
     uint32_t c[3];
-
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         bvxi_view_triangle(view, t, c);
         triangle_normal(view, scale, c, n);
@@ -63,8 +62,6 @@ bvx_status bvxi_sum_normals(bvx_context *ctx, const bvx_mesh_view *view, double 
     return BVX_OK;
 }
 
-/* ---- Normals of a mesh's vertices and facets as arrays ---- */
-
 /* Facets have their own normals or, as the paper on surface modelling in section data fields shades them, the
  * mean of those of their three vertices. */
 static const char normals_name[] = "bvx_mesh_normals";
@@ -74,17 +71,14 @@ static void give_facet(const bvx_mesh_view *view, double scale, const double *su
 {
     double own[3], mean[3] = {0.0, 0.0, 0.0};
     uint32_t c[3];
-
     bvxi_view_triangle(view, t, c);
     triangle_normal(view, scale, c, own);
-
     /* The mean of three unit normals, as the paper shades facets. */
     for (int k = 0; k < 3 && averaged; k++) {
         float n[3];
         bvxi_unit_normal(sum + 3 * (size_t)c[k], n);
         for (int a = 0; a < 3; a++) mean[a] += (double)n[a];
     }
-
     /* opposite normals may cancel out */
     bvxi_unit_normal(mean[0] != 0.0 || mean[1] != 0.0 || mean[2] != 0.0 ? mean : own, facet);
 }

@@ -53,18 +53,17 @@ static orient_double orient_take_apart(double x)
 {
     orient_double r = {0, 0};
     uint64_t bits, m;
-    int32_t field, zeros;
 
     memcpy(&bits, &x, sizeof bits);
 
     /* The hidden leading digit belongs to all but subnormal numbers. */
-    field = (int32_t)(bits >> 52 & 2047);
+    int32_t const field = (int32_t)(bits >> 52 & 2047);
     m = bits & ((UINT64_C(1) << 52) - 1);
     if (field != 0) m |= UINT64_C(1) << 52;
     if (m == 0) return r;
 
     /* A subnormal number (field 0) has the exponent of field 1, without the leading digit. */
-    zeros = orient_lowest_bit(m);
+    int32_t const zeros = orient_lowest_bit(m);
     r.mantissa = (int64_t)(m >> zeros);
     if (bits >> 63 != 0) r.mantissa = -r.mantissa;
     r.exponent = (field != 0 ? field : 1) - 1075 + zeros;
@@ -83,17 +82,14 @@ static int32_t orient_digits(int64_t mantissa)
 static void orient_open_axis(const double *const points[], int count, int k, orient_axis *axis)
 {
     int32_t low = INT32_MAX, high = INT32_MIN;
-
     /* The unit of the axis is the lowest digit of any value; the bits reach from there to the highest. */
     for (int i = 0; i < count; i++) {
         orient_double const v = axis->value[i] = orient_take_apart(points[i][k]);
         int32_t const top = v.exponent + orient_digits(v.mantissa);
-
         if (v.mantissa == 0) continue;
         low = v.exponent < low ? v.exponent : low;
         high = top > high ? top : high;
     }
-
     axis->low = low <= high ? low : 0;
     axis->bits = low <= high ? high - low : 0;
 }
@@ -116,9 +112,7 @@ static void orient_place(const orient_double *v, int32_t low, uint32_t *limb)
 {
     uint64_t const m = (uint64_t)(v->mantissa < 0 ? -v->mantissa : v->mantissa);
     int32_t const shift = v->exponent - low, first = shift / 32, part = shift % 32;
-
     if (m == 0) return;
-
     /* 53 digits, moved by less than 32, lie in three limbs at most; there are only as many as digits
      * reach. */
     limb[first] = (uint32_t)(m << part);
@@ -209,10 +203,8 @@ static void orient_sums_add(orient_sums *s, int32_t sign, const orient_number *a
     static const uint32_t one[1] = {1};
     uint32_t two[2 * ORIENT_LIMBS];
     int32_t const count = a->count + b->count;
-
     memset(two, 0, (size_t)count * sizeof *two);
     orient_add_product(two, a->limb, a->count, b->limb, b->count);
-
     sign *= a->sign * b->sign * (c != NULL ? c->sign : 1);
     orient_add_product(sign > 0 ? s->plus : s->minus, c != NULL ? c->limb : one, c != NULL ? c->count : 1,
                        two, count);
@@ -225,10 +217,8 @@ static int orient_large(const orient_axis axis[3])
 {
     orient_number d[3][3]; /* of each axis, of each point */
     orient_sums sums;
-
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 3; i++) orient_large_difference(&axis[k], i, 3, &d[k][i]);
-
     orient_sums_open(&sums, d[0][0].count + d[1][0].count + d[2][0].count + 1);
     for (int i = 0; i < 3; i++) {
         int const k = (i + 1) % 3, l = (i + 2) % 3;
@@ -243,7 +233,6 @@ int bvxi_orient_exact(const double a[3], const double b[3], const double c[3], c
     const double *const points[4] = {a, b, c, d};
     orient_axis axis[3];
     int64_t u[3], v[3], w[3];
-    bvxi_wide sum;
     int x = 0, y, z;
 
     /* Facets along the axes are common, and need no digits. */
@@ -264,37 +253,30 @@ int bvxi_orient_exact(const double a[3], const double b[3], const double c[3], c
         v[i] = orient_small_difference(&axis[y], i, 3);
         w[i] = orient_small_difference(&axis[z], i, 3);
     }
-    sum = bvxi_wide_mul(u[0], v[1] * w[2] - v[2] * w[1]);
+    bvxi_wide sum = bvxi_wide_mul(u[0], v[1] * w[2] - v[2] * w[1]);
     sum = bvxi_wide_add(sum, bvxi_wide_mul(u[1], v[2] * w[0] - v[0] * w[2]));
     sum = bvxi_wide_add(sum, bvxi_wide_mul(u[2], v[0] * w[1] - v[1] * w[0]));
     return bvxi_wide_sign(sum);
-}
-
-static int orient_flat_large(const orient_axis axis[2])
-{
-    orient_number d[2][2];
-    orient_sums sums;
-
-    /* The same in two dimensions: two vectors and two products. */
-    for (int k = 0; k < 2; k++)
-        for (int i = 0; i < 2; i++) orient_large_difference(&axis[k], i, 2, &d[k][i]);
-
-    orient_sums_open(&sums, d[0][0].count + d[1][0].count + 1);
-    orient_sums_add(&sums, 1, &d[0][0], &d[1][1], NULL);
-    orient_sums_add(&sums, -1, &d[1][0], &d[0][1], NULL);
-    return orient_compare(sums.plus, sums.minus, sums.count);
 }
 
 int bvxi_orient_flat_exact(const double a[3], const double b[3], const double c[3], int axis)
 {
     const double *const points[3] = {a, b, c};
     orient_axis along[2];
-
     /* The two axes that remain, the next one first, so that left stays left. */
     orient_open_axis(points, 3, (axis + 1) % 3, &along[0]);
     orient_open_axis(points, 3, (axis + 2) % 3, &along[1]);
-    if (along[0].bits > ORIENT_FEW_BITS || along[1].bits > ORIENT_FEW_BITS) return orient_flat_large(along);
-
+    if (along[0].bits > ORIENT_FEW_BITS || along[1].bits > ORIENT_FEW_BITS) {
+        orient_number d[2][2];
+        orient_sums sums;
+        /* The same in two dimensions: two vectors and two products. */
+        for (int k = 0; k < 2; k++)
+            for (int i = 0; i < 2; i++) orient_large_difference(&along[k], i, 2, &d[k][i]);
+        orient_sums_open(&sums, d[0][0].count + d[1][0].count + 1);
+        orient_sums_add(&sums, 1, &d[0][0], &d[1][1], NULL);
+        orient_sums_add(&sums, -1, &d[1][0], &d[0][1], NULL);
+        return orient_compare(sums.plus, sums.minus, sums.count);
+    }
     return bvxi_wide_sign(bvxi_wide_add(
         bvxi_wide_mul(orient_small_difference(&along[0], 0, 2), orient_small_difference(&along[1], 1, 2)),
         bvxi_wide_mul(-orient_small_difference(&along[1], 0, 2), orient_small_difference(&along[0], 1, 2))));

@@ -80,30 +80,13 @@ static void sum_side_triangles(const bvxi_patch_sides *in, patch_side *sides)
     }
 }
 
-static void sum_side_borders(const bvxi_patch_sides *in, patch_side *sides)
-{
-    for (uint64_t i = 0; i < in->border_count; i++) {
-        uint64_t const half = in->border[i], t = half / 3, k = half % 3;
-        patch_side *const s = &sides[in->patch[t]];
-        double p[3][3], length;
-
-        side_corners(in, t, p);
-        length = sqrt(bvxi_vec_distance2(p[k], p[(k + 1) % 3]));
-        s->border += length;
-        for (int a = 0; a < 3; a++)
-            s->middle[a] += length * (0.5 * p[k][a] + 0.5 * p[(k + 1) % 3][a] - in->centre[a]);
-    }
-}
-
 /* Returns how many face inward. */
 static uint64_t find_inward_sides(patch_side *sides, uint64_t count)
 {
     uint64_t found = 0;
-
     for (uint64_t n = 0; n < count; n++) {
         patch_side *const s = &sides[n];
         double volume = s->volume6;
-
         /* From the centre to the border's middle: the volume changes by what the patch shows there. */
         for (int a = 0; a < 3 && s->border > 0; a++) volume -= s->middle[a] / s->border * s->face2[a];
         s->inward = volume < 0 && bvxi_vec_length(s->face2) < MOST_FLAT * s->area2;
@@ -119,7 +102,6 @@ static void rays_between(const side_rays *r, int axis, double shift, double from
 {
     double const low = (from - r->low[axis]) / r->spacing[axis] - shift;
     double const high = (to - r->low[axis]) / r->spacing[axis] - shift;
-
     /* A box too large for a double has no places: what is no number compares with nothing, and meets no ray. */
     range[0] = !(low >= 0) ? 0 : low > SIDE_RAYS ? SIDE_RAYS : (int32_t)floor(low);
     range[1] = !(high >= 0) ? -1 : high > SIDE_RAYS - 1 ? SIDE_RAYS - 1 : (int32_t)floor(high);
@@ -136,7 +118,6 @@ static void rays_of_row(const side_rays *r, const double p[3][3], int u, int v, 
     for (int k = 0; k < 3; k++) {
         const double *const a = p[k], *const b = p[(k + 1) % 3];
         double const share = (y - a[v]) / (b[v] - a[v]), x = a[u] + share * (b[u] - a[u]);
-
         if (!(share >= 0 && share <= 1)) continue;
         if (!found || x < low) low = x;
         if (!found || x > high) high = x;
@@ -161,7 +142,6 @@ static int32_t meet_triangle(const uint32_t c[3], const double p[3][3], const in
         /* From its lower corner, so that both triangles of an edge have the same number for it. */
         const double *const a = p[swap ? m : k], *const b = p[swap ? k : m];
         double const e = (b[u] - a[u]) * (y - a[v]) - (b[v] - a[v]) * (x - a[u]);
-
         left[k] = (e > 0) != swap;
         weight[(k + 2) % 3] = swap ? -e : e;
     }
@@ -204,7 +184,6 @@ static void cross_rays(side_rays *r, const int axis[3], int list)
                 uint64_t const ray = (uint64_t)y * SIDE_RAYS + (uint64_t)x;
                 double const px = r->low[u] + (x + ray_shift[0]) * r->spacing[u];
                 side_crossing s = {0, r->in->patch[t], 0};
-
                 if (r->used[ray] > MOST_CROSSINGS) continue;
                 s.step = meet_triangle(c, (const double(*)[3])p, axis, px, py, &s.at);
                 if (s.step == 0) continue;
@@ -224,22 +203,10 @@ static int crosses_before(const side_crossing *a, const side_crossing *b)
     return a->patch < b->patch;
 }
 
-static void sort_crossings(side_crossing *c, uint64_t n)
-{
-    for (uint64_t i = 1; i < n; i++) {
-        side_crossing const one = c[i];
-        uint64_t k = i;
-
-        for (; k > 0 && crosses_before(&one, &c[k - 1]); k--) c[k] = c[k - 1];
-        c[k] = one;
-    }
-}
-
 /* 1: the crossings fit together as they are. */
 static int depths_fit(const side_crossing *c, uint64_t n)
 {
     int32_t depth = 0;
-
     for (uint64_t i = 0; i < n; i++) {
         depth += c[i].step;
         if (depth < 0) return 0;
@@ -262,16 +229,18 @@ static int is_beside_a_right_one(const side_crossing *c, uint64_t n, uint64_t i)
 
 static void judge_ray(side_crossing *c, uint64_t n, int chance, patch_side *sides)
 {
-    int fit;
-
     /* An odd number of crossings: the ray went through a hole, or along a sheet. */
     if (n == 0 || n % 2 != 0 || n > MOST_CROSSINGS) return;
-    sort_crossings(c, n);
-    fit = !chance && depths_fit(c, n);
+    for (uint64_t i = 1; i < n; i++) {
+        side_crossing const one = c[i];
+        uint64_t k = i;
+        for (; k > 0 && crosses_before(&one, &c[k - 1]); k--) c[k] = c[k - 1];
+        c[k] = one;
+    }
+    int const fit = !chance && depths_fit(c, n);
 
     for (uint64_t i = 0; i < n; i++) {
         patch_side *const s = &sides[c[i].patch];
-
         if (fit || is_as_parity_has_it(c, i)) {
             s->keep++;
             continue;
@@ -342,11 +311,19 @@ static int is_side_turned(const patch_side *s, int chance)
 bvx_status bvxi_patch_sides_turn(bvx_context *ctx, const bvxi_patch_sides *in)
 {
     patch_side *sides;
-
     if (in->patches < 2 || in->patches > MOST_PATCHES) return BVX_OK;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, in->patches * sizeof *sides, "the patches' sides", &sides));
     sum_side_triangles(in, sides);
-    sum_side_borders(in, sides);
+    for (uint64_t i = 0; i < in->border_count; i++) {
+        uint64_t const half = in->border[i], t = half / 3, k = half % 3;
+        patch_side *const s = &sides[in->patch[t]];
+        double p[3][3], length;
+        side_corners(in, t, p);
+        length = sqrt(bvxi_vec_distance2(p[k], p[(k + 1) % 3]));
+        s->border += length;
+        for (int a = 0; a < 3; a++)
+            s->middle[a] += length * (0.5 * p[k][a] + 0.5 * p[(k + 1) % 3][a] - in->centre[a]);
+    }
 
     /* Of most meshes no patch faces inward, and no ray is needed. */
     if (find_inward_sides(sides, in->patches) != 0 || in->chance) BVXI_TRY(judge_rays(ctx, in, sides));

@@ -45,7 +45,6 @@ static uint32_t patch_root(uint32_t *link, uint32_t t, uint32_t *differs)
     while (link[t] >> 1 != t) {
         /* Paths are halved on the way, and each link keeps whether its two ends differ. */
         uint32_t const up = link[t] >> 1, above = link[up] >> 1;
-
         link[t] = above << 1 | ((link[t] ^ link[up]) & 1);
         *differs ^= link[t] & 1;
         t = above;
@@ -57,10 +56,8 @@ static void join_patches(patch_work *w, uint32_t s, uint32_t t, uint32_t differ)
 {
     uint32_t ds, dt;
     uint32_t const a = patch_root(w->link, s, &ds), b = patch_root(w->link, t, &dt);
-
     /* The least triangle is the root, so the result does not depend on the order of edges. */
     uint32_t const least = a < b ? a : b, most = a < b ? b : a;
-
     /* Two ways to the same root that disagree: the patch has one side only. */
     if (a == b) {
         if ((ds ^ dt) != differ) w->torn[a] = 1;
@@ -76,18 +73,16 @@ static void list_half_edges(patch_work *w)
 {
     for (uint64_t t = 0; t < w->out->triangles; t++) {
         uint32_t *const c = w->corner + 3 * t;
-        int flat;
 
         /* A triangle with two corners at one place has no
          * sides, so its half-edges go to the end of the order. */
         bvxi_view_triangle(w->view, t, c);
         for (int k = 0; k < 3; k++) c[k] = w->representative[c[k]];
-        flat = c[0] == c[1] || c[1] == c[2] || c[2] == c[0];
+        int const flat = c[0] == c[1] || c[1] == c[2] || c[2] == c[0];
 
         for (uint64_t k = 0; k < 3; k++) {
             /* The lower corner first: both half-edges of an edge get the same key, whichever way they run. */
             uint64_t const a = c[k], b = c[k == 2 ? 0 : k + 1];
-
             w->keys[3 * t + k] = flat ? UINT64_MAX : a < b ? a << 32 | b : b << 32 | a;
             w->numbers[3 * t + k] = (uint32_t)(3 * t + k);
         }
@@ -98,7 +93,6 @@ static void list_half_edges(patch_work *w)
 static uint64_t edge_length(const patch_work *w, uint64_t begin, uint64_t count)
 {
     uint64_t end = begin + 1;
-
     while (end < count && w->keys[end] == w->keys[begin]) end++;
     return end - begin;
 }
@@ -122,12 +116,10 @@ static void link_edge(patch_work *w, uint64_t at, uint64_t n)
 static void balance_edge(patch_work *w, uint64_t at, uint64_t n)
 {
     uint64_t down = 0;
-
     /* Half of an edge's triangles running each way is balance; what is more stays open. */
     for (uint64_t i = 0; i < n; i++) down += runs_down(w, at + i) ^ w->out->turn[w->numbers[at + i] / 3];
     w->out->open_edges += 2 * down > n ? 2 * down - n : n - 2 * down;
     if (2 * down != n) w->out->open[w->out->part[w->numbers[at] / 3]] = 1;
-
     /* The first edge that a manifold would not have is kept for the message. */
     if (n == 1 || (n == 2 && down == 1)) return;
     if (w->out->refused_edges++ != 0) return;
@@ -138,7 +130,6 @@ static void balance_edge(patch_work *w, uint64_t at, uint64_t n)
 static void each_edge(patch_work *w, void (*visit)(patch_work *, uint64_t, uint64_t))
 {
     uint64_t const count = 3 * w->out->triangles;
-
     for (uint64_t at = 0, n; at < count && w->keys[at] != UINT64_MAX; at += n) {
         n = edge_length(w, at, count);
         visit(w, at, n);
@@ -151,7 +142,6 @@ double bvxi_patches_volume(const bvx_mesh_view *view, uint64_t t, const double c
 {
     double p[3][3];
     uint32_t c[3];
-
     bvxi_view_triangle(view, t, c);
     /* About the centre, so that volumes of a mesh far away do not drown in rounding. */
     for (int k = 0; k < 3; k++) {
@@ -163,44 +153,15 @@ double bvxi_patches_volume(const bvx_mesh_view *view, uint64_t t, const double c
            p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0]);
 }
 
-static void sum_patches(patch_work *w)
-{
-    for (uint64_t t = 0; t < w->out->triangles; t++) {
-        uint32_t differs;
-        patch_sums *const s = &w->sums[patch_root(w->link, (uint32_t)t, &differs)];
-        double const volume = bvxi_patches_volume(w->view, t, w->centre);
-
-        /* Counted by what the patch's root does: turning the root's side turns the sign of the volume. */
-        *(differs ? &s->other : &s->same) += 1;
-        s->volume += differs ? -volume : volume;
-    }
-}
-
 /* 1: the triangles of a patch that run as its root does are turned, 0: the others. */
 static uint32_t turns_root(const patch_sums *s)
 {
     uint64_t const all = (uint64_t)s->same + s->other;
-
     /* A clear majority, five eighths, decides; else the sign of
      * the volume, which is above 0 when normals point outwards. */
     if (8 * (uint64_t)s->same >= 5 * all) return 0;
     if (8 * (uint64_t)s->other >= 5 * all) return 1;
     return s->volume < 0 || (s->volume == 0 && s->other > s->same);
-}
-
-static void choose_turned(patch_work *w)
-{
-    bvxi_patches *const out = w->out;
-
-    for (uint64_t t = 0; t < out->triangles; t++) {
-        uint32_t differs;
-        uint32_t const root = patch_root(w->link, (uint32_t)t, &differs);
-
-        out->part[t] = bvxi_root(out->part, (uint32_t)t);
-        out->unorientable += root == t && w->torn[root];
-        /* A torn patch is left as it is: no turning makes it run one way. */
-        out->turn[t] = !w->torn[root] && (differs ^ turns_root(&w->sums[root])) != 0;
-    }
 }
 
 /* ---- Whole patches ---- */
@@ -216,11 +177,9 @@ static void list_border(patch_work *w, uint64_t at, uint64_t n)
 static uint64_t number_patches(patch_work *w, uint32_t *number)
 {
     uint32_t count = 0, differs;
-
     /* A root is the least triangle of its patch, so it comes first. */
     for (uint64_t t = 0; t < w->out->triangles; t++) {
         uint32_t const root = patch_root(w->link, (uint32_t)t, &differs);
-
         if (root == t) w->sums[root].same = count++;
         number[t] = w->sums[root].same;
     }
@@ -252,17 +211,6 @@ static bvx_status turn_whole_patches(bvx_context *ctx, patch_work *w)
 
 /* ---- The whole ---- */
 
-static bvx_status open_patch_work(bvx_context *ctx, patch_work *w)
-{
-    uint64_t const n = w->out->triangles;
-
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, "the patches' corners", &w->corner));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 24, "the patches' edges", &w->keys));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, "the patches' half-edges", &w->numbers));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the patches", &w->link));
-    return bvxi_alloc_zero(ctx, BVXI_SCRATCH, n * sizeof *w->sums, "the patches' sums", &w->sums);
-}
-
 static bvx_status find_patches(bvx_context *ctx, patch_work *w)
 {
     /* At first each triangle is a patch and a part of its own. */
@@ -276,8 +224,25 @@ static bvx_status find_patches(bvx_context *ctx, patch_work *w)
     each_edge(w, link_edge);
 
     /* Sums need all links, and turning needs all sums. */
-    sum_patches(w);
-    choose_turned(w);
+    for (uint64_t t = 0; t < w->out->triangles; t++) {
+        uint32_t differs;
+        patch_sums *const s = &w->sums[patch_root(w->link, (uint32_t)t, &differs)];
+        double const volume = bvxi_patches_volume(w->view, t, w->centre);
+        /* Counted by what the patch's root does: turning the root's side turns the sign of the volume. */
+        *(differs ? &s->other : &s->same) += 1;
+        s->volume += differs ? -volume : volume;
+    }
+
+    bvxi_patches *const out = w->out;
+    for (uint64_t t = 0; t < out->triangles; t++) {
+        uint32_t differs;
+        uint32_t const root = patch_root(w->link, (uint32_t)t, &differs);
+        out->part[t] = bvxi_root(out->part, (uint32_t)t);
+        out->unorientable += root == t && w->torn[root];
+        /* A torn patch is left as it is: no turning makes it run one way. */
+        out->turn[t] = !w->torn[root] && (differs ^ turns_root(&w->sums[root])) != 0;
+    }
+
     BVXI_TRY(BVXI_SCOPE(ctx, turn_whole_patches(ctx, w)));
     for (uint64_t t = 0; t < w->out->triangles; t++) w->out->turned += w->out->turn[t];
     /* What is torn has been decided: the marks are of open parts from here on. */
@@ -290,7 +255,6 @@ bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const 
                              const double centre[3], int chance, bvxi_patches *patches)
 {
     patch_work w = {.view = view, .representative = representative, .centre = centre, .chance = chance};
-    uint64_t mark;
 
     memset(patches, 0, sizeof *patches);
     /* Half-edges have three numbers a triangle, which 32 bits must hold. */
@@ -307,8 +271,13 @@ bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const 
         bvxi_alloc_zero(ctx, BVXI_SCRATCH, view->triangle_count, "the turned triangles", &patches->turn));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, view->triangle_count, "the patches' marks", &patches->open));
     w.torn = patches->open;
-    mark = bvxi_scratch_begin(ctx);
-    BVXI_TRY(open_patch_work(ctx, &w));
+    uint64_t const mark = bvxi_scratch_begin(ctx);
+    uint64_t const n = w.out->triangles;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, "the patches' corners", &w.corner));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 24, "the patches' edges", &w.keys));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, "the patches' half-edges", &w.numbers));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the patches", &w.link));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, n * sizeof *w.sums, "the patches' sums", &w.sums));
     return bvxi_scratch_end(ctx, mark, find_patches(ctx, &w));
 }
 
@@ -326,7 +295,6 @@ void bvxi_patches_turn(const bvx_mesh_view *view, const bvxi_patches *patches, u
     /* Two corners change places, which turns the triangle and keeps its first corner. */
     for (uint64_t t = 0; t < patches->triangles; t++) {
         uint32_t *const c = index + 3 * t;
-
         bvxi_view_triangle(view, t, c);
         if (!patches->turn[t]) continue;
         uint32_t const second = c[1];

@@ -43,7 +43,6 @@ static void side_product(double a, double b, double *high, double *low)
     double const product = a * b;
     side_split(a, &a1, &a0);
     side_split(b, &b1, &b0);
-
     /* The product's error as the sum of the halves' products, each of which is exact. */
     *low = a0 * b0 - (((product - a1 * b1) - a0 * b1) - a1 * b0);
     *high = product;
@@ -223,13 +222,12 @@ static void polygon_scale(const double (*corner)[3], uint64_t count, double fact
 {
     double greatest = 0.0;
     uint64_t bits;
-    int32_t exponent;
 
     for (uint64_t i = 0; i < count; i++)
         for (size_t a = 0; a < 3; a++)
             if (bvxi_absolute(corner[i][a]) > greatest) greatest = bvxi_absolute(corner[i][a]);
     memcpy(&bits, &greatest, sizeof bits);
-    exponent = 1023 - (int32_t)(bits >> 52); /* -1023..1023 */
+    int32_t exponent = 1023 - (int32_t)(bits >> 52); /* -1023..1023 */
     /* In two factors, since one alone might leave the range of doubles. */
     small_factors[0] = polygon_power_of_two(exponent / 2);
     small_factors[1] = polygon_power_of_two(exponent - exponent / 2);
@@ -242,7 +240,6 @@ static double polygon_place(double v, const double factors[2])
 {
     double const scaled = v * factors[0] * factors[1];
     double const round = 0x1.8p-447; /* its last bit is 2^-499 */
-
     /* Far above the last digit nothing is rounded; below, adding
      * and subtracting the constant rounds to its last bit. */
     if (bvxi_absolute(scaled) >= 0x1p-448) return scaled;
@@ -486,28 +483,10 @@ static int ear_may_go(polygon_ears *e, uint32_t v, uint32_t round)
 {
     uint32_t const p = e->previous[v], q = e->next[v];
     int32_t const turn = bvxi_ring_side(e->ring, p, v, q);
-
     /* Each round in vain allows more, so that the loop always goes on. */
     if (round >= 3 || (round == 2 && turn > 0) || (round == 1 && turn == 0)) return 1;
     if (round > 0) return 0;
     return turn == 0 ? ear_is_fold(e, p, v, q) : turn > 0 && ear_is_free(e, p, v, q);
-}
-
-static void ear_cut(polygon_ears *e, uint32_t v)
-{
-    uint32_t const p = e->previous[v], q = e->next[v];
-    bvxi_ring_triangle(e->ring, p, v, q);
-    e->next[p] = q;
-    e->previous[q] = p;
-    e->state[v] = EAR_CUT;
-    ear_set_state(e, p);
-    ear_set_state(e, q);
-}
-
-static void ear_make_fan(polygon_ears *e, uint32_t v)
-{
-    for (uint32_t a = e->next[v], b = e->next[a]; b != v; a = b, b = e->next[b])
-        bvxi_ring_triangle(e->ring, v, a, b);
 }
 
 static void ears_prepare(polygon_ears *e, void *scratch)
@@ -553,7 +532,14 @@ bvx_status bvxi_polygon_ears(bvxi_ring *ring, void *scratch)
         }
         e.looks++;
         if (ear_may_go(&e, v, round)) {
-            ear_cut(&e, v);
+            uint32_t const p = e.previous[v], q = e.next[v];
+            bvxi_ring_triangle(e.ring, p, v, q);
+            e.next[p] = q;
+            e.previous[q] = p;
+            e.state[v] = EAR_CUT;
+            ear_set_state(&e, p);
+            ear_set_state(&e, q);
+
             left--;
             /* A cut changes what its neighbours are, so the stricter rules get another chance. */
             vain = round = 0;
@@ -565,6 +551,7 @@ bvx_status bvxi_polygon_ears(bvxi_ring *ring, void *scratch)
     }
 
     /* Three corners, or all that is left when the looks are used up. */
-    ear_make_fan(&e, v);
+    for (uint32_t a = e.next[v], b = e.next[a]; b != v; a = b, b = e.next[b])
+        bvxi_ring_triangle(e.ring, v, a, b);
     return BVX_OK;
 }

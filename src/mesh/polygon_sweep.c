@@ -134,15 +134,12 @@ static uint32_t sweep_splay(const polygon_sweep *s, uint32_t root, uint32_t corn
 static uint32_t sweep_find(polygon_sweep *s, uint32_t corner)
 {
     sweep_interval *const v = s->intervals;
-    uint32_t found;
-
     if (s->root == SWEEP_NONE) return SWEEP_NONE;
-
     /* The root is a neighbour of the place searched for: it, or the highest of those below it. */
     s->root = sweep_splay(s, s->root, corner, 0);
     if (sweep_is_above(s, s->root, corner)) return s->root;
     if (v[s->root].left == SWEEP_NONE) return SWEEP_NONE;
-    found = sweep_splay(s, v[s->root].left, corner, 1);
+    uint32_t const found = sweep_splay(s, v[s->root].left, corner, 1);
     v[s->root].left = SWEEP_NONE;
     v[found].right = s->root;
     s->root = found;
@@ -163,7 +160,6 @@ static void sweep_insert(polygon_sweep *s, uint32_t found, uint32_t interval)
 static void sweep_remove(polygon_sweep *s, uint32_t interval, uint32_t corner)
 {
     sweep_interval *const v = s->intervals;
-    uint32_t rest;
 
     if (sweep_find(s, corner) != interval) {
         s->good = 0;
@@ -171,7 +167,7 @@ static void sweep_remove(polygon_sweep *s, uint32_t interval, uint32_t corner)
     }
 
     /* The two subtrees are joined: the highest of the lower ones has no right subtree after splaying. */
-    rest = v[interval].right;
+    uint32_t const rest = v[interval].right;
     s->root = v[interval].left;
     if (s->root == SWEEP_NONE) {
         s->root = rest;
@@ -195,10 +191,8 @@ static uint32_t sweep_link(polygon_sweep *s, uint32_t corner)
 static int sweep_cut(polygon_sweep *s, uint32_t below, uint32_t above, uint32_t corner, int32_t wanted)
 {
     uint32_t const a = s->links[below].corner, b = s->links[above].corner;
-
     /* A corner that does not see the two: they stay in the chain. */
     if (bvxi_ring_side(s->ring, a, corner, b) < wanted) return 0;
-
     /* A simple polygon has count - 2 triangles; one more shows that this one is not. */
     if (s->ring->made == s->ring->count - 2) {
         s->good = 0;
@@ -283,26 +277,24 @@ static void sweep_start(polygon_sweep *s, uint32_t corner, uint32_t before)
 static void sweep_part(polygon_sweep *s, uint32_t corner, uint32_t before)
 {
     uint32_t const found = sweep_find(s, corner);
-    uint32_t made, front, copy, roof;
-    sweep_interval *lower, *upper;
 
     /* A corner inside of nothing: edges have crossed. */
     if (found == SWEEP_NONE) {
         s->good = 0;
         return;
     }
-    made = ++s->interval_count;
-    lower = &s->intervals[found];
-    upper = &s->intervals[made];
+    uint32_t const made = ++s->interval_count;
+    sweep_interval *const lower = &s->intervals[found];
+    sweep_interval *const upper = &s->intervals[made];
 
     /* Floors and roofs: the lower interval ends at the corner's own edge, the upper one begins there. */
     sweep_insert(s, found, made);
-    roof = lower->roof;
+    uint32_t const roof = lower->roof;
     sweep_bound(s, made, corner, roof);
     sweep_bound(s, found, lower->floor, before);
-    front = lower->front;
+    uint32_t const front = lower->front;
     /* The front belongs to both chains now, so it gets a second link. */
-    copy = sweep_link(s, s->links[front].corner);
+    uint32_t const copy = sweep_link(s, s->links[front].corner);
     upper->bottom = copy;
     upper->top = lower->top == front ? copy : lower->top;
     if (s->links[front].above != SWEEP_NONE) sweep_join(s, copy, s->links[front].above);
@@ -335,14 +327,13 @@ static void sweep_end(polygon_sweep *s, uint32_t corner, uint32_t before)
 static void sweep_merge(polygon_sweep *s, uint32_t corner, uint32_t before)
 {
     uint32_t const low = sweep_with_roof(s, corner), high = sweep_with_floor(s, before);
-    sweep_interval *lower, *upper;
 
     if (!s->good || low == high) {
         s->good = 0;
         return;
     }
-    lower = &s->intervals[low];
-    upper = &s->intervals[high];
+    sweep_interval *const lower = &s->intervals[low];
+    sweep_interval *const upper = &s->intervals[high];
 
     /* The corner closes the lower chain and opens the way to the upper one, which follows it. */
     sweep_add_top(s, lower, corner);

@@ -1,14 +1,15 @@
 /* radix.c - least significant digit first, eight bits a digit.
  *
- * One pass counts all eight digits of all keys; a digit that is the same everywhere is skipped. Each further
- * pass moves elements between two pairs of arrays without changing the order of equal digits. Many elements
- * are moved by several threads: pieces of them, whose elements of one digit go side by side, in the order of
- * the pieces.
- * Cost: O(count) for each digit that differs.
+ * Digits begin at a bit that differs between keys, so that none is the same everywhere. Each pass counts one and
+ * moves elements between two pairs of arrays without changing the order of equal digits. Many elements are
+ * moved by several threads: pieces of them, whose elements of one digit go side by side, in the order of the
+ * pieces.
+ * Cost: O(count) for each digit.
  * Guarantee: the order is that of one thread. */
+#include "bits/bits.h"
 #include "mesh/mesh.h"
 
-enum { RADIX_DIGITS = 8, RADIX_VALUES = 256, RADIX_GRAIN = 1 << 16, RADIX_PIECES = 16 };
+enum { RADIX_VALUES = 256, RADIX_GRAIN = 1 << 16, RADIX_PIECES = 16 };
 
 /* Both pairs of arrays; elements lie in from. */
 typedef struct radix_arrays {
@@ -28,28 +29,13 @@ static void swap_radix_arrays(radix_arrays *a)
     a->number_to = numbers;
 }
 
-static void count_radix_digits(const uint64_t *keys, uint64_t count,
-                               uint32_t table[RADIX_DIGITS][RADIX_VALUES])
+/* Bits that are not the same in all keys. */
+static uint64_t differing_bits(const uint64_t *keys, uint64_t count)
 {
-    /* All digits are counted in one walk over the keys, as their counts do not depend on the order. */
-    memset(table, 0, sizeof table[0] * RADIX_DIGITS);
-    for (uint64_t i = 0; i < count; i++)
-        for (int d = 0; d < RADIX_DIGITS; d++) table[d][keys[i] >> 8 * d & 255]++;
-}
+    uint64_t bits = 0;
 
-/* Counts become places of the first element of each value; 0 when one value has all elements. */
-static int radix_counts_to_places(uint32_t table[RADIX_VALUES], uint64_t count)
-{
-    uint32_t sum = 0;
-
-    for (int v = 0; v < RADIX_VALUES; v++) {
-        uint32_t const n = table[v];
-        /* A digit that is the same everywhere does not change the order: its pass is left out. */
-        if (n == count) return 0;
-        table[v] = sum;
-        sum += n;
-    }
-    return 1;
+    for (uint64_t i = 1; i < count; i++) bits |= keys[i] ^ keys[0];
+    return bits;
 }
 
 /* Elements from begin to end, each to the next place of its digit. */
@@ -67,19 +53,6 @@ static void move_radix_elements(const radix_arrays *a, uint64_t begin, uint64_t 
 
         key_to[to] = key;
         number_to[to] = number_from[i];
-    }
-}
-
-static void sort_radix_alone(radix_arrays *a)
-{
-    uint32_t table[RADIX_DIGITS][RADIX_VALUES];
-
-    count_radix_digits(a->key_from, a->count, table);
-    for (int d = 0; d < RADIX_DIGITS; d++) {
-        /* Lowest digit first; each pass keeps the order of the one before among equal digits. */
-        if (!radix_counts_to_places(table[d], a->count)) continue;
-        move_radix_elements(a, 0, a->count, 8 * d, table[d]);
-        swap_radix_arrays(a);
     }
 }
 
@@ -111,35 +84,32 @@ static void move_radix_piece(void *user, int32_t index)
     move_radix_elements(&p->all, begin, end, p->shift, p->place[index]);
 }
 
-/* Counts of each piece become places: values one after the other, in each the pieces in order. Returns 0 when
- * one value has all elements. */
-static int place_radix_pieces(radix_pass *p)
+/* Counts of each piece become places: values one after the other, in each the pieces in order. */
+static void place_radix_pieces(radix_pass *p)
 {
     uint32_t sum = 0;
 
-    for (int v = 0; v < RADIX_VALUES; v++) {
-        uint32_t const before = sum;
+    for (int v = 0; v < RADIX_VALUES; v++)
         for (int32_t i = 0; i < p->pieces; i++) {
             uint32_t const n = p->place[i][v];
             p->place[i][v] = sum;
             sum += n;
         }
-        if (sum - before == p->all.count) return 0;
-    }
-    return 1;
 }
 
-static void sort_radix_pieces(bvx_context *ctx, radix_arrays *a)
+static void sort_radix(bvx_context *ctx, radix_arrays *a)
 {
     int32_t const pieces = bvxi_piece_count(a->count, RADIX_GRAIN);
+    uint64_t bits = differing_bits(a->key_from, a->count);
     radix_pass p;
 
     p.all = *a;
     p.pieces = pieces < RADIX_PIECES ? pieces : RADIX_PIECES;
-    for (p.shift = 0; p.shift < 8 * RADIX_DIGITS; p.shift += 8) {
+    for (; bits != 0; bits &= ~(UINT64_C(255) << p.shift)) {
+        p.shift = bvxi_lowest(bits);
         /* Counted anew for each digit: what a piece holds changes from pass to pass. */
         bvxi_tasks(ctx, p.pieces, count_radix_piece, &p);
-        if (!place_radix_pieces(&p)) continue;
+        place_radix_pieces(&p);
         bvxi_tasks(ctx, p.pieces, move_radix_piece, &p);
         swap_radix_arrays(&p.all);
     }
@@ -155,8 +125,7 @@ bvx_status bvxi_radix_sort(bvx_context *ctx, uint64_t *keys, uint32_t *numbers, 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *numbers, "the sort's numbers", &spare_numbers));
     a.key_to = spare_keys;
     a.number_to = spare_numbers;
-    if (bvxi_threads(ctx) > 1 && count >= 2 * RADIX_GRAIN) sort_radix_pieces(ctx, &a);
-    else sort_radix_alone(&a);
+    sort_radix(ctx, &a);
 
     /* After an odd number of passes the result lies in the spare arrays. */
     if (a.key_from != keys) {

@@ -36,10 +36,8 @@ static void welded_triangle(const bvx_mesh_view *mesh, const uint32_t *represent
  * normal. */
 static double facet_of(const bvx_mesh_view *mesh, const uint32_t v[3], double p[3][3], double n[3])
 {
-    double size;
-
     for (int k = 0; k < 3; k++) bvxi_view_position(mesh, v[k], p[k]);
-    size = bvxi_facet_normal((const double(*)[3])p, n);
+    double const size = bvxi_facet_normal((const double(*)[3])p, n);
     for (int a = 0; a < 3 && size > 0; a++) n[a] /= size;
     return size;
 }
@@ -74,11 +72,9 @@ static bvx_status measure_edges(bvx_context *ctx, const bvx_mesh_view *mesh, con
 
     for (uint64_t i = 0; i < n; i++) {
         uint32_t v[3];
-        uint64_t a, b;
-
         welded_triangle(mesh, representative, i / 3, v);
-        a = v[i % 3];
-        b = v[(i + 1) % 3];
+        uint64_t const a = v[i % 3];
+        uint64_t const b = v[(i + 1) % 3];
         keys[i] = a < b ? a << 32 | b : b << 32 | a;
         side[i] = (uint32_t)i;
     }
@@ -98,12 +94,10 @@ static bvx_status judge_edges(bvx_context *ctx, const bvx_mesh_view *view, const
     uint64_t const bytes = view->triangle_count * 36;
     edge_lengths sum = {0, 0, 0};
     unsigned char *block;
-
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the edges' lengths", &block));
     BVXI_TRY(measure_edges(ctx, view, representative, (uint64_t *)(void *)block,
                            (uint32_t *)(void *)(block + view->triangle_count * 24), &sum));
     bvxi_drop(ctx, block);
-
     double const share = sum.all > 0 ? sum.sharp / sum.all : 0;
     *sharp = share > SHARP_SHARE_ANYHOW || (share > SHARP_SHARE && sum.sharp > SHARP_TO_BENT * sum.bent);
     return BVX_OK;
@@ -115,11 +109,9 @@ bvx_status bvxi_sharp_edges(bvx_context *ctx, const bvx_mesh_view *view, const u
     uint64_t const bytes = view->vertex_count * 4;
     uint32_t *found = NULL;
     uint64_t different;
-
     *sharp = 0;
     if (view->triangle_count > SHARP_MOST) return BVX_OK;
     if (representative != NULL) return judge_edges(ctx, view, representative, sharp);
-
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' places", &found));
     BVXI_TRY(bvxi_weld(ctx, view, found, &different));
     BVXI_TRY(judge_edges(ctx, view, found, sharp));

@@ -11,6 +11,7 @@
  * Numbers: half-edge h = 3 t + k runs from corner k to corner k + 1 of triangle t and stands for corner k
  * too. */
 #include "mesh/topology.h"
+#include "bits/sort.h"
 
 enum {
     TOPOLOGY_ASKS = 1 << 20, /* corners between asking progress */
@@ -19,8 +20,6 @@ enum {
     BUCKET_RANGES = 4 /* more would read more than they share */
 };
 #define TOPOLOGY_NONE UINT32_MAX /* no corner */
-/* larger buckets are heap-sorted: a fan of a million triangles is harmless */
-enum { TOPOLOGY_INSERTION_LIMIT = 32 };
 
 /* What a range of vertices has. */
 typedef struct topology_counts {
@@ -77,40 +76,6 @@ static uint32_t half_edge_before(uint32_t h)
 
 /* ---- edges ---- */
 
-static void entries_sift(uint64_t *e, size_t at, size_t n)
-{
-    uint64_t const value = e[at];
-
-    for (size_t child = 2 * at + 1; child < n; child = 2 * at + 1) {
-        if (child + 1 < n && e[child + 1] > e[child]) child++;
-        if (e[child] <= value) break;
-        e[at] = e[child];
-        at = child;
-    }
-    e[at] = value;
-}
-
-static void entries_sort(uint64_t *e, size_t n)
-{
-    /* Buckets hold some three edges as a rule, for which insertion is the fastest. */
-    if (n <= TOPOLOGY_INSERTION_LIMIT) {
-        for (size_t i = 1; i < n; i++) {
-            uint64_t const value = e[i];
-            size_t k = i;
-            for (; k > 0 && e[k - 1] > value; k--) e[k] = e[k - 1];
-            e[k] = value;
-        }
-        return;
-    }
-    for (size_t i = n / 2; i-- > 0;) entries_sift(e, i, n);
-    for (size_t end = n - 1; end > 0; end--) {
-        uint64_t const top = e[0];
-        e[0] = e[end];
-        e[end] = top;
-        entries_sift(e, 0, end);
-    }
-}
-
 /* Counting sort of the half-edges by their lower vertex. A task reads all triangles and takes what belongs to
  * its range of vertices, so that each bucket is filled in the order of the half-edges. That costs a read for
  * each task: there are as many as threads, which show nowhere. */
@@ -133,7 +98,6 @@ static void count_buckets(void *user, int32_t range)
         uint32_t const ab = t[0] < t[1] ? t[0] : t[1];
         uint32_t const bc = t[1] < t[2] ? t[1] : t[2];
         uint32_t const ca = t[2] < t[0] ? t[2] : t[0];
-
         if (ab - from < size) c->bucket_end[ab]++;
         if (bc - from < size) c->bucket_end[bc]++;
         if (ca - from < size) c->bucket_end[ca]++;
@@ -153,7 +117,6 @@ static void fill_buckets(void *user, int32_t range)
         for (uint32_t k = 0; k < 3; k++) {
             uint32_t const a = t[k], b = t[k == 2 ? 0 : k + 1];
             uint32_t const lower = a < b ? a : b, higher = a < b ? b : a;
-
             if (lower - from < size) c->entries[c->bucket_end[lower]++] = (uint64_t)higher << 32 | (h + k);
             if (a - from < size && !c->edges_alone) c->corner_of[a] = (uint32_t)h + k;
         }
@@ -162,7 +125,6 @@ static void fill_buckets(void *user, int32_t range)
 static void fill_edge_buckets(topology *c)
 {
     bucket_ranges r = {c, bvxi_piece_count(c->vertex_count, TOPOLOGY_GRAIN)};
-
     if (r.count > bvxi_threads(c->ctx)) r.count = bvxi_threads(c->ctx);
     if (r.count > BUCKET_RANGES) r.count = BUCKET_RANGES;
     bvxi_tasks(c->ctx, r.count, count_buckets, &r);
@@ -177,14 +139,13 @@ static uint64_t count_edge_duplicates(const topology *c, uint64_t *e, size_t n, 
 {
     uint64_t count = 0;
     size_t kept = 0;
-
     for (size_t i = 0; i < n; i++) {
         /* Each triangle has three edges; this test leaves one of them, that of its two least vertices. */
         uint32_t const opposite = c->corners[half_edge_before((uint32_t)e[i])];
         if (opposite > higher) e[kept++] = (uint64_t)opposite << 32 | (e[i] & UINT32_MAX);
     }
     if (kept < 2) return 0;
-    entries_sort(e, kept);
+    bvxi_sort_u64(e, kept);
     for (size_t i = 1; i < kept; i++) count += e[i] >> 32 == e[i - 1] >> 32;
     return count;
 }
@@ -228,7 +189,6 @@ static void join_around_edge(const topology *c, uint32_t first, uint64_t from, u
                              topology_counts *counts)
 {
     int const own = is_of_range(c, first, from);
-
     for (uint32_t h = c->ring[first]; h != first; h = c->ring[h]) {
         if (BVXI_LIKELY(own && is_of_range(c, h, from)))
             counts->joined += (uint64_t)bvxi_join(c->parent, first / 3, h / 3);
@@ -245,17 +205,15 @@ static void check_range_of_edges(void *user, int32_t range, uint64_t from, uint6
 {
     topology *const c = user;
     topology_counts counts = {0};
-    uint64_t begin;
 
-    begin = first_entry(c, from);
+    uint64_t begin = first_entry(c, from);
     uint64_t *const waiting = c->entries + begin;
     for (uint64_t v = from; v < to; v++) {
         uint64_t const end = c->bucket_end[v];
-        entries_sort(c->entries + begin, (size_t)(end - begin));
+        bvxi_sort_u64(c->entries + begin, (size_t)(end - begin));
         while (begin < end) {
             uint32_t const first = (uint32_t)c->entries[begin];
             uint64_t stop = begin + 1;
-
             while (stop < end && c->entries[stop] >> 32 == c->entries[begin] >> 32) stop++;
             check_edge(c, c->entries + begin, (size_t)(stop - begin), (uint32_t)v, &counts);
             if (!c->edges_alone) join_around_edge(c, first, from, waiting, &counts);
@@ -279,7 +237,6 @@ static bvx_status check_edges(topology *c)
     r->oriented = 1;
     for (int32_t i = 0; i < c->ranges; i++) {
         const topology_counts *const counts = &c->counts[i];
-
         r->edges += counts->edges;
         r->boundary_edges += counts->boundary;
         r->flipped_edges += counts->flipped;
@@ -297,7 +254,6 @@ static void join_ranges(topology *c)
     for (int32_t i = 0; i < c->ranges; i++) {
         const uint64_t *pair;
         uint64_t from, to;
-
         bvxi_piece(c->vertex_count, c->ranges, i, &from, &to);
         pair = c->entries + first_entry(c, from);
         for (uint64_t n = 0; n < c->counts[i].waiting; n++)
@@ -337,7 +293,6 @@ static uint64_t walk_whole_fan(const topology *c, uint32_t corner)
 {
     uint32_t const v = c->corners[corner];
     uint64_t corners = 1;
-
     if (!walk_fan(c, v, corner, corner, &corners)) walk_fan(c, v, half_edge_before(corner), corner, &corners);
     return corners;
 }
@@ -364,21 +319,10 @@ static void walk_range_of_fans(void *user, int32_t range)
     }
 }
 
-/* Both ends of edges with three or more triangles, whose rings take more than two steps. */
-static void mark_broken_vertices(const topology *c)
-{
-    for (uint64_t h = 0; h < 3 * c->triangle_count; h++) {
-        if (c->ring[c->ring[h]] == h) continue;
-        topology_bit_set(c->broken, c->corners[h]);
-        topology_bit_set(c->broken, c->corners[half_edge_after((uint32_t)h)]);
-    }
-}
-
 /* Vertices with more corners than their first fan has; the buckets are needed no more. */
 static void count_second_fans(topology *c)
 {
     uint32_t *const corners = c->bucket_end;
-
     memset(corners, 0, (size_t)c->vertex_count * 4);
     for (uint64_t h = 0; h < 3 * c->triangle_count; h++) corners[c->corners[h]]++;
     for (uint64_t v = 0; v < c->vertex_count; v++)
@@ -397,7 +341,14 @@ static bvx_status search_broken_fans(topology *c)
     BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, vertex_bits, "the check's marks", &c->seen));
     BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, topology_bit_words(half_edges) * 8, "the check's marks",
                              &c->walked));
-    mark_broken_vertices(c);
+
+    /* Both ends of edges with three or more triangles, whose rings take more than two steps. */
+    for (uint64_t h = 0; h < 3 * c->triangle_count; h++) {
+        if (c->ring[c->ring[h]] == h) continue;
+        topology_bit_set(c->broken, c->corners[h]);
+        topology_bit_set(c->broken, c->corners[half_edge_after((uint32_t)h)]);
+    }
+
     for (uint64_t h = 0; h < half_edges; h++) {
         uint32_t const v = c->corners[h];
         if (h % TOPOLOGY_ASKS == 0)
@@ -444,27 +395,6 @@ static bvx_status check_vertices(topology *c)
 
 /* ---- the whole ---- */
 
-static bvx_status allocate_topology(bvx_context *ctx, topology *c)
-{
-    uint64_t const half_edges = 3 * c->triangle_count;
-
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->vertex_count * 4, "the check's buckets", &c->bucket_end));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->vertex_count * 4, "the check's corners", &c->corner_of));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, half_edges * 4, "the check's edge rings", &c->ring));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->triangle_count * 4, "the check's components", &c->parent));
-    return bvxi_alloc(ctx, BVXI_SCRATCH, half_edges * 8, "the check's half-edges", &c->entries);
-}
-
-static void conclude_topology(topology *c)
-{
-    bvx_certificate *const r = c->result;
-    r->unused_vertices = c->vertex_count - r->vertices;
-    r->closed = r->boundary_edges == 0;
-    r->edge_manifold = r->nonmanifold_edges == 0;
-    r->vertex_manifold = r->nonmanifold_vertices == 0;
-    r->euler = (int64_t)r->vertices - (int64_t)r->edges + (int64_t)c->triangle_count;
-}
-
 bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t triangle_count,
                          uint64_t vertex_count, int edges_alone, bvx_certificate *certificate)
 {
@@ -476,11 +406,23 @@ bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t tri
                   .result = certificate,
                   .edges_alone = edges_alone};
 
-    BVXI_TRY(allocate_topology(ctx, &c));
+    uint64_t const half_edges = 3 * c.triangle_count;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c.vertex_count * 4, "the check's buckets", &c.bucket_end));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c.vertex_count * 4, "the check's corners", &c.corner_of));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, half_edges * 4, "the check's edge rings", &c.ring));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c.triangle_count * 4, "the check's components", &c.parent));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, half_edges * 8, "the check's half-edges", &c.entries));
     /* Edges first: what they break decides which vertices have fans at all. */
     fill_edge_buckets(&c);
     BVXI_TRY(check_edges(&c));
     if (!edges_alone) BVXI_TRY(check_vertices(&c));
-    if (!edges_alone) conclude_topology(&c);
+    if (!edges_alone) {
+        bvx_certificate *const r = c.result;
+        r->unused_vertices = c.vertex_count - r->vertices;
+        r->closed = r->boundary_edges == 0;
+        r->edge_manifold = r->nonmanifold_edges == 0;
+        r->vertex_manifold = r->nonmanifold_vertices == 0;
+        r->euler = (int64_t)r->vertices - (int64_t)r->edges + (int64_t)c.triangle_count;
+    }
     return bvxi_scratch_end(ctx, mark, BVX_OK);
 }

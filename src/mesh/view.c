@@ -13,7 +13,6 @@ bvx_status bvxi_view_fail_index(bvx_context *ctx, const char *function, const bv
     uint64_t c[3];
     int k = 0;
     bvxi_view_raw_triangle(view, t, c);
-
     /* The message names the first corner that is out of range. */
     while (k < 2 && c[k] < view->vertex_count) k++;
     return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
@@ -255,7 +254,6 @@ static uint32_t vertex_at_extreme(const bvx_mesh_view *v, uint64_t first, int ax
 BVXI_VECTOR_INLINE uint32_t block_mentions(const unsigned char *at, size_t n, uint32_t value)
 {
     uint32_t hit = 0, c;
-
     for (size_t i = 0; i < n; i++) {
         memcpy(&c, at + 4 * i, sizeof c);
         hit |= c == value;
@@ -266,7 +264,6 @@ BVXI_VECTOR_INLINE uint32_t block_mentions(const unsigned char *at, size_t n, ui
 BVXI_VECTOR_INLINE uint32_t block_passes(const unsigned char *at, size_t n, uint32_t last)
 {
     uint32_t beyond = 0, c;
-
     for (size_t i = 0; i < n; i++) {
         memcpy(&c, at + 4 * i, sizeof c);
         beyond |= c > last;
@@ -352,7 +349,6 @@ bvx_status bvxi_view_take_points(bvx_context *ctx, const char *function, const b
                                  bvx_mesh_view *points)
 {
     if (view == NULL) return bvxi_fail_null(ctx, function, "points");
-
     /* Triangles of the caller's are left out, and with them what could be wrong about indices. */
     *points = *view;
     points->indices = NULL;
@@ -419,12 +415,10 @@ bvx_status bvxi_view_apart(bvx_context *ctx, const char *function, const bvx_mes
 uint64_t bvxi_view_corners_hash(const bvx_mesh_view *view, const uint32_t corner[3], double scale)
 {
     bvxi_hash hash;
-
     /* By places, not by indices: the hash is the same for any numbering of the vertices. */
     bvxi_hash_start(&hash, 0);
     for (int k = 0; k < 3; k++) {
         double p[3];
-
         bvxi_view_position(view, corner[k], p);
         for (int a = 0; a < 3; a++) p[a] = p[a] * scale + 0.0; /* -0 is 0 */
         bvxi_hash_f64(&hash, p, 3);

@@ -23,11 +23,9 @@ static inline bvx_status weld_ask(bvx_context *ctx, const bvx_mesh_view *v, uint
 static uint32_t weld_hash(const double p[3])
 {
     uint64_t h = 0, bits;
-    double x;
-
     /* Each coordinate is mixed in before the next, so that equal bits at other places give another hash. */
     for (int a = 0; a < 3; a++) {
-        x = p[a] + 0.0;
+        double x = p[a] + 0.0;
         memcpy(&bits, &x, sizeof bits);
         h = (h ^ bits) * UINT64_C(0x9e3779b97f4a7c15);
         h ^= h >> 29;
@@ -42,7 +40,6 @@ static void weld_slots(const bvx_mesh_view *v, const uint32_t *table, uint64_t s
                        uint64_t n, uint64_t *slot)
 {
     double p[3];
-
     for (uint64_t k = 0; k < n; k++) {
         bvxi_view_position(v, first + k, p);
         /* The high bits of the hash times the size spread over the table without a division. */
@@ -104,7 +101,6 @@ static bvx_status weld_by_tree(bvx_context *ctx, const bvx_mesh_view *view, uint
                                uint64_t *different)
 {
     bvxi_key_tree tree;
-
     BVXI_TRY(bvxi_key_tree_open(ctx, &tree, weld_key, view, view->vertex_count));
     for (uint64_t i = 0; i < view->vertex_count; i++) {
         BVXI_TRY(weld_ask(ctx, view, i));
@@ -121,12 +117,9 @@ bvx_status bvxi_weld(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *repr
 {
     uint64_t const size = view->vertex_count + view->vertex_count / 2 + 1;
     uint32_t *table;
-    bvx_status status;
-
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, size * sizeof *table, "the welding table", &table));
-    status = weld_into(ctx, view, table, size, representative, different);
+    bvx_status const status = weld_into(ctx, view, table, size, representative, different);
     bvxi_drop(ctx, table);
-
     /* No vertex at all has been found different: the mark of a search that was given up. */
     if (status != BVX_OK || *different != 0 || view->vertex_count == 0) return status;
     return weld_by_tree(ctx, view, representative, different);
@@ -150,10 +143,8 @@ static void places_of_triangle(const uint32_t *representative, const uint32_t co
 uint64_t bvxi_drop_collapsed(const bvx_mesh_view *view, const uint32_t *representative, uint32_t *corner)
 {
     uint64_t kept = 0;
-
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         uint32_t *const to = corner + 3 * kept;
-
         bvxi_view_triangle(view, t, to);
         kept += representative[to[0]] != representative[to[1]] &&
                 representative[to[1]] != representative[to[2]] &&
@@ -238,9 +229,8 @@ bvx_status bvxi_drop_duplicates(bvx_context *ctx, const bvx_mesh_view *view, con
 {
     uint64_t const size = view->triangle_count + view->triangle_count / 2 + 1;
     uint32_t *table;
-    int done;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, size * sizeof *table, "the triangles' table", &table));
-    done = drop_by_table(view, representative, table, size, corner, kept);
+    int const done = drop_by_table(view, representative, table, size, corner, kept);
     bvxi_drop(ctx, table);
     return done ? BVX_OK : drop_by_tree(ctx, view, representative, corner, kept);
 }

@@ -30,7 +30,6 @@ BVXI_VECTOR_INLINE void make_lengths(const distance_job *job, const void *square
 {
     /* Inside a body signed distances are negative. */
     double const factor = job->inside && job->o.side == BVX_DISTANCE_SIGNED ? -job->factor : job->factor;
-
     if (job->whole) {
         const uint32_t *const s = squares;
         /* A square of no target stands for an infinite one; the number itself is only large. */
@@ -126,7 +125,6 @@ static bvx_status measure_grid_distances(bvx_context *ctx, distance_job *job)
 {
     int32_t const side = job->o.side;
     const double *const s = job->grid->lattice.spacing;
-
     /* Whole numbers are exact and half as large; doubles where squares outgrow 32 bits. */
     job->whole = s[0] == s[1] && s[0] == s[2] && bvxi_transform_fits_whole(job->grid->size);
     job->cpu = bvxi_cpu(ctx);
@@ -144,8 +142,6 @@ static const bvxi_option distance_rows[] = {
 static bvx_status check_distance(bvx_context *ctx, const char *function, const bvx_grid *grid,
                                  const bvx_distance_options *options, uint64_t capacity, distance_job *job)
 {
-    uint64_t voxels;
-
     memset(job, 0, sizeof *job);
     BVXI_TRY(bvxi_grid_check(ctx, function, grid));
     BVXI_TRY(bvxi_take_options(ctx, function, options, &job->o, sizeof job->o));
@@ -158,7 +154,7 @@ static bvx_status check_distance(bvx_context *ctx, const char *function, const b
                                  "%s: squares of a spacing of %g are beyond what doubles hold well", function,
                                  grid->lattice.spacing[a]);
     /* sides of at most 2^25, words that fit memory */
-    voxels = bvxi_grid_rows(grid) * (uint64_t)grid->size[0];
+    uint64_t const voxels = bvxi_grid_rows(grid) * (uint64_t)grid->size[0];
     if (capacity < voxels)
         return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the array holds %u numbers, the window has %u voxels",
                          function, capacity, voxels);

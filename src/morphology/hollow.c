@@ -201,7 +201,6 @@ static bvx_status make_shell(bvx_context *ctx, const char *function, const bvx_g
 {
     bvxi_morph morph = {"hollow", {BVXI_ERODE, BVXI_ERODE}, 1, 0, 0, 0, {0, 0, 0}, 0};
     uint64_t const words = bvxi_grid_words(grid);
-
     BVXI_TRY(bvxi_ball_set(ctx, function, &grid->lattice, o->thickness, &morph));
     morph.beyond = o->beyond;
     BVXI_TRY(bvxi_morph_run(ctx, &morph, grid, hollow));
@@ -220,7 +219,6 @@ static bvx_status run_grid_hollow(bvx_context *context, const bvx_grid *grid,
     bvx_hollow_options o;
     bvx_hollow_report report;
     bvx_window window;
-    bvx_grid made, hollow;
     bvx_status status;
 
     memset(&report, 0, sizeof report);
@@ -233,9 +231,9 @@ static bvx_status run_grid_hollow(bvx_context *context, const bvx_grid *grid,
     memcpy(window.low, grid->low, sizeof window.low);
     memcpy(window.size, grid->size, sizeof window.size);
     bvxi_grid_renew(context, &grid->lattice, &window, result);
-    made = *result;
+    bvx_grid made = *result;
     BVXI_TRY(bvxi_grid_open(context, function, &grid->lattice, &window, &made));
-    hollow = made;
+    bvx_grid hollow = made;
     status = bvxi_alloc(context, BVXI_SCRATCH, bvxi_grid_words(grid) * 8, "the hollow", &hollow.words);
     if (status == BVX_OK) status = make_shell(context, function, grid, &o, &hollow, &made, &report);
     BVXI_TRY(bvxi_grid_put(context, status, &made, result));

@@ -59,18 +59,6 @@ int bvxi_ball_is_small(const bvxi_morph *morph)
            RUNS_MOST;
 }
 
-static void measure_runs(const bvxi_morph *m, runs_job *job)
-{
-    for (int32_t dz = 0; dz <= job->reach[2]; dz++) {
-        /* The ball narrows with dy, so each run begins from the one before. */
-        int32_t k = job->reach[0];
-        for (int32_t dy = 0; dy <= job->reach[1]; dy++) {
-            while (k >= 0 && !in_ball(m, k, dy, dz)) k--;
-            job->half[dz * (job->reach[1] + 1) + dy] = k;
-        }
-    }
-}
-
 BVXI_VECTOR_INLINE void grow_slice_loop(const uint64_t *BVXI_RESTRICT from, const bvxi_row_ends *ends,
                                         uint64_t around, uint64_t *BVXI_RESTRICT out, size_t words)
 {
@@ -188,13 +176,11 @@ static bvx_status run_steps(bvx_context *ctx, const char *stage, double from, do
     double const joins = 3.2 * (double)(job->reach[1] + 1) * (double)(job->reach[2] + 1) + job->reach[0];
     double const slices = (double)job->from.size[2] / (double)job->pieces + 2.0 * (double)job->reach[2];
     double const piece = RUNS_WORD_TIME * joins * (double)job->slice * slices;
-
     /* A step is what is done between two reports. */
     job->steps = 1 + (int32_t)(piece / RUNS_STEP_TIME < slices ? piece / RUNS_STEP_TIME : slices);
     for (job->step = 0; job->step < job->steps; job->step++) {
         double const low = from + (to - from) * ((double)job->step / (double)job->steps);
         double const high = from + (to - from) * ((double)(job->step + 1) / (double)job->steps);
-
         BVXI_TRY(bvxi_parallel_long(ctx, stage, low, high, job->pieces, piece / (double)job->steps,
                                     run_runs_piece, job));
     }
@@ -205,8 +191,6 @@ bvx_status bvxi_morph_runs(bvx_context *ctx, const bvxi_morph *morph, int32_t op
                            double to, const bvxi_bit_box *source, const bvxi_bit_box *target)
 {
     runs_job job = {0};
-    uint64_t bytes;
-    int32_t most;
     int ok = 1;
 
     job.from = *source;
@@ -223,19 +207,25 @@ bvx_status bvxi_morph_runs(bvx_context *ctx, const bvxi_morph *morph, int32_t op
     job.scratch_size = (bvxi_mul(bvxi_mul((uint64_t)job.room, (uint64_t)job.reach[0] + 1, &ok), 8, &ok) +
                         RUNS_CHUNK * 8 + 63) /
                        64 * 64;
-    bytes = bvxi_mul(job.scratch_size, (uint64_t)bvxi_threads(ctx), &ok);
+    uint64_t const bytes = bvxi_mul(job.scratch_size, (uint64_t)bvxi_threads(ctx), &ok);
     /* Sizes by the ball and the window may pass what addresses can name. */
     if (!ok || bytes > SIZE_MAX)
         return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: grown slices are beyond this machine's addresses",
                          morph->stage);
     job.half_bytes = ((uint64_t)job.reach[1] + 1) * ((uint64_t)job.reach[2] + 1) * sizeof *job.half;
     job.pieces = bvxi_piece_count(bvxi_box_words(source), RUNS_GRAIN);
-    most = source->size[2] / (4 * job.reach[2] + 1); /* what pieces do twice stays small */
+    int32_t const most = source->size[2] / (4 * job.reach[2] + 1); /* what pieces do twice stays small */
     if (job.pieces > most) job.pieces = most < 1 ? 1 : most;
     BVXI_TRY(bvxi_row_ends_open(ctx, source, &job.ends));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job.half_bytes, "the ball's runs", &job.half));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "grown slices", &job.scratch));
-    measure_runs(morph, &job);
-    BVXI_TRY(run_steps(ctx, morph->stage, from, to, &job));
-    return BVX_OK;
+    for (int32_t dz = 0; dz <= job.reach[2]; dz++) {
+        /* The ball narrows with dy, so each run begins from the one before. */
+        int32_t k = job.reach[0];
+        for (int32_t dy = 0; dy <= job.reach[1]; dy++) {
+            while (k >= 0 && !in_ball(morph, k, dy, dz)) k--;
+            job.half[dz * (job.reach[1] + 1) + dy] = k;
+        }
+    }
+    return run_steps(ctx, morph->stage, from, to, &job);
 }

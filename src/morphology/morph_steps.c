@@ -9,7 +9,6 @@
 bvx_status bvxi_row_ends_open(bvx_context *ctx, const bvxi_bit_box *box, bvxi_row_ends *ends)
 {
     size_t const words = (size_t)box->row_words, slice = words * (size_t)box->size[1];
-
     /* A word for each of the slice: one long loop without a test for row ends. */
     ends->bytes = (uint64_t)slice * 16; /* no more than two slices of a grid that is there */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, ends->bytes, "masks of a slice", &ends->before));
@@ -253,7 +252,6 @@ static int erodes_at(const bvxi_morph *morph, int32_t i)
 static void plan_sweep(const bvxi_morph *morph, int32_t first, int32_t steps, sweep_job *job)
 {
     uint64_t const beyond = morph->beyond ? ~UINT64_C(0) : 0;
-
     job->steps = steps;
     for (int32_t s = 0; s <= steps; s++) {
         /* Turned only where the kind of step changes: words stay complemented while steps erode. */
@@ -262,13 +260,6 @@ static void plan_sweep(const bvxi_morph *morph, int32_t first, int32_t steps, sw
         job->flip[s] = was != next ? ~UINT64_C(0) : 0;
         job->around[s] = next ? ~beyond : beyond;
     }
-}
-
-static void count_pieces(const bvxi_bit_box *box, sweep_job *job)
-{
-    int32_t const most = box->size[2] / (4 * job->steps); /* what pieces do twice stays small */
-    job->pieces = bvxi_piece_count(bvxi_box_words(box) * (uint64_t)job->steps, SWEEP_GRAIN);
-    if (job->pieces > most) job->pieces = most < 1 ? 1 : most;
 }
 
 static bvx_status run_sweeps(bvx_context *ctx, const bvxi_morph *morph, const bvxi_bit_box *source,
@@ -286,7 +277,9 @@ static bvx_status run_sweeps(bvx_context *ctx, const bvxi_morph *morph, const bv
     for (int32_t done = 0, sweep = 0; done < total; done += each, sweep++) {
         job->to = sweep % 2 == 0 ? *first : *second;
         plan_sweep(morph, done, each < total - done ? each : total - done, job);
-        count_pieces(source, job);
+        int32_t const most = source->size[2] / (4 * job->steps); /* what pieces do twice stays small */
+        job->pieces = bvxi_piece_count(bvxi_box_words(source) * (uint64_t)job->steps, SWEEP_GRAIN);
+        if (job->pieces > most) job->pieces = most < 1 ? 1 : most;
         BVXI_TRY(bvxi_parallel(ctx, morph->stage, (double)done / total, (double)(done + job->steps) / total,
                                job->pieces, sweep_piece, job));
         job->from = job->to;
@@ -298,7 +291,6 @@ bvx_status bvxi_morph_steps(bvx_context *ctx, const bvxi_morph *morph, const bvx
                             const bvxi_bit_box *first, const bvxi_bit_box *second)
 {
     sweep_job job = {0};
-    uint64_t bytes, outside_bytes;
     int ok = 1;
 
     /* Three slices a step and one for the sides, for each worker. */
@@ -306,14 +298,13 @@ bvx_status bvxi_morph_steps(bvx_context *ctx, const bvxi_morph *morph, const bvx
     job.scratch_size = (bvxi_mul((uint64_t)job.slice, 24 * (uint64_t)sweep_steps(morph, source) + 8, &ok) +
                         16 + 63) /
                        64 * 64;
-    bytes = bvxi_mul(job.scratch_size, (uint64_t)bvxi_threads(ctx), &ok);
-    outside_bytes = bvxi_mul((uint64_t)job.slice, 16, &ok);
+    uint64_t const bytes = bvxi_mul(job.scratch_size, (uint64_t)bvxi_threads(ctx), &ok);
+    uint64_t const outside_bytes = bvxi_mul((uint64_t)job.slice, 16, &ok);
     if (!ok || bytes > SIZE_MAX)
         return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: slices for the steps are beyond this machine's addresses",
                          morph->stage);
     BVXI_TRY(bvxi_row_ends_open(ctx, source, &job.ends));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, outside_bytes, "slices beyond the window", &job.outside));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "slices for the steps", &job.scratch));
-    BVXI_TRY(run_sweeps(ctx, morph, source, first, second, &job));
-    return BVX_OK;
+    return run_sweeps(ctx, morph, source, first, second, &job);
 }

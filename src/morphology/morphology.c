@@ -19,7 +19,6 @@ static int32_t reach_of(const bvxi_morph *morph, int axis)
 static bvx_status alloc_box(bvx_context *ctx, const char *stage, bvxi_bit_box *box)
 {
     int ok = 1;
-
     /* Sizes up to 2^26 along each axis may pass 64 bits together. */
     uint64_t const bytes = bvxi_mul(bvxi_mul(bvxi_mul((uint64_t)box->row_words, (uint64_t)box->size[1], &ok),
                                              (uint64_t)box->size[2], &ok),
@@ -64,7 +63,6 @@ static void copy_into_wide(const bvx_grid *grid, const int32_t room[3], int32_t 
 {
     size_t const words = (size_t)grid->words_per_row;
     uint64_t const outside = beyond ? ~bvxi_tail_mask(grid->size[0]) : 0;
-
     /* All is as beyond the window first; then the window's rows are copied in. */
     memset(wide->words, beyond ? 0xff : 0, (size_t)bvxi_box_words(wide) * 8);
     for (size_t z = 0; z < (size_t)grid->size[2]; z++)
@@ -81,7 +79,6 @@ static void cut_from_wide(const bvxi_bit_box *wide, const int32_t room[3], bvx_g
 {
     size_t const words = (size_t)result->words_per_row;
     uint64_t const tail = bvxi_tail_mask(result->size[0]);
-
     for (size_t z = 0; z < (size_t)result->size[2]; z++)
         for (size_t y = 0; y < (size_t)result->size[1]; y++) {
             size_t const at = (z + (size_t)room[2]) * (size_t)wide->size[1] + y + (size_t)room[1];
@@ -115,7 +112,6 @@ static bvx_status run_in_window(bvx_context *ctx, const bvxi_morph *morph, const
     const bvxi_bit_box *last;
     bvxi_bit_box between = source;
     bvx_status status;
-
     /* The last run writes to the result, whatever their number is; a single one needs no box between. */
     if (runs == 1) return run_between(ctx, morph, &source, &target, &target, &last);
     BVXI_TRY(alloc_box(ctx, morph->stage, &between));
@@ -131,7 +127,6 @@ static bvx_status run_in_wide_box(bvx_context *ctx, const bvxi_morph *morph, con
     int32_t room[3];
     const bvxi_bit_box *last = NULL;
     bvxi_bit_box wide = {NULL, {0, 0, 0}, 0}, other;
-
     BVXI_TRY(widen_box(ctx, morph, grid, room, &wide));
     other = wide;
     BVXI_TRY(alloc_box(ctx, morph->stage, &other));
@@ -196,23 +191,19 @@ static bvx_status change_grid(bvx_context *ctx, const bvx_grid *grid, int32_t op
 {
     static const char function[] = "bvx_grid_morph";
     bvx_window window;
-    bvxi_morph morph;
-    bvx_grid made;
-    bvx_status status;
 
     BVXI_TRY(bvxi_grid_apart(ctx, function, grid, result));
     if (operation < BVX_MORPH_DILATE || operation > BVX_MORPH_CLOSE)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
                              "%s: operation is %d; it must be BVX_MORPH_...", function, (int64_t)operation);
-    morph = morphs[operation];
+    bvxi_morph morph = morphs[operation];
     BVXI_TRY(take_morph_options(ctx, function, grid, options, &morph));
     memcpy(window.low, grid->low, sizeof window.low);
     memcpy(window.size, grid->size, sizeof window.size);
     bvxi_grid_renew(ctx, &grid->lattice, &window, result);
-    made = *result;
+    bvx_grid made = *result;
     BVXI_TRY(bvxi_grid_open(ctx, function, &grid->lattice, &window, &made));
-    status = bvxi_morph_run(ctx, &morph, grid, &made);
-    return bvxi_grid_put(ctx, status, &made, result);
+    return bvxi_grid_put(ctx, bvxi_morph_run(ctx, &morph, grid, &made), &made, result);
 }
 
 bvx_status bvx_grid_morph(bvx_context *context, const bvx_grid *grid, int32_t operation,

@@ -121,7 +121,6 @@ static bvx_status open_transform(transform_job *job)
 static bvxi_columns columns_of(const transform_job *job, const transform_scratch *s, int axis)
 {
     bvxi_columns c = {NULL, NULL, NULL, NULL, 0, 0, 0, 0.0, NULL, NULL, NULL, NULL};
-
     c.from = s->from;
     c.places = s->places;
     c.n = job->t->box.size[axis];
@@ -138,19 +137,6 @@ static void run_columns(const transform_job *job, const bvxi_columns *c)
 {
     if (job->t->whole) bvxi_whole_columns(c);
     else bvxi_real_columns(c);
-}
-
-static void square_steps(const transform_job *job, const int32_t steps[BVXI_LANES], void *line)
-{
-    if (job->t->whole) {
-        uint32_t *const out = line;
-        /* Steps up to 2^16 by the check above: squares fit 32 bits. */
-        for (int i = 0; i < BVXI_LANES; i++) out[i] = (uint32_t)steps[i] * (uint32_t)steps[i];
-    } else {
-        double *const out = line;
-        double const w = job->t->weight[0];
-        for (int i = 0; i < BVXI_LANES; i++) out[i] = w * ((double)steps[i] * (double)steps[i]);
-    }
 }
 
 /* Squares along x of the 16 columns from x on, into s->in; which rows have
@@ -172,7 +158,17 @@ static int32_t make_rows(const transform_job *job, const transform_scratch *s, i
         if (!bvxi_row_steps(&job->table, carry, &row, x, job->reach, steps,
                             s->x_places != NULL ? s->x_places + (size_t)y * BVXI_LANES : NULL))
             continue;
-        square_steps(job, steps, (unsigned char *)s->in + (size_t)y * BVXI_LANES * job->cell);
+        void *const line = (unsigned char *)s->in + (size_t)y * BVXI_LANES * job->cell;
+        if (job->t->whole) {
+            uint32_t *const out = line;
+            /* Steps up to 2^16 by the check above: squares fit 32 bits. */
+            for (int i = 0; i < BVXI_LANES; i++) out[i] = (uint32_t)steps[i] * (uint32_t)steps[i];
+        } else {
+            double *const out = line;
+            double const w = job->t->weight[0];
+            for (int i = 0; i < BVXI_LANES; i++) out[i] = w * ((double)steps[i] * (double)steps[i]);
+        }
+
         s->places[count++] = y;
     }
     return count;
@@ -257,7 +253,6 @@ static void find_nearest(const transform_job *job, const transform_scratch *s, i
 {
     const int32_t *const size = job->t->box.size;
     uint64_t const slice = (uint64_t)size[0] * (uint64_t)size[1];
-
     for (size_t z = 0; z < (size_t)size[2]; z++)
         for (size_t i = 0; i < BVXI_LANES; i++) {
             size_t const from = (size_t)s->from[z * BVXI_LANES + i];
@@ -297,7 +292,6 @@ static void run_group_of_row(const transform_job *job, const transform_scratch *
 static void run_row(const transform_job *job, const transform_scratch *s, int32_t y)
 {
     const bvxi_transform *const t = job->t;
-
     for (int32_t g = 0; g < job->groups; g++) run_group_of_row(job, s, g, y);
     for (int32_t z = 0; z < t->box.size[2]; z++)
         for (int32_t g = 0; g < job->groups; g++) {
@@ -325,7 +319,6 @@ static bvx_status run_tile(transform_job *job, double from, double to)
     const int32_t *const size = t->box.size;
     uint64_t const voxels = (uint64_t)size[1] * (uint64_t)size[2] * BVXI_LANES * (uint64_t)job->groups;
     int32_t const pieces = bvxi_piece_count(voxels, TRANSFORM_GRAIN);
-
     /* Along x and y slices are shared, along z rows: each step waits for the one before. */
     job->pieces = pieces < size[2] ? pieces : size[2];
     BVXI_TRY(bvxi_parallel(t->ctx, t->stage, from, (from + to) * 0.5, job->pieces, run_slices, job));
@@ -361,7 +354,6 @@ bvx_status bvxi_transform_run(const bvxi_transform *transform)
 {
     uint64_t const mark = bvxi_scratch_begin(transform->ctx);
     transform_job job;
-
     memset(&job, 0, sizeof job);
     job.t = transform;
     BVXI_TRY(open_transform(&job));

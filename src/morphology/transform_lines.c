@@ -36,7 +36,6 @@ static int32_t first_target(const bvxi_target_row *row, int32_t x)
 {
     int32_t const words = bvxi_row_words(row->size);
     int32_t k = x >> 6;
-
     if (k >= words) return -1;
     /* Targets before x are not looked at. */
     uint64_t w = target_word(row, k) & ~UINT64_C(0) << (x & 63);
@@ -81,7 +80,6 @@ BVXI_VECTOR_INLINE void byte_steps(const uint8_t *BVXI_RESTRICT near, int32_t le
 static void find_target_places(uint32_t bits, const bvxi_row_carry *carry, int32_t x, int32_t *places)
 {
     int32_t last = carry->left, next = carry->right;
-
     /* From the left, then from the right; the left one stays where both are as far. */
     for (int32_t i = 0; i < BVXI_LANES; i++) {
         if (bits >> i & 1) last = x + i;
@@ -100,7 +98,6 @@ int bvxi_row_steps(const bvxi_row_distances *table, const bvxi_row_carry *carry,
     uint32_t const low = bits & 255u, high = bits >> 8;
     int32_t const left = carry->left < 0 ? ROW_NONE : x - carry->left;
     int32_t const right = carry->right < 0 ? ROW_NONE : carry->right - x;
-
     if (bits == 0 && left > reach && right - (BVXI_LANES - 1) > reach) return 0;
     /* Each byte sees the other one's nearest target, or the one beyond it. */
     byte_steps(table->near[low], left, high != 0 ? 8 + bvxi_lowest(high) : right, steps);
@@ -285,7 +282,6 @@ static int as_good(double a, double b, double weight, int32_t i, int32_t u, int3
 static int32_t last_good(double a, double b, double weight, int32_t i, int32_t u, double about, int32_t first)
 {
     int32_t y = (int32_t)about;
-
     /* Only near a whole number may doubles be wrong; there the exact test decides. */
     if (about - (double)y < REAL_NEAR) {
         if (y > first && !as_good(a, b, weight, i, u, y)) y--;

@@ -25,7 +25,6 @@ typedef struct carry_work {
 static uint8_t round_colour(double v)
 {
     double const up = v + 0.5;
-
     /* Weights may sum up to a hair more than 1. */
     return (uint8_t)(up >= 255.0 ? 255 : (int32_t)up);
 }
@@ -36,7 +35,6 @@ static void blend_colours(const carry_work *w, const bvx_closest_point *at, uint
     uint32_t corner[3];
     bvxi_view_triangle(&w->from, at->triangle, corner);
     for (int k = 0; k < 3; k++) c[k] = w->source->colours + 4 * (size_t)corner[k];
-
     /* Opacity is blended like the colours. */
     for (int i = 0; i < 4; i++)
         w->colours[4 * vertex + (uint64_t)i] = round_colour(
@@ -47,7 +45,6 @@ static void blend_colours(const carry_work *w, const bvx_closest_point *at, uint
 static void corner_uvs(const bvx_mesh *source, uint64_t triangle, uint32_t number[3])
 {
     const uint32_t *const from = source->uv_triangles != NULL ? source->uv_triangles : source->triangles;
-
     /* Texture coordinates may have triangles of their own, where seams part them. */
     memcpy(number, from + 3 * (size_t)triangle, 3 * sizeof *number);
 }
@@ -180,35 +177,27 @@ static bvx_status make_carried_arrays(bvx_context *ctx, const bvx_mesh *target, 
     return BVX_OK;
 }
 
-static void replace_carried_arrays(bvx_context *ctx, bvx_mesh *target, const carry_work *w)
-{
-    if (w->colours != NULL) {
-        bvxi_mesh_release(ctx, target, BVXI_MESH_COLOURS);
-        target->colours = w->colours;
-    }
-
-    /* A coordinate a vertex: triangles of their own are not needed any more. */
-    if (w->uvs != NULL) {
-        bvxi_mesh_release(ctx, target, BVXI_MESH_UV_TRIANGLES | BVXI_MESH_UVS);
-        target->uvs = w->uvs;
-        target->uv_count = target->vertex_capacity;
-    }
-}
-
 /* With the search tree built: carry, or leave the target as it was. */
 static bvx_status carry_with_tree(bvx_context *ctx, const char *of_source, carry_work *w, bvx_mesh *target)
 {
-    bvx_status status;
-
     BVXI_TRY(check_source_uvs(ctx, of_source, w->source));
 
     /* New arrays are filled before old ones go: a failure leaves the target as it was. */
-    status = make_carried_arrays(ctx, target, w);
+    bvx_status status = make_carried_arrays(ctx, target, w);
     if (status == BVX_OK)
         status = BVXI_SHARE(ctx, 0.3, 1.0,
                             bvxi_for(ctx, "carry", target->vertex_count, CARRY_GRAIN, carry_piece, w));
     if (status == BVX_OK) {
-        replace_carried_arrays(ctx, target, w);
+        if (w->colours != NULL) {
+            bvxi_mesh_release(ctx, target, BVXI_MESH_COLOURS);
+            target->colours = w->colours;
+        }
+        /* A coordinate a vertex: triangles of their own are not needed any more. */
+        if (w->uvs != NULL) {
+            bvxi_mesh_release(ctx, target, BVXI_MESH_UV_TRIANGLES | BVXI_MESH_UVS);
+            target->uvs = w->uvs;
+            target->uv_count = target->vertex_capacity;
+        }
     } else {
         bvxi_free(ctx, w->uvs, target->vertex_capacity * 8);
         bvxi_free(ctx, w->colours, target->vertex_capacity * 4);
@@ -220,7 +209,6 @@ static bvx_status run_mesh_carry(bvx_context *context, const bvx_mesh *source, b
 {
     static const char *const function = "bvx_mesh_carry", *const of_source = "bvx_mesh_carry, source";
     carry_work w;
-    bvx_status status;
     if (source == NULL) return bvxi_fail_null(context, function, "source");
     if (target == NULL) return bvxi_fail_null(context, function, "target");
     if (source == target)
@@ -236,7 +224,7 @@ static bvx_status run_mesh_carry(bvx_context *context, const bvx_mesh *source, b
     if (source->colours == NULL && source->uvs == NULL && source->uv_triangles == NULL) return BVX_OK;
 
     BVXI_TRY(bvxi_closest_open(bvxi_call_of(context, of_source, "carry", 0.0, 0.3), &w.from, &w.closest));
-    status = carry_with_tree(context, of_source, &w, target);
+    bvx_status const status = carry_with_tree(context, of_source, &w, target);
     bvxi_closest_shut(context, &w.closest);
     return status;
 }

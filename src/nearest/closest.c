@@ -36,8 +36,6 @@ typedef struct closest_visit {
     uint32_t node; /* in its level */
 } closest_visit;
 
-/* ---- Triangles ---- */
-
 static void set_closest_limit(closest_search *s)
 {
     /* Limits are of boxes, whose units and rounding are not those of triangles. */
@@ -49,9 +47,7 @@ static void set_closest_limit(closest_search *s)
 static inline void take_closest(closest_search *s, uint32_t place, double distance2)
 {
     if (distance2 > s->best->distance2) return;
-
     uint32_t const number = s->tree->order[place];
-
     /* Equal distances are the rule, at edges and vertices: the lowest index makes the answer independent of
      * the tree. */
     if (distance2 == s->best->distance2 && number >= s->best->triangle) return;
@@ -64,13 +60,10 @@ static inline void take_closest(closest_search *s, uint32_t place, double distan
 static void try_closest_triangle(closest_search *s, uint32_t place)
 {
     double t[3][3], q[3];
-
     /* One triangle by itself: the guess that a search begins with. */
     bvxi_closest_corners(s->tree, place, t);
     take_closest(s, place, bvxi_closest_on_triangle(s->point, (const double(*)[3])t, q));
 }
-
-/* ---- Boxes ---- */
 
 /* In doubles, where the point is far off. */
 static uint32_t far_distances_of_sixteen(const bvxi_closest_node *node, int children, const double at[3],
@@ -98,22 +91,18 @@ static uint32_t far_distances_of_sixteen(const bvxi_closest_node *node, int chil
 static void begin_closest_search(const bvxi_closest_tree *tree, const double point[3], closest_search *s)
 {
     double reach = 0.0;
-
     /* The farthest axis bounds what rounding can do to any of the three. */
     for (int a = 0; a < 3; a++) {
         double const x = (point[a] - tree->centre[a]) * tree->box_scale;
         reach = x > reach ? x : -x > reach ? -x : reach;
         s->at[a] = x;
     }
-
     /* Floats halve the memory of boxes and double the width of vectors; far off their rounding would exceed
      * the boxes. */
     s->is_near = reach <= 64.0;
     for (int a = 0; a < 3; a++) s->at_f[a] = s->is_near ? (float)s->at[a] : 0.0f;
     s->margin = (1.0 + reach) * (s->is_near ? 0x1p-19 : 0x1p-45);
 }
-
-/* ---- The search ---- */
 
 #define CLOSEST_TOGETHER BVXI_SIMD_BASE /* 1: triangles wait for each other */
 #define BVXI_SIMD_LEVEL  _base
@@ -134,15 +123,12 @@ void bvxi_closest_find(const bvxi_closest_tree *tree, const double point[3], uin
 {
     closest_search s = {.tree = tree, .point = point, .best = found};
     double t[3][3];
-
     begin_closest_search(tree, point, &s);
     found->distance2 = HUGE_VAL;
     found->triangle = UINT32_MAX;
-
     /* A good first guess drops most of the tree at once. It changes the time and nothing else. */
     try_closest_triangle(&s, hint < tree->triangle_count ? hint : 0);
     BVXI_PATH(tree->fast, search_closest_base(&s), search_closest_avx2(&s));
-
     /* The point itself from one evaluation, to the sign of its zeros. */
     bvxi_closest_corners(tree, found->place, t);
     bvxi_closest_on_triangle(point, (const double(*)[3])t, found->point);

@@ -38,7 +38,6 @@ static void closest_triangle_box(const bvxi_closest_tree *tree, const double t[3
             lo = t[k][a] < lo ? t[k][a] : lo;
             hi = t[k][a] > hi ? t[k][a] : hi;
         }
-
         /* Box units lie in [-1, 1] about the middle, where floats are densest. */
         low[a] = (lo - tree->centre[a]) * tree->box_scale;
         high[a] = (hi - tree->centre[a]) * tree->box_scale;
@@ -50,7 +49,6 @@ static uint64_t curve_key(const double low[3], const double high[3])
 {
     double const most = (double)((1 << CLOSEST_BITS) - 1);
     uint64_t key = 0;
-
     /* Bits of the three axes in turn: neighbours on the curve are neighbours in space. */
     for (int a = 0; a < 3; a++) {
         double const x = ((low[a] + high[a]) * 0.25 + 0.5) * most;
@@ -87,9 +85,7 @@ static void turn_to_lowest(const bvx_mesh_view *view, uint32_t c[3])
     double p[3][3];
     uint32_t const was[3] = {c[0], c[1], c[2]};
     int first = 0;
-
     for (int k = 0; k < 3; k++) bvxi_view_position(view, c[k], p[k]);
-
     /* Two corners may lie at one place; then what follows them decides. */
     for (int k = 1; k < 3; k++)
         if (bvxi_corner_before(p[k], p[first]) ||
@@ -101,7 +97,6 @@ static void turn_to_lowest(const bvx_mesh_view *view, uint32_t c[3])
 static uint64_t hash_of_corners(const bvx_mesh_view *view, uint64_t triangle)
 {
     uint32_t c[3];
-
     bvxi_view_triangle(view, triangle, c);
     turn_to_lowest(view, c);
     return bvxi_view_corners_hash(view, c, 1.0);
@@ -115,7 +110,6 @@ static void order_few(uint64_t *keys, uint32_t *order, uint64_t count)
         uint64_t const key = keys[i];
         uint32_t const triangle = order[i];
         uint64_t j = i;
-
         for (; j > 0 && keys[j - 1] > key; j--) {
             keys[j] = keys[j - 1];
             order[j] = order[j - 1];
@@ -129,7 +123,6 @@ static void order_few(uint64_t *keys, uint32_t *order, uint64_t count)
 static uint64_t end_of_its_run(const closest_builder *b, uint64_t first, uint64_t stop)
 {
     uint64_t end = first + 1;
-
     while (end < stop && b->keys[end] == b->keys[first]) end++;
     return end;
 }
@@ -146,7 +139,6 @@ static void order_short_runs(void *user, int32_t index)
     const closest_builder *const b = user;
     uint64_t const stop = b->run[index + 1];
     uint64_t end;
-
     /* Few share a key, so a look at the neighbours is all that most of them cost; those of the next piece are
      * not looked at, as they change meanwhile. */
     for (uint64_t first = b->run[index]; first < stop; first = end) {
@@ -166,21 +158,6 @@ static int has_long_run(const closest_builder *b)
     return 0;
 }
 
-static bvx_status order_all_runs(bvx_context *ctx, const closest_builder *b)
-{
-    uint64_t const n = b->tree->triangle_count;
-    uint64_t end;
-
-    for (uint64_t first = 0; first < n; first = end) {
-        end = end_of_its_run(b, first, n);
-        if (end - first == 1) continue;
-        hash_run(b, first, end);
-        if (end - first <= CLOSEST_FEW) order_few(b->keys + first, b->tree->order + first, end - first);
-        else BVXI_TRY(bvxi_radix_sort(ctx, b->keys + first, b->tree->order + first, end - first));
-    }
-    return BVX_OK;
-}
-
 /* Triangles of equal keys by a hash of their positions; keys are used up. */
 static bvx_status order_by_positions(bvx_context *ctx, closest_builder *b)
 {
@@ -188,12 +165,21 @@ static bvx_status order_by_positions(bvx_context *ctx, closest_builder *b)
 
     /* Long runs take memory to be sorted, which tasks cannot request. Meshes have none, unless most of their
      * triangles lie in a speck. */
-    if (has_long_run(b)) return order_all_runs(ctx, b);
+    if (has_long_run(b)) {
+        uint64_t end;
+        for (uint64_t first = 0; first < n; first = end) {
+            end = end_of_its_run(b, first, n);
+            if (end - first == 1) continue;
+            hash_run(b, first, end);
+            if (end - first <= CLOSEST_FEW) order_few(b->keys + first, b->tree->order + first, end - first);
+            else BVXI_TRY(bvxi_radix_sort(ctx, b->keys + first, b->tree->order + first, end - first));
+        }
+        return BVX_OK;
+    }
 
     /* Known before a piece begins, as keys of others change under its hands: where its first run does. */
     for (int32_t i = 0; i <= b->pieces; i++) {
         uint64_t begin = n, end;
-
         if (i < b->pieces) bvxi_piece(n, b->pieces, i, &begin, &end);
         while (begin > 0 && begin < n && b->keys[begin] == b->keys[begin - 1]) begin++;
         b->run[i] = begin;
@@ -209,7 +195,6 @@ static void copy_curve_corners(const closest_builder *b, uint64_t place)
     uint32_t c[3];
     bvxi_view_triangle(b->view, b->tree->order[place], c);
     if (b->unnumbered) turn_to_lowest(b->view, c);
-
     /* As bytes, of any alignment. */
     for (size_t k = 0; k < 3; k++) {
         double p[3];
@@ -313,10 +298,8 @@ static uint64_t closest_corner_bytes(const bvxi_closest_tree *tree)
 static bvx_status sort_along_curve(bvxi_call call, closest_builder *b)
 {
     uint64_t const n = b->tree->triangle_count;
-
     BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, n * sizeof *b->keys, "the search tree's keys", &b->keys));
     b->pieces = bvxi_piece_count(n, CLOSEST_GRAIN);
-
     /* Keys side by side; the sort is stable, so equal keys stay in the order of their indices. */
     BVXI_TRY(BVXI_SHARE(call.ctx, call.from, call.to,
                         bvxi_for(call.ctx, call.stage, n, CLOSEST_GRAIN, make_curve_keys, b)));
@@ -355,7 +338,6 @@ static bvx_status build_closest_tree(bvxi_call call, closest_builder *b)
 static bvx_status build_or_free(bvxi_call call, closest_builder *b)
 {
     bvx_status const status = build_closest_tree(call, b);
-
     /* A tree that is half made has arrays already. */
     if (status != BVX_OK) bvxi_closest_free(call.ctx, b->tree);
     return status;
@@ -365,7 +347,6 @@ bvx_status bvxi_closest_build(bvxi_call call, const bvx_mesh_view *view, const d
                               const double high[3], double scale, bvxi_closest_tree *tree)
 {
     closest_builder b = {.tree = tree, .view = view};
-
     plan_closest_tree(view, low, high, scale, tree);
     tree->fast = bvxi_cpu(call.ctx) == BVX_CPU_AVX2;
     return build_or_free(call, &b);
@@ -375,11 +356,9 @@ bvx_status bvxi_closest_build_unnumbered(bvxi_call call, const bvx_mesh_view *vi
                                          const double high[3], double scale, bvxi_closest_tree *tree)
 {
     closest_builder b = {.tree = tree, .view = view, .unnumbered = 1};
-
     plan_closest_tree(view, low, high, scale, tree);
     tree->fast = bvxi_cpu(call.ctx) == BVX_CPU_AVX2;
     BVXI_TRY(build_or_free(call, &b));
-
     /* Of equally near triangles the one that comes first along the curve counts. */
     for (uint64_t i = 0; i < tree->triangle_count; i++) tree->order[i] = (uint32_t)i;
     return BVX_OK;

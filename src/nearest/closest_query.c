@@ -35,14 +35,12 @@ static int is_on_query_edge(const double p[3], const double a[3], const double b
                             double *s)
 {
     double u[3], along = 0.0, length2 = 0.0;
-
     /* The same operations in the same order as the evaluation, so that equal means equal bits. */
     for (int k = 0; k < 3; k++) {
         u[k] = b[k] - a[k];
         along += u[k] * (p[k] - a[k]);
         length2 += u[k] * u[k];
     }
-
     /* Ends belong to corners, which were looked at before. */
     if (!(along > 0.0) || along >= length2) return 0;
     *s = along / length2;
@@ -112,13 +110,11 @@ int32_t bvxi_closest_feature(const double p[3], const double t[3][3], const doub
 static double query_scale(const bvxi_closest_tree *tree, const double point[3])
 {
     double largest = 0.0, s = tree->scale;
-
     /* The farthest axis decides, on either side of the origin. */
     for (int a = 0; a < 3; a++) {
         largest = point[a] > largest ? point[a] : largest;
         largest = -point[a] > largest ? -point[a] : largest;
     }
-
     /* Squares stay finite; a power of two changes no digit. */
     while (largest * s > 0x1p300) s *= 0.5;
     return s;
@@ -162,12 +158,10 @@ static bvx_status run_closest_create(bvx_context *context, const bvx_mesh_view *
 {
     static const char *const function = "bvx_closest_create";
     bvx_closest *made = NULL;
-    uint64_t mark;
-
     if (closest == NULL) return bvxi_fail_null(context, function, "closest");
     *closest = NULL;
     /* What has been taken since the mark is given to the object when all went well. */
-    mark = bvxi_scratch_begin(context);
+    uint64_t const mark = bvxi_scratch_begin(context);
     BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, sizeof *made, "the search tree's head", &made));
     BVXI_TRY(bvxi_closest_open(bvxi_call_of(context, function, "search tree", 0.0, 1.0), mesh, made));
     bvxi_scratch_adopt(context, mark);
@@ -205,7 +199,6 @@ static void find_closest_piece(void *user, uint64_t begin, uint64_t end)
 {
     const closest_query *const q = user;
     uint32_t hint = 0;
-
     /* The hint is the piece's own: threads share nothing that is written. */
     for (uint64_t i = begin; i < end; i++) {
         uint64_t const point = q->order == NULL ? i : q->order[i];
@@ -220,7 +213,6 @@ static void make_query_keys(closest_query *q)
 
     for (int a = 0; a < 3; a++) {
         double low = q->points[a], high = low;
-
         for (uint64_t i = 1; i < q->count; i++) {
             double const x = q->points[3 * i + (uint64_t)a];
             low = x < low ? x : low;
@@ -234,7 +226,6 @@ static void make_query_keys(closest_query *q)
 
     for (uint64_t i = 0; i < q->count; i++) {
         uint64_t key = 0;
-
         for (int a = 0; a < 3; a++) {
             double const x = q->scale[a] > 0.0 ? (q->points[3 * i + (uint64_t)a] - q->low[a]) * q->scale[a]
                                                : 0.0;
@@ -261,7 +252,6 @@ static bvx_status find_closest_batches(bvx_context *ctx, closest_query *all)
     for (uint64_t begin = 0; begin < all->count; begin += QUERY_TOGETHER) {
         uint64_t const rest = all->count - begin, count = rest < QUERY_TOGETHER ? rest : QUERY_TOGETHER;
         closest_query q = *all;
-
         /* Batches bound the memory of keys, whatever the number of points. */
         q.points += 3 * begin;
         q.found += begin;
@@ -272,25 +262,11 @@ static bvx_status find_closest_batches(bvx_context *ctx, closest_query *all)
     return BVX_OK;
 }
 
-static bvx_status find_all_closest(bvx_context *ctx, closest_query *q)
-{
-    uint64_t const most = q->count < QUERY_TOGETHER ? q->count : QUERY_TOGETHER;
-
-    /* A few points are not worth an order; none is work that says so. */
-    if (q->count <= QUERY_GRAIN) return find_closest_batch(ctx, q, 0.0, 1.0);
-
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, most * sizeof *q->keys, "the points' keys", &q->keys));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, most * sizeof *q->order, "the points' order", &q->order));
-    BVXI_TRY(find_closest_batches(ctx, q));
-    return BVX_OK;
-}
-
 static bvx_status run_closest_find(bvx_context *context, const bvx_closest *closest, const double *points,
                                    uint64_t count, bvx_closest_point *found)
 {
     static const char *const function = "bvx_closest_find";
     closest_query q = {.closest = closest, .points = points, .found = found, .count = count};
-
     if (closest == NULL) return bvxi_fail_null(context, function, "closest");
     if (points == NULL && count != 0) return bvxi_fail_null(context, function, "points");
     if (found == NULL && count != 0) return bvxi_fail_null(context, function, "found");
@@ -298,7 +274,12 @@ static bvx_status run_closest_find(bvx_context *context, const bvx_closest *clos
         return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: %u points are beyond this machine's addresses", function, count);
     BVXI_TRY(bvxi_check_points(context, function, points, count));
-    return find_all_closest(context, &q);
+    uint64_t const most = q.count < QUERY_TOGETHER ? q.count : QUERY_TOGETHER;
+    /* A few points are not worth an order; none is work that says so. */
+    if (q.count <= QUERY_GRAIN) return find_closest_batch(context, &q, 0.0, 1.0);
+    BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, most * sizeof *q.keys, "the points' keys", &q.keys));
+    BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, most * sizeof *q.order, "the points' order", &q.order));
+    return find_closest_batches(context, &q);
 }
 
 bvx_status bvx_closest_find(bvx_context *context, const bvx_closest *closest, const double *points,

@@ -53,7 +53,6 @@ static void crossings_positions(const bvxi_closest_tree *tree, uint64_t position
 {
     if (tree->position_type == BVX_F32) {
         const float *const f = (const float *)tree->corners + 9 * (size_t)position;
-
         for (int k = 0; k < 3; k++)
             for (int a = 0; a < 3; a++) t[k][a] = (double)f[3 * k + a];
     } else {
@@ -64,13 +63,11 @@ static void crossings_positions(const bvxi_closest_tree *tree, uint64_t position
 static void crossings_open_four(const crossings_job *job, uint64_t four, crossings_four *f)
 {
     uint64_t const first = four * BVXI_CLOSEST_WIDTH;
-
     /* Boxes, corners and numbers stay where they are; positions are unpacked once for all partners. */
     f->boxes = &job->tree.nodes[four];
     f->corner = job->corner + 3 * (size_t)first;
     f->index = job->tree.order + (size_t)first;
     f->count = bvxi_closest_children(job->tree.triangle_count, first);
-
     for (int i = 0; i < f->count; i++) crossings_positions(&job->tree, first + (uint64_t)i, f->position[i]);
 }
 
@@ -87,13 +84,11 @@ static void crossings_corners(void *user, uint64_t begin, uint64_t end)
 
     for (uint64_t i = begin * BVXI_CLOSEST_WIDTH; i < end; i++) {
         uint32_t *const corner = job->corner + 3 * (size_t)i;
-        int has_area;
-
         bvxi_view_triangle(job->view, job->tree.order[i], corner);
         crossings_positions(&job->tree, i, t);
 
         /* A triangle without area has no plane that anything could cross. */
-        has_area = bvxi_has_area(p);
+        int const has_area = bvxi_has_area(p);
         for (int k = 0; k < 3; k++)
             corner[k] = has_area ? job->representative[corner[k]] : CROSSINGS_NO_VERTEX;
     }
@@ -106,7 +101,6 @@ static unsigned crossings_boxes_met(const bvxi_closest_node *node, int count, co
                                     const float high[3])
 {
     uint32_t x[BVXI_CLOSEST_WIDTH], y[BVXI_CLOSEST_WIDTH], z[BVXI_CLOSEST_WIDTH];
-
     /* One axis a loop, four boxes side by side: compilers make vector code of it. */
     for (int k = 0; k < BVXI_CLOSEST_WIDTH; k++)
         x[k] = (node->low[0][k] <= high[0]) & (low[0] <= node->high[0][k]);
@@ -115,7 +109,6 @@ static unsigned crossings_boxes_met(const bvxi_closest_node *node, int count, co
     for (int k = 0; k < BVXI_CLOSEST_WIDTH; k++)
         z[k] = (node->low[2][k] <= high[2]) & (low[2] <= node->high[2][k]);
     for (int k = 0; k < BVXI_CLOSEST_WIDTH; k++) x[k] = (x[k] & y[k] & z[k]) << k;
-
     return (x[0] | x[1] | x[2] | x[3]) & ((1u << count) - 1);
 }
 
@@ -133,14 +126,11 @@ static int crossings_pair(const crossings_four *a, int i, const crossings_four *
     const uint32_t *const u = a->corner + 3 * i, *const v = b->corner + 3 * k;
     const double(*const t)[3] = a->position[i];
     const double *const p[3] = {t[0], t[1], t[2]}, *q[3];
-
     /* Without area on one side there is nothing to cross. */
     if (u[0] == CROSSINGS_NO_VERTEX || v[0] == CROSSINGS_NO_VERTEX) return 0;
-
     /* The test knows common corners by their pointers. */
     for (int j = 0; j < 3; j++)
         q[j] = v[j] == u[0] ? t[0] : v[j] == u[1] ? t[1] : v[j] == u[2] ? t[2] : b->position[k][j];
-
     return bvxi_triangles_cross_at(&a->plane[i], p, q);
 }
 
@@ -152,10 +142,9 @@ static uint64_t crossings_of_fours(const crossings_four *a, const crossings_four
 
     for (int i = 0; i < a->count; i++) {
         float low[3], high[3];
-        unsigned met;
 
         crossings_box_of(a->boxes, i, low, high);
-        met = crossings_boxes_met(b->boxes, b->count, low, high);
+        unsigned met = crossings_boxes_met(b->boxes, b->count, low, high);
         if (a->boxes == b->boxes) met &= ~0u << (i + 1); /* each pair once, and none with itself */
 
         for (int k = 0; met != 0; k++, met >>= 1) {
@@ -167,7 +156,6 @@ static uint64_t crossings_of_fours(const crossings_four *a, const crossings_four
             found++;
         }
     }
-
     return found;
 }
 
@@ -181,18 +169,16 @@ static uint64_t crossings_of_four(const crossings_job *job, uint64_t four, uint6
     } stack[CROSSINGS_STACK];
     crossings_four a, b;
     float low[3], high[3], l[3], h[3];
-    uint64_t found;
     int depth = 0;
 
     crossings_open_four(job, four, &a);
     for (int i = 0; i < a.count; i++) {
         const double *const t[3] = {a.position[i][0], a.position[i][1], a.position[i][2]};
-
         bvxi_orient_plane_of(t, &a.plane[i]);
     }
 
     /* Each pair is found by the one of both that comes first along the curve: here those within the four. */
-    found = crossings_of_fours(&a, &a, keys);
+    uint64_t found = crossings_of_fours(&a, &a, keys);
 
     /* Then what follows it, by one box around all four, so that the tree is walked once for all. */
     crossings_box_of(a.boxes, 0, low, high);
@@ -228,33 +214,26 @@ static uint64_t crossings_of_four(const crossings_job *job, uint64_t four, uint6
             found += crossings_of_fours(&a, &b, keys != NULL ? keys + found : NULL);
         }
     }
-
     return found;
 }
 
-/* Task, first run. */
 static void count_crossings_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     const crossings_job *const job = user;
     uint64_t count = 0;
-
     for (uint64_t i = begin; i < end; i++) {
         uint64_t const found = crossings_of_four(job, i, NULL);
-
         /* Most fours cross nothing: the second run, which writes, leaves them out. */
         job->marks[i] = found != 0;
         count += found;
     }
-
     job->counts[index] = count;
 }
 
-/* Task, second run. */
 static void write_crossings_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     const crossings_job *const job = user;
     uint64_t *to = job->keys + job->counts[index];
-
     /* Each piece writes from the place that the counts have given it. */
     for (uint64_t i = begin; i < end; i++)
         if (job->marks[i]) to += crossings_of_four(job, i, to);
@@ -280,7 +259,6 @@ static bvx_status write_crossings(bvx_context *ctx, crossings_job *job, uint64_t
         pairs[2 * i] = (uint32_t)(job->keys[i] >> 32);
         pairs[2 * i + 1] = (uint32_t)(job->keys[i] & UINT32_MAX);
     }
-
     return BVX_OK;
 }
 
@@ -336,11 +314,9 @@ bvx_status bvxi_mesh_crossings(bvx_context *ctx, const char *function, const bvx
     uint64_t const mark = bvxi_scratch_begin(ctx);
     crossings_job job;
     bvx_status status;
-
     memset(&job, 0, sizeof job);
     job.view = mesh->view;
     job.representative = mesh->representative;
-
     status = bvxi_closest_build(bvxi_call_of(ctx, NULL, "crossings", 0.0, 0.3), mesh->view, mesh->low,
                                 mesh->high, bvxi_unit_scale(mesh->low, mesh->high), &job.tree);
     if (status == BVX_OK) status = give_crossings(ctx, function, &job, count, pairs, capacity);

@@ -54,7 +54,6 @@ static void compute_curve_areas(void *user, int32_t index)
     const area_work *const w = user;
     double t[3][3], n[3];
     uint64_t begin, end;
-
     bvxi_piece(w->tree->triangle_count, w->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         bvxi_closest_corners(w->tree, i, t);
@@ -66,7 +65,6 @@ static void add_curve_areas(bvx_context *ctx, const bvxi_closest_tree *tree, dou
 {
     area_work w = {tree, area_before, bvxi_piece_count(tree->triangle_count, 4096)};
     double sum = 0.0;
-
     bvxi_tasks(ctx, w.pieces, compute_curve_areas, &w);
     /* One after the other, since sums of doubles depend on their order. */
     for (uint64_t i = 0; i < tree->triangle_count; i++) area_before[i] = sum += area_before[i];
@@ -76,7 +74,6 @@ static void add_curve_areas(bvx_context *ctx, const bvxi_closest_tree *tree, dou
 static uint64_t owner_of_area(const double *area_before, uint64_t count, double share)
 {
     uint64_t low = 0, high = count - 1;
-
     /* rounding reached the end */
     if (share >= area_before[high]) share = area_before[high] * (1.0 - 0x1p-53);
     /* The first place whose sum is above the share: places without area own nothing. */
@@ -123,7 +120,6 @@ static void measure_distance_block(void *user, int32_t index, uint64_t begin, ui
     const distance_work *const w = user;
     distance_sums s = {0.0, 0.0, 0.0, 0};
     bvxi_closest nearest = {{0.0, 0.0, 0.0}, 0.0, 0, 0};
-
     for (uint64_t i = begin; i < end; i++) take_distance_sample(w, i, &nearest, &s);
     w->sums[index] = s;
 }
@@ -135,7 +131,6 @@ typedef struct distance_way {
 static void add_distance_blocks(const distance_work *w, distance_way *way)
 {
     distance_sums all = {0.0, 0.0, 0.0, 0};
-
     /* In the order of blocks, whoever computed them. */
     for (int32_t b = 0; b < w->blocks; b++) {
         all.sum += w->sums[b].sum;
@@ -143,7 +138,6 @@ static void add_distance_blocks(const distance_work *w, distance_way *way)
         all.normal_sum += w->sums[b].normal_sum;
         all.normal_count += w->sums[b].normal_count;
     }
-
     /* Back in the caller's units: a power of two, so nothing is rounded. */
     way->mean = all.sum / (double)w->samples / w->to->scale;
     way->max = all.max / w->to->scale;
@@ -168,23 +162,7 @@ static bvx_status measure_distance_one_way(bvx_context *ctx, const bvxi_closest_
     BVXI_TRY(bvxi_for_pieces(ctx, "distance", progress, progress + 0.4, blocks, w.samples,
                              measure_distance_block, &w));
     add_distance_blocks(&w, way);
-
     return BVX_OK;
-}
-
-static void make_distance_report(const distance_way *ab, const distance_way *ba, uint64_t samples,
-                                 uint64_t seed, bvx_distance_report *r)
-{
-    r->samples = samples;
-    r->seed = seed;
-    r->mean_a_to_b = ab->mean;
-    r->max_a_to_b = ab->max;
-    r->normal_a_to_b = ab->normal;
-    r->mean_b_to_a = ba->mean;
-    r->max_b_to_a = ba->max;
-    r->normal_b_to_a = ba->normal;
-    r->mean = (ab->mean + ba->mean) * 0.5;
-    r->max = ab->max > ba->max ? ab->max : ba->max;
 }
 
 /* A mesh and its bounds. */
@@ -202,7 +180,6 @@ typedef struct distance_pair {
 static double distance_scale(const distance_side *a, const distance_side *b)
 {
     double low[3], high[3];
-
     /* Around both, as points of either are measured to the other. */
     for (int k = 0; k < 3; k++) {
         low[k] = a->low[k] < b->low[k] ? a->low[k] : b->low[k];
@@ -216,7 +193,6 @@ static bvx_status require_area(bvx_context *ctx, const char *function, const bvx
 {
     double t[3][3], n[3];
     uint32_t c[3];
-
     /* The first triangle with an area answers. */
     for (uint64_t i = 0; i < v->triangle_count; i++) {
         bvxi_view_triangle(v, i, c);
@@ -239,7 +215,6 @@ static bvx_status build_kept_tree(bvx_context *ctx, const distance_side *a, doub
                                   bvxi_distance_tree *kept)
 {
     if (kept->built && kept->tree.scale == scale) return BVX_OK;
-
     /* Another mesh beside it may ask for another scale: then the tree is built anew. */
     bvxi_distance_forget(ctx, kept);
     BVXI_TRY(bvxi_closest_build_unnumbered(bvxi_call_of(ctx, NULL, "distance", 0.0, 0.1), a->view, a->low,
@@ -265,7 +240,17 @@ static bvx_status measure_distance_both_ways(bvx_context *ctx, const distance_pa
     /* Two keys from one seed: places on a and on b have nothing to do with each other. */
     BVXI_TRY(BVXI_SCOPE(ctx, measure_distance_one_way(ctx, tree_a, &tree_b, samples, key_a, 0.2, &ab)));
     BVXI_TRY(BVXI_SCOPE(ctx, measure_distance_one_way(ctx, &tree_b, tree_a, samples, key_b, 0.6, &ba)));
-    make_distance_report(&ab, &ba, samples, seed, report);
+    report->samples = samples;
+    report->seed = seed;
+    report->mean_a_to_b = ab.mean;
+    report->max_a_to_b = ab.max;
+    report->normal_a_to_b = ab.normal;
+    report->mean_b_to_a = ba.mean;
+    report->max_b_to_a = ba.max;
+    report->normal_b_to_a = ba.normal;
+    report->mean = (ab.mean + ba.mean) * 0.5;
+    report->max = ab.max > ba.max ? ab.max : ba.max;
+
     bvxi_closest_free(ctx, &tree_b);
     return BVX_OK;
 }
@@ -299,7 +284,6 @@ static bvx_status run_mesh_distance(bvx_context *context, const bvx_mesh_view *a
                                     uint64_t samples, uint64_t seed, bvx_distance_report *report)
 {
     bvxi_distance_tree tree = {.built = 0};
-
     BVXI_TRY(bvxi_mesh_distance(context, a, &tree, b, samples, seed, report));
     bvxi_distance_forget(context, &tree);
     return BVX_OK;

@@ -49,7 +49,6 @@ typedef struct ray_visit {
 static double largest_part(const double v[3])
 {
     double most = 0.0;
-
     for (int a = 0; a < 3; a++) most = bvxi_absolute(v[a]) > most ? bvxi_absolute(v[a]) : most;
     return most;
 }
@@ -88,11 +87,9 @@ static int open_ray(const bvxi_closest_tree *tree, const double *ray, mesh_ray *
 static int edge_side(const mesh_ray *r, const double a[3], const double b[3])
 {
     int const side = bvxi_orient(r->q, a, b, r->o);
-
     if (BVXI_LIKELY(side != 0)) return side;
     for (int axis = 0; axis < 3; axis++) {
         int const at_a = bvxi_orient_flat(r->o, r->q, a, axis), at_b = bvxi_orient_flat(r->o, r->q, b, axis);
-
         if (at_a != at_b) return at_b > at_a ? 1 : -1;
         if (at_a != 0) return 0;
     }
@@ -103,7 +100,6 @@ static int edge_side(const mesh_ray *r, const double a[3], const double b[3])
 static int origin_side(const mesh_ray *r, const double t[3][3], int moved)
 {
     int side = bvxi_orient(t[0], t[1], t[2], r->o);
-
     for (int axis = 0; axis < 3 && side == 0 && moved; axis++)
         side = -bvxi_orient_flat(t[0], t[1], t[2], axis);
     return side;
@@ -121,7 +117,6 @@ static double ray_meets_at(const mesh_ray *r, const double t[3][3])
 
     for (int k = 0; k < 3; k++) {
         double along = 0.0;
-
         for (int a = 0; a < 3; a++) along += (t[k][a] - r->o[a]) * r->d[a];
         along /= r->d2;
         low = along < low ? along : low;
@@ -139,7 +134,6 @@ static double ray_meets_at(const mesh_ray *r, const double t[3][3])
 static void ray_weights(const mesh_ray *r, const double t[3][3], double weight[3])
 {
     double from[3][3], n[3], sum = 0.0;
-
     for (int k = 0; k < 3; k++) way_between(r->o, t[k], from[k]);
     for (int k = 0; k < 3; k++) {
         bvxi_vec_cross(from[(k + 1) % 3], from[(k + 2) % 3], n);
@@ -149,7 +143,6 @@ static void ray_weights(const mesh_ray *r, const double t[3][3], double weight[3
     for (int k = 0; k < 3; k++) weight[k] = sum > 0.0 ? weight[k] / sum : 1.0 / 3.0;
 }
 
-/* By t, then by index. */
 static int hit_before(const bvx_mesh_hit *a, const bvx_mesh_hit *b)
 {
     return a->t < b->t || (a->t == b->t && a->triangle < b->triangle);
@@ -158,7 +151,6 @@ static int hit_before(const bvx_mesh_hit *a, const bvx_mesh_hit *b)
 static void take_hit(ray_visit *w, const bvx_mesh_hit *hit)
 {
     uint64_t i = w->count;
-
     if (!w->nearest) {
         w->count++;
         if (w->hits == NULL) return;
@@ -176,15 +168,14 @@ static void ray_meets_triangle(ray_visit *w, uint64_t place, int winding)
     const mesh_ray *const r = &w->line;
     double t[3][3];
     double at = 0.0;
-    int side, origin;
     bvx_mesh_hit hit;
 
     bvxi_closest_corners(r->tree, place, t);
-    side = edge_side(r, t[0], t[1]);
+    int const side = edge_side(r, t[0], t[1]);
     if (side == 0 || edge_side(r, t[1], t[2]) != side || edge_side(r, t[2], t[0]) != side) return;
 
     /* What lies ahead of a ray that leaves has the origin behind it. */
-    origin = origin_side(r, (const double(*)[3])t, winding);
+    int const origin = origin_side(r, (const double(*)[3])t, winding);
     if (origin == -side) return;
     if (winding) {
         w->turns += side;
@@ -259,14 +250,12 @@ static void walk_ray(ray_visit *w, int winding)
         uint64_t const total = s.level == 0 ? tree->triangle_count : tree->level_nodes[s.level - 1];
         int const children = bvxi_closest_children(total, first), bottom = used;
         double enter[BVXI_CLOSEST_WIDTH];
-        uint32_t bits;
 
         if (s.enter > w->limit) continue;
-        bits = meet_boxes(w, &tree->nodes[tree->level_first[s.level] + s.node], enter);
+        uint32_t bits = meet_boxes(w, &tree->nodes[tree->level_first[s.level] + s.node], enter);
         for (bits &= (1u << children) - 1; bits != 0; bits &= bits - 1) {
             int const k = bvxi_lowest(bits);
             int i = used;
-
             if (s.level == 0) {
                 ray_meets_triangle(w, first + (uint64_t)k, winding);
                 continue;
@@ -293,10 +282,8 @@ typedef struct ray_work {
 static void cast_mesh_rays(void *user, uint64_t begin, uint64_t end)
 {
     const ray_work *const work = user;
-
     for (uint64_t i = begin; i < end; i++) {
         ray_visit w = {.limit = HUGE_VAL, .t_max = work->t_max, .nearest = work->offsets == NULL};
-
         (void)open_ray(&work->closest->tree, work->rays + 6 * i, &w.line);
         if (w.nearest) memset(&work->hits[i], 0, sizeof work->hits[i]);
         if (work->hits != NULL) w.hits = work->hits + (w.nearest ? i : work->offsets[i]);
@@ -309,12 +296,10 @@ static void cast_mesh_rays(void *user, uint64_t begin, uint64_t end)
 static void wind_points(void *user, uint64_t begin, uint64_t end)
 {
     const ray_work *const work = user;
-
     for (uint64_t i = begin; i < end; i++) {
         const double *const p = work->rays + 3 * i;
         double const ray[6] = {p[0], p[1], p[2], 1.0, 0.0, 0.0};
         ray_visit w = {.limit = HUGE_VAL};
-
         /* What is beyond that is beyond the mesh. */
         if (open_ray(&work->closest->tree, ray, &w.line)) walk_ray(&w, 1);
         work->turns[i] = w.turns;
@@ -345,7 +330,6 @@ static bvx_status run_closest_cast(bvx_context *context, const bvx_closest *clos
 {
     static const char *const function = "bvx_closest_cast";
     ray_work w = {.closest = closest, .rays = rays, .t_max = t_max, .hits = hits};
-
     BVXI_TRY(check_mesh_rays(context, function, closest, rays, count, t_max));
     if (hits == NULL && count != 0) return bvxi_fail_null(context, function, "hits");
     return bvxi_for(context, "rays", count, RAY_GRAIN, cast_mesh_rays, &w);
@@ -391,7 +375,6 @@ static bvx_status run_closest_winding(bvx_context *context, const bvx_closest *c
 {
     static const char *const function = "bvx_closest_winding";
     ray_work w = {.closest = closest, .rays = points, .turns = turns};
-
     if (closest == NULL) return bvxi_fail_null(context, function, "closest");
     if (points == NULL && count != 0) return bvxi_fail_null(context, function, "points");
     if (turns == NULL && count != 0) return bvxi_fail_null(context, function, "turns");

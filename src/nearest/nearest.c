@@ -18,14 +18,12 @@
 static double near_scale(const bvx_lattice *l, const double low[3], const double high[3])
 {
     double s = bvxi_unit_scale(low, high), largest = 0.0;
-
     /* Centres beyond the mesh are squared too, so the lattice counts with it. */
     for (int a = 0; a < 3; a++) {
         double const end = l->origin[a] + (double)l->dims[a] * l->spacing[a];
         largest = -l->origin[a] > largest ? -l->origin[a] : l->origin[a] > largest ? l->origin[a] : largest;
         largest = end > largest ? end : -end > largest ? -end : largest;
     }
-
     /* A power of two, so that scaling rounds nothing. */
     while (largest * s > 0x1p300) s *= 0.5;
     return s;
@@ -35,7 +33,6 @@ static double near_scale(const bvx_lattice *l, const double low[3], const double
 static double near_rounding(const bvxi_nearest *n)
 {
     double largest = 1.0;
-
     /* Rounding grows with the coordinates, not with the distance. */
     for (int a = 0; a < 3; a++) {
         double const first = n->lattice.origin[a] * n->scale;
@@ -49,7 +46,6 @@ static double near_rounding(const bvxi_nearest *n)
 static bvx_status require_near_area(bvx_context *ctx, const char *function, const bvxi_nearest *n)
 {
     double t[3][3], normal[3];
-
     /* Usually the first triangle answers. */
     for (uint64_t i = 0; i < n->triangle_count; i++) {
         bvxi_near_corners(n, (uint32_t)i, t);
@@ -85,7 +81,6 @@ bvx_status bvxi_nearest_check(bvx_context *ctx, const char *function, const bvx_
                               const bvx_lattice *lattice)
 {
     double low[3], high[3];
-
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
     return check_near_range(ctx, function, lattice, low, high);
 }
@@ -94,7 +89,6 @@ static bvx_status open_near(bvx_context *ctx, const char *function, const char *
                             bvxi_nearest *n)
 {
     double low[3], high[3];
-
     /* What is refused is refused before memory is taken for the tree. */
     BVXI_TRY(bvxi_view_bounds(ctx, function, &n->view, low, high));
     BVXI_TRY(check_near_range(ctx, function, &n->lattice, low, high));
@@ -110,17 +104,14 @@ bvx_status bvxi_nearest_open(bvxi_call call, const bvx_mesh_view *mesh, const bv
                              bvxi_nearest **nearest)
 {
     bvxi_nearest *n = NULL;
-    bvx_status status;
-
     *nearest = NULL;
     BVXI_TRY(bvxi_view_check(call.ctx, call.function, mesh));
     BVXI_TRY(bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, sizeof *n, "the search tree's head", &n));
-
     /* A copy of the view, as that of the caller may end with its function. */
     n->view = *mesh;
     n->lattice = *lattice;
     n->triangle_count = mesh->triangle_count;
-    status = open_near(call.ctx, call.function, call.stage, call.from, call.to, n);
+    bvx_status const status = open_near(call.ctx, call.function, call.stage, call.from, call.to, n);
     if (status == BVX_OK) *nearest = n;
     else bvxi_nearest_close(call.ctx, n);
     return status;

@@ -42,8 +42,6 @@ uint64_t bvxi_near_slots_of(const bvx_grid *g, const int32_t first[3])
     return slots;
 }
 
-/* ---- Which cubes the mesh reaches ---- */
-
 /* Lattice indices of a cube's first centre. */
 static void first_of_cube(const bvx_grid *g, const bvxi_near_run *r, int32_t x, int32_t first[3])
 {
@@ -56,7 +54,6 @@ static void find_reached_cubes(void *user, int32_t index, int32_t worker)
 {
     const band_work *const w = user;
     uint64_t begin, end;
-
     bvxi_piece(bvxi_near_plan_runs(&w->plan), w->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         bvxi_near_run const r = bvxi_near_run_of(&w->plan, i);
@@ -68,8 +65,6 @@ static void find_reached_cubes(void *user, int32_t index, int32_t worker)
         }
     }
 }
-
-/* ---- The memory of what was found ---- */
 
 void bvxi_near_forget(bvx_context *ctx, bvxi_near_memo *memo)
 {
@@ -97,8 +92,6 @@ static bvx_status open_near_memo(bvx_context *ctx, const band_work *w)
     memcpy(m->size, w->band->size, sizeof m->size);
     return BVX_OK;
 }
-
-/* ---- The centres ---- */
 
 static void set_near_slots(const bvx_grid *g, const int32_t first[3], uint64_t slots)
 {
@@ -154,7 +147,6 @@ static void find_near_band(void *user, int32_t index, int32_t worker)
 static bvx_status make_near_band(bvx_context *ctx, const char *stage, double from, double to, band_work *w)
 {
     double const begin = from + (to - from) * 0.03;
-
     /* First which cubes, then their memory, then the search: nothing is allocated in between. */
     BVXI_TRY(bvxi_parallel(ctx, stage, from, begin, w->pieces, find_reached_cubes, w));
     BVXI_TRY(open_near_memo(ctx, w));
@@ -166,10 +158,8 @@ static bvx_status make_near_band(bvx_context *ctx, const char *stage, double fro
 bvx_status bvxi_near_workers(bvx_context *ctx, int32_t few_reached, bvxi_near_worker **workers)
 {
     int32_t const threads = bvxi_threads(ctx);
-
     BVXI_TRY(
         bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)threads * sizeof **workers, "the field's workers", workers));
-
     /* Only what a search reads before it writes is set; the rest of a worker is large. */
     for (int32_t i = 0; i < threads; i++) {
         (*workers)[i].known = 0;
@@ -184,7 +174,6 @@ bvx_status bvxi_nearest_band(bvxi_call call, const bvxi_nearest *nearest, double
 {
     band_work w = {nearest, band, bvxi_near_plan_of(band), width, NULL, NULL, first, 0};
     bvx_status status = bvxi_near_workers(call.ctx, 1, &w.workers);
-
     /* Small tasks: runs near the mesh take far longer than others. */
     w.pieces = bvxi_piece_count(bvxi_near_plan_runs(&w.plan), 1);
     if (status == BVX_OK)

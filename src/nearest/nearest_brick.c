@@ -27,7 +27,6 @@ static void read_near_pair(const bvxi_near_pairs *p, int32_t i, double point[3],
 static double near_height2(const bvxi_near_pairs *pairs, int32_t i)
 {
     double point[3], t[3][3], n[3], along = 0.0, length;
-
     /* How far the point stands from the triangle's plane: of equally near ones the farthest plane faces
      * it. */
     read_near_pair(pairs, i, point, t);
@@ -49,15 +48,12 @@ static int near_is_first(const bvxi_nearest *n, const bvxi_near_pairs *pairs, in
 {
     double point[3], t[3][3], u[3][3], q[3];
     double const closest[3] = {pairs->closest[0][i], pairs->closest[1][i], pairs->closest[2][i]};
-    int order;
-
     read_near_pair(pairs, i, point, t);
     bvxi_near_corners(n, other, u);
     bvxi_order_corners(u);
-
     /* By places alone, so that no numbering of the mesh shows; the index only where all places are equal. */
     bvxi_closest_on_triangle(point, (const double(*)[3])u, q);
-    order = compare_near_places(closest, q);
+    int order = compare_near_places(closest, q);
     for (int k = 0; k < 3 && order == 0; k++) order = compare_near_places(t[k], u[k]);
     return order != 0 ? order < 0 : pairs->triangle[i] < other;
 }
@@ -96,13 +92,10 @@ static int is_better_pair(const bvxi_nearest *n, bvxi_near_worker *w, int32_t i)
 {
     const bvxi_near_pairs *const p = &w->pairs;
     int32_t const s = p->slot[i];
-    double height2;
-
     /* Nearer wins; equally near ones are ordered so that neither tree nor threads show. */
     if (p->distance2[i] != w->distance2[s]) return p->distance2[i] < w->distance2[s];
     if (!n->by_planes) return p->triangle[i] < w->triangle[s];
-
-    height2 = near_height2(p, i);
+    double const height2 = near_height2(p, i);
     if (height2 != w->height2[s]) return height2 > w->height2[s];
     return near_is_first(n, p, i, w->triangle[s]);
 }
@@ -131,7 +124,6 @@ static void settle_near_pairs(const bvxi_nearest *n, bvxi_near_worker *w)
 static void take_near_pair(const bvxi_nearest *n, bvxi_near_worker *w, uint32_t triangle, int32_t slot)
 {
     double const point[3] = {w->centre[0][slot & 3], w->centre[1][slot >> 2 & 3], w->centre[2][slot >> 4]};
-
     /* A full room is emptied first; its results stay with their slots. */
     if (w->pairs.count == BVXI_NEAR_PAIRS) settle_near_pairs(n, w);
     bvxi_near_take_pair(n, &w->pairs, point, triangle, slot);
@@ -139,7 +131,6 @@ static void take_near_pair(const bvxi_nearest *n, bvxi_near_worker *w, uint32_t 
 
 /* ---- Eight centres ---- */
 
-/* Slot of centre c of group g. */
 static inline int32_t near_slot(int32_t g, int32_t c)
 {
     return ((g & 1) * 2 + (c & 1)) + 4 * ((g & 2) + (c >> 1 & 1)) + 16 * ((g >> 2) * 2 + (c >> 2));
@@ -150,7 +141,6 @@ static void settle_near_eight(const bvxi_nearest *n, bvxi_near_worker *w)
 {
     float most2[8];
     int32_t const count = bvxi_near_eight_winners(n, w->fast, &w->eight, most2, w->winners);
-
     /* None is dropped here: whether it lies within the limit is asked at the end. */
     for (int32_t i = 0; i < count; i++)
         take_near_pair(n, w, w->winners[i].triangle, near_slot(w->eight.group, w->winners[i].centre));
@@ -191,7 +181,6 @@ static uint32_t near_active(uint64_t wanted, int32_t g)
 static int32_t look_through_near_list(const bvxi_nearest *n, bvxi_near_worker *w)
 {
     int32_t parts = 0;
-
     /* What was measured is settled to make room; the bounds that it gave stay. */
     bvxi_near_eight_take(&w->list, &w->sieve, w->fast, &w->eight);
     while (!bvxi_near_eight_look(n, &w->list, w->cell.origin, w->fast, &w->eight)) {
@@ -230,7 +219,6 @@ static void begin_near_box(const bvxi_nearest *n, const int32_t begin[3], const 
         w->question.first[a] = w->middle[a] + (double)w->offset[a][begin[a]];
         w->question.last[a] = w->middle[a] + (double)w->offset[a][end[a]];
     }
-
     /* The box, its limit and the point that is known are all that a search goes by. */
     w->question.limit = limit;
     begin_near_cell(n, &w->start, w);
@@ -271,7 +259,6 @@ static int32_t is_far_from_near_list(const bvxi_nearest *n, bvxi_near_worker *w)
 {
     bvxi_near_places middle;
     double radius2 = 0.0;
-    float reach, reach2;
 
     /* A long list means that something is near: no need to prove it. */
     if (w->list.count > NEAR_FEW_BLOCKS || !(w->question.limit < 0x1p50)) return 0;
@@ -282,8 +269,8 @@ static int32_t is_far_from_near_list(const bvxi_nearest *n, bvxi_near_worker *w)
         for (int i = 0; i < BVXI_NEAR_SIDE; i++)
             middle.at[a][i] = (float)(w->question.first[a] + half - (double)w->cell.origin[a]);
     }
-    reach = (float)((w->question.limit + sqrt(radius2)) * (1.0 + 0x1p-10)) + 8.0f * w->list.error;
-    reach2 = reach * reach;
+    float const reach = (float)((w->question.limit + sqrt(radius2)) * (1.0 + 0x1p-10)) + 8.0f * w->list.error;
+    float const reach2 = reach * reach;
 
     /* The list is sieved for the middle as it would be for centres. */
     bvxi_near_sieve_list(&w->list, &middle, reach2, w->fast, &w->sieve);
@@ -318,7 +305,6 @@ int32_t bvxi_near_cube_reaches(const bvxi_nearest *n, const int32_t first[3], do
                                bvxi_near_worker *w)
 {
     bound_near_cube(n, first, width, w);
-
     /* A list that is cut short means that much is near. */
     if (!bvxi_near_cell_list(n, &w->cell, w->fast, &w->list)) return 1;
     keep_near_point(w);
@@ -332,12 +318,9 @@ static void find_near_eight(const bvxi_nearest *n, int32_t g, uint32_t active, d
                             bvxi_near_worker *w)
 {
     float const sure = (float)(limit * (1.0 - 0x1p-18)), sure2 = limit < 0x1p60 ? sure * sure : 0x1p127f;
-    int32_t parts;
-
     bvxi_near_eight_begin(g, &w->places, active, w->cell.limit2, &w->eight);
-
     /* Each part of a long list starts from what the parts before left as bound. */
-    parts = look_through_near_list(n, w);
+    int32_t parts = look_through_near_list(n, w);
     while (!complete) {
         complete = list_near_part(n, w);
         parts |= look_through_near_list(n, w);
@@ -345,7 +328,6 @@ static void find_near_eight(const bvxi_nearest *n, int32_t g, uint32_t active, d
     end_near_eight(n, sure2, parts, w);
 }
 
-/* The box of the wanted slots. */
 static void bound_near_slots(uint64_t wanted, int32_t begin[3], int32_t end[3])
 {
     /* The 64 slots are bits x + 4 y + 16 z, so folding them by shifts gives the shadow along each axis. */
@@ -356,7 +338,6 @@ static void bound_near_slots(uint64_t wanted, int32_t begin[3], int32_t end[3])
         end[a] = 0;
     }
 
-    /* First and last that are set, along each axis. */
     for (int32_t i = 0; i < BVXI_NEAR_SIDE; i++) {
         int const is[3] = {(x >> i & 1) != 0, (y >> 4 * i & 15) != 0, (wanted >> 16 * i & 0xffff) != 0};
         for (int a = 0; a < 3; a++) {

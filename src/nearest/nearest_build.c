@@ -70,22 +70,6 @@ typedef struct near_builder {
 
 /* ---- Boxes ---- */
 
-/* Corners of the leaf's triangles as the caller gave them, coordinate by coordinate. */
-static void gather_near_leaf(const bvxi_nearest *n, const uint32_t order[BVXI_NEAR_WIDTH],
-                             double corner[9][BVXI_NEAR_WIDTH])
-{
-    /* Coordinate by coordinate, so that eight triangles are one vector of each. */
-    for (uint64_t k = 0; k < BVXI_NEAR_WIDTH; k++) {
-        uint32_t c[3];
-        bvxi_view_triangle(&n->view, order[k], c);
-        for (int v = 0; v < 3; v++) {
-            double p[3];
-            bvxi_view_position(&n->view, c[v], p);
-            for (int a = 0; a < 3; a++) corner[3 * v + a][k] = p[a];
-        }
-    }
-}
-
 BVXI_VECTOR_INLINE void bound_near_leaf(const bvxi_nearest *n, double corner[9][BVXI_NEAR_WIDTH],
                                         near_box *box, float local[9][BVXI_NEAR_WIDTH])
 {
@@ -127,7 +111,6 @@ static inline void prefetch_near(const near_builder *b, uint64_t i, uint64_t end
 {
     const bvx_mesh_view *const v = &b->n->view;
     uint32_t c[3];
-
     /* Meshes with indices wait twice, for those and then for the vertices. */
     if (i + 2 * NEAR_AHEAD >= end || v->indices == NULL) return;
     BVXI_PREFETCH(bvxi_view_index_at(v, bvxi_near_order_number(&b->order, i + 2 * NEAR_AHEAD)));
@@ -149,7 +132,19 @@ static void fill_near_leaf(const near_builder *b, uint64_t first, uint32_t count
         order[k] = bvxi_near_order_number(&b->order, first + (k < count ? k : count - 1));
         prefetch_near(b, first + k, end);
     }
-    gather_near_leaf(n, order, corner);
+
+    /* Corners of the leaf's triangles as the caller gave them, coordinate by coordinate. */
+    /* Coordinate by coordinate, so that eight triangles are one vector of each. */
+    for (uint64_t k = 0; k < BVXI_NEAR_WIDTH; k++) {
+        uint32_t c[3];
+        bvxi_view_triangle(&n->view, order[k], c);
+        for (int v = 0; v < 3; v++) {
+            double p[3];
+            bvxi_view_position(&n->view, c[v], p);
+            for (int a = 0; a < 3; a++) corner[3 * v + a][k] = p[a];
+        }
+    }
+
     BVXI_PATH(b->fast, bound_near_leaf(n, corner, &b->boxes[leaf], local),
               bound_near_leaf_avx2(n, corner, &b->boxes[leaf], local));
     bvxi_near_make_leaf(order, (const float(*)[BVXI_NEAR_WIDTH])local, b->boxes[leaf].low, b->fast,
@@ -164,7 +159,6 @@ static void count_near_leaves(void *user, int32_t index, uint64_t begin, uint64_
 {
     near_builder *const b = user;
     uint64_t leaves = 0;
-
     /* Cuts are looked for within the piece only, so that pieces need not wait for each other. */
     for (; begin < end; leaves++) begin += bvxi_near_order_run(&b->order, begin, end);
     b->first[index + 1] = leaves;
@@ -174,7 +168,6 @@ static void fill_near_leaves(void *user, int32_t index, uint64_t begin, uint64_t
 {
     const near_builder *const b = user;
     uint64_t leaf = b->first[index];
-
     /* The same cuts as were counted. */
     while (begin < end) {
         uint32_t const count = bvxi_near_order_run(&b->order, begin, end);

@@ -37,13 +37,11 @@ static void bound_near_cell(bvxi_near_cell *cell)
 {
     float const t = cell->rounding + cell->point_error;
     float const more = 1.0f + BVXI_NEAR_SLACK, add = t * t * ((1.0f + 1.0f / BVXI_NEAR_SLACK) / 3.0f);
-
     cell->point_distance2 = 0.0f;
     for (int a = 0; a < 3; a++) {
         float const left = cell->point[a] - cell->first[a];
         float const right = cell->point[a] - cell->last[a];
         float const middle = (left + right) * 0.5f;
-
         /* A third of what is added falls to each axis: the bounds of three are summed. */
         cell->first_bound[a] = left * left * more + add;
         cell->last_bound[a] = right * right * more + add;
@@ -89,11 +87,9 @@ static void push_near_children(bvxi_near_cell *cell, int32_t level, uint32_t fir
                                const float distance2[BVXI_NEAR_WIDTH])
 {
     int32_t const bottom = cell->open;
-
     for (; mask != 0; mask &= mask - 1) {
         uint32_t const k = (uint32_t)bvxi_lowest(mask);
         int32_t i = cell->open++;
-
         /* Insertion: they are eight at most. The nearest comes first since it narrows the bound soonest. */
         for (; i > bottom && cell->stack[i - 1].distance2 < distance2[k]; i--)
             cell->stack[i] = cell->stack[i - 1];
@@ -110,7 +106,6 @@ static void start_near_children(const bvxi_near_node *node, uint32_t mask, bvxi_
         int32_t const k = bvxi_lowest(mask);
         int32_t const i = start->count / BVXI_NEAR_WIDTH;
         int32_t const slot = start->count % BVXI_NEAR_WIDTH;
-
         /* Side by side as in a node, so that a start is tested like one. */
         for (int a = 0; a < 3; a++) {
             start->box[i].low[a][slot] = node->low[a][k];

@@ -30,7 +30,6 @@ void bvxi_near_eight_begin(int32_t group, const bvxi_near_places *places, uint32
         for (int i = 0; i < 2; i++) e->ends[a][i] = places->at[a][(group >> a & 1) * 2 + i];
         for (int c = 0; c < 8; c++) e->at[a][c] = e->ends[a][c >> a & 1];
     }
-
     /* A centre that nobody asks for is nearer to everything than anything, so nothing is looked at for it. */
     for (int c = 0; c < 8; c++) e->least2[c] = active >> c & 1 ? limit2 : -0x1p120f;
     e->error = 0.0f;
@@ -49,7 +48,6 @@ static void slacken_near_eight(bvxi_near_eight *e)
 static inline uint32_t near_append_base(uint32_t mask, uint32_t base, uint16_t *to)
 {
     uint32_t count = 0;
-
     for (; mask != 0; mask &= mask - 1) to[count++] = (uint16_t)(base + (uint32_t)bvxi_lowest(mask));
     return count;
 }
@@ -57,7 +55,6 @@ static inline uint32_t near_append_base(uint32_t mask, uint32_t base, uint16_t *
 static inline uint32_t near_append_wide_base(uint32_t mask, uint32_t base, uint32_t *to)
 {
     uint32_t count = 0;
-
     for (; mask != 0; mask &= mask - 1) to[count++] = base + (uint32_t)bvxi_lowest(mask);
     return count;
 }
@@ -122,16 +119,13 @@ int32_t bvxi_near_eight_look(const bvxi_nearest *n, const bvxi_near_list *list, 
 int32_t bvxi_near_eight_winners(const bvxi_nearest *n, int32_t fast, bvxi_near_eight *e, float most2[8],
                                 bvxi_near_winner *winners)
 {
-    int32_t count;
-
     /* Floats have erred at most by the error for the least and for another that is as near in truth. */
     for (int c = 0; c < 8; c++) {
         float const d = (float)sqrt((double)(e->least2[c] > 0.0f ? e->least2[c] : 0.0f)) + 2.0f * e->error;
         most2[c] = e->least2[c] < 0.0f ? -1.0f : d * d * (1.0f + 0x1p-20f);
     }
-    count = BVXI_PATH(fast, find_near_winners_base(n->leaves, most2, e, winners),
-                      find_near_winners_avx2(n->leaves, most2, e, winners));
-
+    int32_t const count = BVXI_PATH(fast, find_near_winners_base(n->leaves, most2, e, winners),
+                                    find_near_winners_avx2(n->leaves, most2, e, winners));
     e->count = 0;
     return count;
 }

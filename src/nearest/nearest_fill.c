@@ -93,7 +93,6 @@ static void put_near_value(const fill_work *w, const bvxi_near_pairs *pairs, int
 static void start_fill_cube(const fill_work *w, const int32_t cube[3], double width, bvxi_near_worker *worker)
 {
     if (worker->started && worker->started_width >= width) return;
-
     /* A wider search finds all that a narrower one would, so it stays for the bricks that follow. */
     bvxi_near_cube_begin(w->n, cube, width, worker);
     worker->started = 1;
@@ -119,20 +118,6 @@ static void search_fill_brick(const fill_work *w, const int32_t cube[3], uint64_
         worker->triangle[bvxi_lowest(found)] = triangle[bvxi_lowest(found)];
 }
 
-/* Nearest triangles of a brick: remembered ones, and those of slots that nothing is known of by a search. */
-static void find_fill_triangles(const fill_work *w, const int32_t cube[3], uint64_t set,
-                                const uint32_t *remembered, bvxi_near_worker *worker)
-{
-    uint64_t unknown = remembered == NULL ? set : 0;
-
-    /* The band remembers what lay within its width; other slots were not asked for. */
-    for (uint64_t m = set & ~unknown; m != 0; m &= m - 1)
-        unknown |= (uint64_t)(remembered[bvxi_lowest(m)] == BVXI_NEAR_NONE) << bvxi_lowest(m);
-    if (unknown != 0) search_fill_brick(w, cube, unknown, worker);
-    for (uint64_t m = set & ~unknown; m != 0; m &= m - 1)
-        worker->triangle[bvxi_lowest(m)] = remembered[bvxi_lowest(m)];
-}
-
 static void fill_near_brick(const fill_work *w, const int32_t cube[3], const int32_t first[3],
                             const uint32_t *remembered, fill_ranks *ranks, bvxi_near_worker *worker)
 {
@@ -142,7 +127,17 @@ static void fill_near_brick(const fill_work *w, const int32_t cube[3], const int
 
     for (int a = 0; a < 3; a++) index[a] = w->where->low[a] + first[a];
     bvxi_near_brick_begin(w->n, (const int32_t *)index, worker);
-    find_fill_triangles(w, cube, set, remembered, worker);
+
+    /* Nearest triangles of a brick: remembered ones, and those of slots that nothing is known of by a
+     * search. */
+    uint64_t unknown = remembered == NULL ? set : 0;
+    /* The band remembers what lay within its width; other slots were not asked for. */
+    for (uint64_t m = set & ~unknown; m != 0; m &= m - 1)
+        unknown |= (uint64_t)(remembered[bvxi_lowest(m)] == BVXI_NEAR_NONE) << bvxi_lowest(m);
+    if (unknown != 0) search_fill_brick(w, cube, unknown, worker);
+    for (uint64_t m = set & ~unknown; m != 0; m &= m - 1)
+        worker->triangle[bvxi_lowest(m)] = remembered[bvxi_lowest(m)];
+
     pairs->count = 0;
 
     /* Slots of a brick lie in the order of its rows, and so do the values. */
@@ -195,7 +190,6 @@ static void fill_near_runs(void *user, int32_t index, int32_t worker)
 {
     const fill_work *const w = user;
     uint64_t begin, end;
-
     bvxi_piece(bvxi_near_plan_runs(&w->plan), w->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         bvxi_near_run const r = bvxi_near_run_of(&w->plan, i);
@@ -218,7 +212,6 @@ bvx_status bvxi_nearest_fill(bvxi_call call, const bvxi_nearest *nearest, double
     const bvxi_near_memo *const m = nearest->memo;
 
     BVXI_TRY(bvxi_near_workers(call.ctx, 0, &w.workers));
-
     w.pieces = bvxi_piece_count(bvxi_near_plan_runs(&w.plan), 1);
 
     /* What the band remembered is of use only where it lay as these values do. */

@@ -105,7 +105,6 @@ static void sort_near_keys(uint64_t *keys, uint64_t *spare, uint64_t count,
 static uint64_t count_near_crowds(const uint64_t *keys, uint64_t count)
 {
     uint64_t crowded = 0;
-
     /* In order, so equal cells at this distance have as many between them. */
     for (uint64_t i = NEAR_CROWD; i < count; i++) crowded += keys[i] >> 32 == keys[i - NEAR_CROWD] >> 32;
     return crowded;
@@ -142,7 +141,6 @@ bvx_status bvxi_near_order_make(bvx_context *ctx, const char *stage, double from
     double const middle = from + (to - from) * 0.25;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertex_bytes, "the search tree's vertices", &k.vertex));
-
     o->count = n->triangle_count;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, key_bytes, "the search tree's keys", &o->keys));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, key_bytes, "the search tree's keys", &o->spare));
@@ -177,7 +175,6 @@ static inline uint32_t pack_near_bits(uint64_t x)
 static uint64_t near_key_sides(const uint64_t *keys, uint32_t begin, uint32_t end, int shift)
 {
     uint64_t sum = 0;
-
     /* In cells of the curve: sums of sides tell which box is small, and cost no square. */
     for (int a = 0; a < 3; a++) {
         uint32_t low = UINT32_MAX, high = 0;

@@ -8,13 +8,10 @@
 #include "mesh/facet.h"
 #include "nearest/point_triangle_four.h"
 
-/* ---- Corners ---- */
-
 static void order_near_corners(bvxi_near_pairs *p)
 {
     for (int32_t i = 0; i < p->count; i++) {
         double t[3][3];
-
         /* By position, so that results do not depend on which corner is the first. */
         for (int v = 0; v < 9; v++) t[v / 3][v % 3] = p->corner[v][i];
         bvxi_order_corners(t);
@@ -52,20 +49,15 @@ static void gather_near_any(const bvxi_nearest *n, bvxi_near_pairs *p)
     if (n->by_planes) order_near_corners(p);
 }
 
-/* ---- One pair ---- */
-
 static void evaluate_near_pair(bvxi_near_pairs *p, int32_t i)
 {
     double const point[3] = {p->point[0][i], p->point[1][i], p->point[2][i]};
     double t[3][3], q[3];
     for (int v = 0; v < 9; v++) t[v / 3][v % 3] = p->corner[v][i];
-
     /* Squares are compared and roots taken at the end, of those that are kept. */
     p->distance2[i] = bvxi_closest_on_triangle(point, (const double(*)[3])t, q);
     for (int a = 0; a < 3; a++) p->closest[a][i] = q[a];
 }
-
-/* ---- Four pairs ---- */
 
 #if BVXI_SIMD_BASE
 #define BVXI_SIMD_LEVEL _base

@@ -21,7 +21,6 @@ static double closest_on_segment(const double p[3], const double a[3], const dou
     double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
     double const w[3] = {p[0] - a[0], p[1] - a[1], p[2] - a[2]};
     double const along = bvxi_vec_dot(u, w), length2 = bvxi_vec_dot(u, u);
-
     /* Before, beyond, or between; NaN counts as before. */
     if (!(along > 0.0)) return closest_at(p, a, q);
     if (along >= length2) return closest_at(p, b, q);
@@ -32,7 +31,6 @@ static double closest_on_segment(const double p[3], const double a[3], const dou
 static double closest_on_edges(const double p[3], const double t[3][3], double q[3])
 {
     double best = closest_on_segment(p, t[0], t[1], q), r[3];
-
     /* Of equally near edges the first one stays. */
     for (int k = 1; k < 3; k++) {
         double const d = closest_on_segment(p, t[k], t[k == 2 ? 0 : k + 1], r);

@@ -15,11 +15,10 @@ typedef struct fans_work {
 /* Few neighbours as a rule, so each is looked for among all. */
 static int is_one_fan(uint32_t (*pair)[2], uint64_t count)
 {
-    uint32_t at;
     uint64_t steps = 0;
 
     if (count < 3) return 0;
-    at = pair[0][1];
+    uint32_t at = pair[0][1];
     for (; at != pair[0][0]; steps++) {
         uint64_t found = count, i;
         for (i = 1; i < count; i++)
@@ -39,7 +38,6 @@ static bvx_status fill_fans(bvx_context *ctx, fans_work *w, const uint32_t *tria
                             uint64_t vertices, const uint8_t *asked)
 {
     static const char what[] = "the surface's fans";
-
     BVXI_TRY(BVXI_ZEROS(ctx, vertices + 2, what, w->first));
     for (uint64_t c = 0; c < 3 * triangles; c++) w->first[triangle[c] + 2] += asked[triangle[c]];
     for (uint64_t v = 0; v < vertices; v++) w->first[v + 2] += w->first[v + 1];
@@ -61,7 +59,6 @@ bvx_status bvxi_fans_check(bvx_context *ctx, const uint32_t *triangle, uint64_t 
                            const uint8_t *asked, uint64_t *broken)
 {
     fans_work w = {NULL, NULL};
-
     *broken = 0;
     BVXI_TRY(fill_fans(ctx, &w, triangle, triangles, vertices, asked));
     for (uint64_t v = 0; v < vertices; v++)

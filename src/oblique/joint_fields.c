@@ -67,12 +67,10 @@ static double largest_number(const bvxi_oblique *o, uint32_t plane, const double
                              int *kind)
 {
     double most = -1e300;
-
     *kind = 0;
     for (uint32_t i = 0; i < o->body_count; i++) {
-        double number;
         if (!(bodies >> (i + 1) & 1)) continue;
-        number = number_of(&o->body[i], plane, at, NULL, 0);
+        double const number = number_of(&o->body[i], plane, at, NULL, 0);
         if (number <= most) continue;
         most = number;
         *kind = (int)i + 1;
@@ -83,7 +81,6 @@ static double largest_number(const bvxi_oblique *o, uint32_t plane, const double
 int bvxi_joint_kind_among(const bvxi_oblique *o, const double at[3], uint64_t kinds)
 {
     int kind;
-
     if ((kinds & 1) != 0 && !(number_of(o, BVXI_NONE, at, NULL, 0) > 0.0)) return 0;
     (void)largest_number(o, BVXI_NONE, at, kinds, &kind);
     return kind;
@@ -94,7 +91,6 @@ double bvxi_joint_lead(const bvxi_oblique *o, uint32_t plane, const double at[3]
 {
     double lead = (others & 1) != 0 ? number_of(o, plane, at, NULL, 0) : 1e300;
     int kind;
-
     if (others > 1) {
         double const by = largest_number(o, plane, at, bodies, &kind) -
                           largest_number(o, plane, at, others, &kind);
@@ -136,7 +132,6 @@ static void bound_surroundings(bvxi_oblique *b)
     for (uint32_t i = 0; i < b->plane_count; i++) {
         const bvxi_plane *const p = &b->plane[i].plane;
         uint32_t const stride = p->point_count / SURROUNDING_PLACES + 1;
-
         for (uint32_t n = 0; n < p->point_count; n++) {
             double at[3], way;
             bvxi_oblique_in_cells(b, b->given->points + 3 * (uint64_t)p->given[n], at);
@@ -191,7 +186,6 @@ static bvx_status refuse_overlap(const bvxi_oblique *o, uint32_t plane, uint32_t
 {
     const bvxi_oblique_plane *const p = &o->plane[plane];
     double at[3];
-
     for (int k = 0; k < 3; k++)
         at[k] = o->origin[k] +
                 o->step * (p->offset * p->normal[k] + (uv[0] * p->axis[0][k] + uv[1] * p->axis[1][k]));
@@ -215,14 +209,12 @@ static int beside_segment(const bvxi_oblique *o, uint32_t plane, uint32_t a, uin
     double const left[2] = {half[0] - off * dv, half[1] + off * du};
     double const right[2] = {half[0] + off * dv, half[1] - off * du};
     uint32_t hint = 0;
-    double depth;
-    int in;
 
     memcpy(middle, half, sizeof half);
     /* A body whose contours on the plane are elsewhere touches nothing there. */
     if (!bvxi_oblique_in_bounds(&other->plane[plane], half, BESIDE_CONTOUR)) return 0;
-    depth = bvxi_plane_distance(&other->plane[plane].plane, half[0], half[1], &hint);
-    in = bvxi_oblique_encloses(other, plane, left);
+    double const depth = bvxi_plane_distance(&other->plane[plane].plane, half[0], half[1], &hint);
+    int const in = bvxi_oblique_encloses(other, plane, left);
 
     /* Deep in the other body, or along its own border on the same side: both cannot be. */
     if (in && (depth > o->agree || depth < 0.1 * BESIDE_CONTOUR)) return 2;
@@ -257,12 +249,10 @@ static bvx_status find_outer_segments(bvxi_oblique *o, uint32_t plane, uint32_t 
 /* Body after body, so that numbers of points differ from a body's own by those of the bodies before it. */
 static void join_plane(bvxi_oblique *o, uint32_t plane)
 {
-    bvxi_oblique_plane *const f = &o->plane[plane];
-    bvxi_plane *const p = &f->plane;
+    bvxi_plane *const p = &o->plane[plane].plane;
 
     for (uint32_t b = 0; b < o->body_count; b++) {
-        const bvxi_oblique *const body = &o->body[b];
-        const bvxi_plane *const q = &body->plane[plane].plane;
+        const bvxi_plane *const q = &o->body[b].plane[plane].plane;
         uint32_t const first = p->point_count;
 
         for (uint32_t i = 0; i < q->point_count; i++) {
@@ -372,7 +362,6 @@ static bvx_status find_ends(bvxi_oblique *o)
 bvx_status bvxi_joint_open(bvxi_oblique *o, const int32_t *labels, uint32_t count)
 {
     bvxi_oblique *body;
-
     o->of_all = 1;
     BVXI_TRY(bvxi_oblique_lay_planes(o));
     BVXI_TRY(BVXI_ZEROS(o->ctx, count, "the bodies", body));
@@ -380,7 +369,6 @@ bvx_status bvxi_joint_open(bvxi_oblique *o, const int32_t *labels, uint32_t coun
     for (uint32_t i = 0; i < count; i++)
         BVXI_TRY(
             BVXI_SHARE(o->ctx, 0.7 * i / count, 0.7 * (i + 1) / count, open_joint_body(o, i, labels[i])));
-
     o->body_count = count;
     BVXI_TRY(join_contours(o));
     BVXI_TRY(find_ends(o));

@@ -28,32 +28,25 @@ static bvx_status make_oblique(bvxi_oblique *o, bvx_mesh *mesh)
     return BVXI_SHARE(o->ctx, 0.8, 1.0, bvxi_oblique_surface(o, mesh));
 }
 
-static void warn_of_oblique(const bvxi_oblique *o)
-{
-    if (o->apart != 0) {
-        bvx_warning *const w = BVXI_WARN(o->ctx, BVX_WARN_OPEN_PARTS, (double)o->apart);
-
-        w->placed = 1;
-        memcpy(w->low, o->apart_at, sizeof w->low);
-        memcpy(w->high, o->apart_at, sizeof w->high);
-    }
-    if (o->specks != 0) BVXI_WARN(o->ctx, BVX_WARN_SPECKS, (double)o->specks);
-    if (o->handles_left != 0) BVXI_WARN(o->ctx, BVX_WARN_EXTRA_HANDLES, (double)o->handles_left);
-}
-
 bvx_status bvxi_oblique_body(bvx_context *ctx, const char *function, const bvx_sections *given,
                              const bvx_sections_options *options, bvx_sections_report *report, bvx_mesh *mesh)
 {
     uint64_t const mark = bvxi_scratch_begin(ctx);
     bvxi_oblique o = {.ctx = ctx, .function = function, .given = given, .options = *options};
-    bvx_status status;
-
-    status = make_oblique(&o, mesh);
-
+    bvx_status const status = make_oblique(&o, mesh);
     /* A failure leaves the caller's report as it was. */
     if (status == BVX_OK) {
         *report = o.report;
-        if (options->report != NULL) warn_of_oblique(&o);
+        if (options->report != NULL) {
+            if (o.apart != 0) {
+                bvx_warning *const w = BVXI_WARN(o.ctx, BVX_WARN_OPEN_PARTS, (double)o.apart);
+                w->placed = 1;
+                memcpy(w->low, o.apart_at, sizeof w->low);
+                memcpy(w->high, o.apart_at, sizeof w->high);
+            }
+            if (o.specks != 0) BVXI_WARN(o.ctx, BVX_WARN_SPECKS, (double)o.specks);
+            if (o.handles_left != 0) BVXI_WARN(o.ctx, BVX_WARN_EXTRA_HANDLES, (double)o.handles_left);
+        }
     }
     return bvxi_scratch_end(ctx, mark, status);
 }

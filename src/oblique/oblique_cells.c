@@ -36,7 +36,6 @@ typedef struct cells_job {
 static uint64_t cells_of_nodes(const uint8_t node[CELL_NODES])
 {
     uint64_t cells = 0;
-
     for (int c = 0; c < BVXI_BLOCK_SIZE; c++) {
         const uint8_t *const n = node + (c & 3) + 5 * (c >> 2 & 3) + 25 * (c >> 4);
         int const sides = n[0] | n[1] | n[5] | n[6] | n[25] | n[26] | n[30] | n[31];
@@ -51,7 +50,6 @@ static uint64_t whole_cells(const bvxi_oblique *o, const int32_t first[3])
     static const uint64_t last[3] = {UINT64_C(0x8888888888888888), UINT64_C(0xf000f000f000f000),
                                      UINT64_C(0xffff000000000000)};
     uint64_t cells = ALL_CELLS;
-
     for (int k = 0; k < 3; k++)
         if (first[k] + BVXI_BLOCK_SIDE >= o->side[k]) cells &= ~last[k];
     return cells;
@@ -190,9 +188,7 @@ static bvx_status lattice_vertex(bvxi_oblique *o, const int32_t vertex[3], const
     uint64_t const block = bvxi_oblique_block(o, vertex, &bit);
     uint64_t slot = BVXI_NONE;
     uint32_t *found;
-    bvxi_tetra_vertex *v;
     double at[3];
-    float value;
 
     if (o->block_at[block] >= 0) {
         slot = (uint64_t)o->block_at[block] * BVXI_BLOCK_SIZE + (uint64_t)bit;
@@ -206,7 +202,7 @@ static bvx_status lattice_vertex(bvxi_oblique *o, const int32_t vertex[3], const
     *found = *number;
 
     /* The sign is the lattice's, also where rounding gives the value another one. */
-    v = &o->vertex[*number];
+    bvxi_tetra_vertex *const v = &o->vertex[*number];
     v->lattice = 1;
     v->parent[1] = (uint32_t)slot;
     if (o->body_count != 0) {
@@ -215,7 +211,7 @@ static bvx_status lattice_vertex(bvxi_oblique *o, const int32_t vertex[3], const
         return BVX_OK;
     }
     v->sign = bvxi_oblique_kind(o, vertex) ? 1 : -1;
-    value = slot != BVXI_NONE ? o->value[slot] : bvxi_oblique_vertex_value(o, vertex);
+    float const value = slot != BVXI_NONE ? o->value[slot] : bvxi_oblique_vertex_value(o, vertex);
     v->value = (value > 0.0F) == (v->sign > 0) ? value : -value;
     return BVX_OK;
 }
@@ -223,14 +219,11 @@ static bvx_status lattice_vertex(bvxi_oblique *o, const int32_t vertex[3], const
 uint32_t bvxi_oblique_cell_at(const bvxi_oblique *o, const int32_t at[3])
 {
     int bit;
-    uint64_t block;
-    int32_t known;
-
     /* Beyond the lattice and in cells that are not split there is nothing to be beside. */
     for (int k = 0; k < 3; k++)
         if (at[k] < 0 || at[k] >= o->side[k] - 1) return BVXI_NONE;
-    block = bvxi_oblique_block(o, at, &bit);
-    known = o->block_at[block];
+    uint64_t const block = bvxi_oblique_block(o, at, &bit);
+    int32_t const known = o->block_at[block];
     if (known < 0 || !(o->split[known] >> bit & 1)) return BVXI_NONE;
     return o->split_first[known] + bvxi_popcount(o->split[known] & ((UINT64_C(1) << bit) - 1));
 }
@@ -250,7 +243,6 @@ static void kuhn_neighbours(const bvxi_oblique *o, uint32_t cell, const int32_t 
     int const swapped = (one & (one - 1)) != 0; /* the corner two steps away comes first */
     int const near = swapped ? two : one, far = swapped ? one : two;
     int32_t next[3], before[3];
-    uint32_t up, down;
 
     /* The way from corner 0 to corner 7 leaves the cell's corner 0 along one axis and comes to 7 along
      * another: those are the axes across which the outer faces have their neighbours. */
@@ -258,8 +250,8 @@ static void kuhn_neighbours(const bvxi_oblique *o, uint32_t cell, const int32_t 
         next[x] = at[x] + (near >> x & 1);
         before[x] = at[x] - ((7 ^ far) >> x & 1);
     }
-    up = bvxi_oblique_cell_at(o, next);
-    down = bvxi_oblique_cell_at(o, before);
+    uint32_t const up = bvxi_oblique_cell_at(o, next);
+    uint32_t const down = bvxi_oblique_cell_at(o, before);
     /* without corner 0: the next cell along the first axis of the way, where that axis comes last */
     n[0] = up == BVXI_NONE ? BVXI_NONE : 6 * up + (uint32_t)kuhn_of(far ^ near, 7 ^ near);
     n[3] = down == BVXI_NONE ? BVXI_NONE : 6 * down + (uint32_t)kuhn_of(7 ^ far, (7 ^ far) | near);
@@ -307,7 +299,6 @@ static bvx_status make_tetrahedra(bvxi_oblique *o)
     for (uint32_t i = 0; i < o->known_count; i++) {
         uint32_t plane[BVXI_OBLIQUE_PLANES], planes;
         int32_t first[3];
-
         if (o->split[i] == 0) continue;
         bvxi_oblique_block_place(o, o->known[i], first);
         planes = bvxi_oblique_near_planes(o, first, plane);
@@ -320,15 +311,12 @@ static bvx_status make_tetrahedra(bvxi_oblique *o)
 static bvx_status order_touches(bvxi_oblique *o)
 {
     uint64_t const n = o->plane_count + 1;
-
     BVXI_TRY(BVXI_ZEROS(o->ctx, n, "the cells that planes touch", o->plane_touch));
     BVXI_TRY(BVXI_ARRAY(o->ctx, o->touch_count, "the cells that planes touch", o->touch_cell));
-
     for (uint64_t i = 0; i < o->touch_count; i++) o->plane_touch[o->touch[i][1]]++;
     bvxi_place_counts32(o->plane_touch, n);
     for (uint64_t i = 0; i < o->touch_count; i++)
         o->touch_cell[o->plane_touch[o->touch[i][1]]++] = o->touch[i][0];
-
     /* Each begin has moved to its end, which is the next one's begin. */
     for (uint32_t i = o->plane_count; i-- > 0;) o->plane_touch[i + 1] = o->plane_touch[i];
     o->plane_touch[0] = 0;
@@ -377,9 +365,7 @@ static int side_of_plane(bvxi_oblique *o, uint32_t v, uint32_t plane, double *he
     const bvxi_tetra_vertex *const x = &o->vertex[v];
     int side = straight_side(o, v, plane, height), a, b;
     double other;
-
     if (side != 0 || bvxi_is_on(o, v, plane)) return side;
-
     /* A vertex in the middle of an edge that lies on one side of the plane is on that side, however near. */
     if (x->parent[0] != BVXI_NONE) {
         a = straight_side(o, x->parent[0], plane, &other);
@@ -395,7 +381,6 @@ static bvx_status split_by_plane(bvxi_oblique *o, uint32_t t, uint32_t plane)
     for (;;) {
         double height[4], at[3], share;
         int side[4], a = -1, b = -1;
-        const double *from, *to;
         uint32_t m;
 
         for (int k = 0; k < 4; k++) {
@@ -407,8 +392,8 @@ static bvx_status split_by_plane(bvxi_oblique *o, uint32_t t, uint32_t plane)
         share = height[a] - height[b] > 0.0 ? height[a] / (height[a] - height[b]) : 0.5;
         /* Rounding must not put the new vertex onto an old one. */
         if (!(share > 0.0 && share < 1.0)) share = 0.5;
-        from = o->vertex[o->tetra[t].v[a]].at;
-        to = o->vertex[o->tetra[t].v[b]].at;
+        const double *const from = o->vertex[o->tetra[t].v[a]].at;
+        const double *const to = o->vertex[o->tetra[t].v[b]].at;
         for (int k = 0; k < 3; k++) at[k] = from[k] + share * (to[k] - from[k]);
         BVXI_TRY(bvxi_tetra_split_edge(o, t, o->tetra[t].v[a], o->tetra[t].v[b], at, &m));
         bvxi_set_on(o, m, plane);

@@ -79,7 +79,6 @@ static uint32_t judge_cell_faces(const bvxi_oblique *o, uint32_t plane, uint32_t
                                  plane_face *best)
 {
     uint32_t count = 0;
-
     for (uint32_t t = 6 * cell; t != BVXI_NONE; t = o->chain[t], count++)
         for (int k = 0; k < 4; k++) keep_better_face(o, plane, t, k, uv, best);
     return count;
@@ -100,7 +99,6 @@ static bvx_status find_face(bvxi_oblique *o, uint32_t plane, const double at[3],
     plane_face best = {BVXI_NONE, 0, -1e300, 0};
     double uv[2];
     int32_t c[3];
-    uint32_t cell;
 
     bvxi_oblique_uv(&o->plane[plane], at, uv);
     if (search->crowded && search->vertex != BVXI_NONE) {
@@ -114,7 +112,7 @@ static bvx_status find_face(bvxi_oblique *o, uint32_t plane, const double at[3],
     }
 
     for (int k = 0; k < 3; k++) c[k] = (int32_t)floor(at[k]);
-    cell = bvxi_oblique_cell_at(o, c);
+    uint32_t cell = bvxi_oblique_cell_at(o, c);
     search->crowded = 0;
     if (cell != BVXI_NONE) search->crowded = judge_cell_faces(o, plane, cell, uv, &best) > CROWDED_CELL;
 
@@ -172,7 +170,6 @@ static bvx_status insert_knots(bvxi_oblique *o)
         bvxi_knot *const k = &o->knot[i];
         face_search alone = {BVXI_NONE, 0};
         double at[3];
-
         /* Knots that agree are one place, whose root stands for all of them. */
         if (k->joined != i) continue;
         bvxi_knot_place(o, (uint32_t)i, at);
@@ -323,10 +320,8 @@ static bvx_status insert_segment(bvxi_oblique *o, uint32_t plane, uint32_t from,
 static bvx_status insert_way(bvxi_oblique *o, uint32_t plane, uint32_t segment, uint32_t from, uint32_t to)
 {
     uint32_t knot = bvxi_knot_after(o, plane, segment, 0.0);
-
     for (; knot != BVXI_NONE; knot = bvxi_knot_after(o, plane, segment, o->knot[knot].share)) {
         uint32_t const way = o->knot[bvxi_knot_root(o, knot)].vertex;
-
         /* A knot that was moved off this plane is left out rather than gone to. */
         if (way == BVXI_NONE || !bvxi_is_on(o, way, plane)) continue;
         BVXI_TRY(insert_segment(o, plane, from, way));

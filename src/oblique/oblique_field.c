@@ -26,7 +26,6 @@ static double rest_of(const bvxi_oblique *o, double distance, double smooth)
     double const far = REST_FAR / o->smooth.scale;
     double const d = sign * distance, s = sign * smooth;
     double const low = d > far ? far : d, high = d > far ? far + 4.0 * (d - far) : d;
-
     return sign * (s < low ? low - s : s > high ? high - s : 0.0);
 }
 
@@ -37,7 +36,6 @@ static void rest_row(const bvxi_oblique *o, const bvxi_oblique_plane *p, int32_t
         double const u = p->raster_low[0] + BVXI_RASTER_STEP * i,
                      v = p->raster_low[1] + BVXI_RASTER_STEP * row;
         double at[3];
-
         for (int k = 0; k < 3; k++)
             at[k] = p->offset * p->normal[k] + (u * p->axis[0][k] + v * p->axis[1][k]);
         p->rest[n] = (float)rest_of(o, p->raster[n], bvxi_smooth_at(&o->smooth, at));
@@ -59,7 +57,6 @@ bvx_status bvxi_oblique_rest(bvxi_oblique *o)
 static double beyond_box(const double low[3], const double high[3], const double at[3])
 {
     double sum = 0.0;
-
     for (int k = 0; k < 3; k++) {
         double const below = low[k] - at[k], above = at[k] - high[k];
         double const off = below > 0.0 ? below : above > 0.0 ? above : 0.0;
@@ -76,12 +73,10 @@ static double near_number(const bvxi_oblique *o, const double at[3], const uint3
     for (uint32_t n = 0; n < count; n++) {
         const bvxi_oblique_plane *const p = &o->plane[plane == NULL ? n : plane[n]];
         double const h = bvxi_absolute(bvxi_oblique_height(p, at));
-        double weight;
-
         if (h >= o->reach) continue;
         /* Inverse distance, less what it is at the reach, so that it ends there without a step; cubed, as the
          * nearer plane should decide. */
-        weight = 1.0 / (h + BVXI_OBLIQUE_NEAR) - beyond;
+        double weight = 1.0 / (h + BVXI_OBLIQUE_NEAR) - beyond;
         weight *= weight * weight;
         sum += weight * (p->raster == NULL ? rest_of(o, -0.25 * o->longest, smooth)
                                            : bvxi_oblique_raster_at(p, p->rest, at));
@@ -94,7 +89,6 @@ double bvxi_oblique_number_among(const bvxi_oblique *o, const double at[3], cons
                                  uint32_t count)
 {
     double near[3];
-
     if (bvxi_oblique_is_near(o, at)) return near_number(o, at, plane, count);
     /* Farther away it falls by the way to where it ends, which no other body's surroundings do. */
     for (int k = 0; k < 3; k++) {

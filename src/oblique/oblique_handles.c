@@ -15,6 +15,7 @@
  * No vertex of a plane or contour changes; a cut that would tear a contour's surface is taken back. A handle
  * that is half a cell thick at its thinnest on both sides stays: it is the body's rather than the lattice's. */
 #include "oblique/oblique.h"
+#include "bits/sort.h"
 
 #define HANDLE_MIDDLE 0.001F /* cells: the number of a vertex put into an edge between planes */
 
@@ -98,7 +99,6 @@ static bvx_status count_surface_patches(handle_work *w)
     for (uint32_t c = 0; c < 3 * w->triangles; c++) w->loop[c] = c;
     for (uint32_t c = 0; c < 3 * w->triangles; c++) {
         int32_t *const euler = &w->euler[bvxi_root(w->patch, c / 3)];
-
         BVXI_TRY(report_patches(w, 0.2, c));
         /* Triangles and vertices count, edges count against them; an inner edge is counted at one of its
          * sides. */
@@ -172,7 +172,6 @@ static bvx_status loosen_tetrahedron(bvxi_oblique *o, uint32_t t)
 static bvx_status add_handle_tetra(handle_work *w, uint32_t t)
 {
     bvxi_oblique *const o = w->o;
-
     if (o->stamp[t] == o->stamps) return BVX_OK;
     BVXI_TRY(BVXI_GROW(o, w->tetra, w->tetras, w->tetra_room, "the tetrahedra of a handle"));
     o->stamp[t] = o->stamps;
@@ -184,14 +183,13 @@ static bvx_status add_handle_tetra(handle_work *w, uint32_t t)
 static bvx_status gather_patch(handle_work *w, const uint32_t *owner, uint32_t patch)
 {
     bvxi_oblique *const o = w->o;
-    uint32_t most;
 
     w->tetras = 0;
     bvxi_tetra_new_stamp(o);
     for (uint64_t t = o->plain_triangles; t < w->triangles; t++)
         if (bvxi_root(w->patch, (uint32_t)t) == patch)
             BVXI_TRY(add_handle_tetra(w, owner[t - o->plain_triangles]));
-    most = w->tetras + HANDLE_TETRA;
+    uint32_t const most = w->tetras + HANDLE_TETRA;
     for (uint32_t i = 0; i < w->tetras && w->tetras < most; i++)
         for (int k = 0; k < 4; k++) {
             uint32_t const t = w->tetra[i], next = o->tetra[t].n[k];
@@ -322,14 +320,7 @@ static bvx_status list_loose(handle_work *w, double depth, int inside)
         w->loose[n++] = (uint64_t)bits << 32 | x;
     }
     w->loose_count = n;
-    /* By insertion with growing steps back (Shell 1959). */
-    for (uint64_t gap = n / 2; gap > 0; gap /= 2)
-        for (uint64_t i = gap; i < n; i++) {
-            uint64_t const x = w->loose[i];
-            uint64_t j = i;
-            for (; j >= gap && w->loose[j - gap] > x; j -= gap) w->loose[j] = w->loose[j - gap];
-            w->loose[j] = x;
-        }
+    bvxi_sort_u64(w->loose, n);
     return BVX_OK;
 }
 
@@ -346,7 +337,6 @@ static bvx_status thin_side(handle_work *w, int inside)
         for (uint64_t i = 0; i < w->loose_count; i++) {
             uint32_t const v = (uint32_t)w->loose[i];
             uint32_t around = 0;
-
             if ((o->vertex[v].sign > 0) == inside) BVXI_TRY(change_side(w, v, 1, &around));
             if (around == 0) continue;
             BVXI_TRY(BVXI_GROW(o, w->flip, w->flips, w->flip_room, "the vertices of a handle"));
@@ -385,7 +375,6 @@ static bvx_status cut_thread(handle_work *w, int inside, int32_t *gain)
     for (uint64_t i = 0; i < w->loose_count && tries < HANDLE_TRIES; i++) {
         uint32_t const v = (uint32_t)w->loose[i];
         uint32_t around;
-        int hold = 0;
 
         if ((o->vertex[v].sign > 0) != inside) continue;
         BVXI_TRY(change_side(w, v, 2, &around));
@@ -394,7 +383,7 @@ static bvx_status cut_thread(handle_work *w, int inside, int32_t *gain)
         BVXI_TRY(bvxi_progress(o->ctx, "surface", w->done));
         if (count_handle_stretches(w, inside) == stretches) {
             BVXI_TRY(thicken_side(w));
-            hold = 1;
+            int hold = 1;
             BVXI_TRY(contours_hold(w, v, &hold));
             for (uint32_t k = 0; k < w->flips && hold; k++)
                 if (!w->back[k]) BVXI_TRY(contours_hold(w, w->flip[k], &hold));
@@ -415,11 +404,9 @@ static bvx_status cut_thread(handle_work *w, int inside, int32_t *gain)
 static bvx_status settle_surface_patch(handle_work *w, int32_t handles)
 {
     static const double depth[HANDLE_DEPTHS] = {0.01, 0.05, 0.5}; /* cells */
-
     for (int k = 0; k < 4 * HANDLE_DEPTHS && handles > 0;) {
         int const inside = (k & 1) == 0;
         int32_t gain;
-
         w->strict = (k & 2) == 0;
         BVXI_TRY(list_loose(w, depth[k / 4], inside));
         BVXI_TRY(thin_side(w, inside));
@@ -438,7 +425,6 @@ static void give_middle_numbers(const bvxi_oblique *o, uint64_t first)
     for (uint64_t v = first; v < o->vertex_count; v++) {
         bvxi_tetra_vertex *const x = &o->vertex[v];
         float const middle = 0.5F * (o->vertex[x->parent[0]].value + o->vertex[x->parent[1]].value);
-
         if ((x->sign > 0 && middle > 0.0F) || (x->sign < 0 && middle < 0.0F)) x->value = middle;
     }
 }

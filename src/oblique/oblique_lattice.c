@@ -22,7 +22,6 @@ int bvxi_oblique_place_among(const bvxi_oblique *o, const int32_t vertex[3], con
 {
     const bvxi_oblique_plane *nearest = NULL;
     double least = PLACE_SNAP, height = 0.0;
-
     for (int k = 0; k < 3; k++) at[k] = vertex[k];
     for (uint32_t n = 0; n < count; n++) {
         double const h = bvxi_oblique_height(&o->plane[plane[n]], at);
@@ -41,7 +40,6 @@ int bvxi_oblique_place_among(const bvxi_oblique *o, const int32_t vertex[3], con
 void bvxi_oblique_block_place(const bvxi_oblique *o, uint32_t block, int32_t first[3])
 {
     int32_t const x = o->blocks[0], y = o->blocks[1];
-
     first[0] = (int32_t)(block % (uint32_t)x) * BVXI_BLOCK_SIDE;
     first[1] = (int32_t)(block / (uint32_t)x % (uint32_t)y) * BVXI_BLOCK_SIDE;
     first[2] = (int32_t)(block / (uint32_t)x / (uint32_t)y) * BVXI_BLOCK_SIDE;
@@ -59,7 +57,6 @@ static int plane_in_block(const bvxi_oblique_plane *p, const int32_t first[3], d
 uint32_t bvxi_oblique_near_planes(const bvxi_oblique *o, const int32_t first[3], uint32_t *plane)
 {
     uint32_t count = 0;
-
     for (uint32_t i = 0; i < o->plane_count; i++)
         if (plane_in_block(&o->plane[i], first, 0.5)) plane[count++] = i;
     return count;
@@ -71,7 +68,6 @@ uint32_t bvxi_oblique_heard_planes(const bvxi_oblique *o, const int32_t first[3]
     double const centre[3] = {first[0] + 2.0, first[1] + 2.0, first[2] + 2.0};
     double const reach = o->reach + 4.0; /* more than half the cube's diagonal, and what vertices move by */
     uint32_t count = 0;
-
     for (uint32_t i = 0; i < o->plane_count; i++)
         if (bvxi_absolute(bvxi_oblique_height(&o->plane[i], centre)) < reach) plane[count++] = i;
     return count;
@@ -83,7 +79,6 @@ static float value_among(const bvxi_oblique *o, const int32_t vertex[3], const u
 {
     double at[3], value = 0.0;
     uint32_t on = BVXI_NONE;
-    float rounded;
 
     /* Outside along the lattice's border, so that the surface closes within it. */
     for (int k = 0; k < 3; k++)
@@ -97,7 +92,7 @@ static float value_among(const bvxi_oblique *o, const int32_t vertex[3], const u
                             : bvxi_oblique_number_among(o, at, heard, heard_count);
 
     /* Never 0, also not by rounding: each vertex is on one side. */
-    rounded = (float)value;
+    float rounded = (float)value;
     if (rounded > -1e-12F && rounded < 1e-12F) rounded = value > 0.0 ? 1e-12F : -1e-12F;
     return rounded;
 }
@@ -106,7 +101,6 @@ float bvxi_oblique_vertex_value(const bvxi_oblique *o, const int32_t vertex[3])
 {
     uint32_t near[BVXI_OBLIQUE_PLANES], heard[BVXI_OBLIQUE_PLANES];
     uint32_t const count = bvxi_oblique_near_planes(o, vertex, near);
-
     return value_among(o, vertex, near, count, heard, bvxi_oblique_heard_planes(o, vertex, heard));
 }
 
@@ -120,7 +114,6 @@ int bvxi_oblique_kind(const bvxi_oblique *o, const int32_t vertex[3])
 {
     int bit;
     uint64_t const block = bvxi_oblique_block(o, vertex, &bit);
-
     if (o->block_at[block] < 0) return o->block_kind[block];
     return bvxi_oblique_kind_of(o, o->value[(uint64_t)o->block_at[block] * BVXI_BLOCK_SIZE + (uint64_t)bit]);
 }
@@ -130,7 +123,6 @@ int bvxi_oblique_kind(const bvxi_oblique *o, const int32_t vertex[3])
 static void first_vertex_piece(void *user, uint64_t begin, uint64_t end)
 {
     bvxi_oblique *const o = user;
-
     /* One vertex a block; where neighbours agree, all between them is taken to be on that side. */
     for (uint64_t i = begin; i < end; i++) {
         int32_t first[3];
@@ -162,7 +154,6 @@ static void known_piece(void *user, uint64_t begin, uint64_t end)
         int32_t first[3], at[3];
         float *const value = o->value + i * BVXI_BLOCK_SIZE;
         uint32_t near[BVXI_OBLIQUE_PLANES], heard[BVXI_OBLIQUE_PLANES], near_count, heard_count;
-
         bvxi_oblique_block_place(o, o->known[i], first);
         /* The planes that matter are found once a block, not once for each of its vertices. */
         near_count = bvxi_oblique_near_planes(o, first, near);
@@ -256,11 +247,9 @@ static void mark_place(bvxi_oblique *o, const double at[3])
 static void mark_segment(bvxi_oblique *o, const double a[3], const double b[3])
 {
     double square = 0.0;
-    int32_t steps;
-
     for (int k = 0; k < 3; k++) square += (b[k] - a[k]) * (b[k] - a[k]);
     /* A quarter of a cell from place to place: less than the reach, so that no cell between is missed. */
-    steps = (int32_t)(sqrt(square) * 4.0) + 1;
+    int32_t const steps = (int32_t)(sqrt(square) * 4.0) + 1;
     for (int32_t i = 0; i <= steps; i++) {
         double const t = (double)i / steps;
         double const at[3] = {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
@@ -274,7 +263,6 @@ static void mark_sweep(bvxi_oblique *o, const double a[3], const double b[3], co
                        const double d[3])
 {
     double square[4] = {0.0, 0.0, 0.0, 0.0};
-    int32_t steps;
 
     for (int k = 0; k < 3; k++) {
         square[0] += (c[k] - a[k]) * (c[k] - a[k]);
@@ -287,7 +275,7 @@ static void mark_sweep(bvxi_oblique *o, const double a[3], const double b[3], co
     mark_segment(o, c, d);
     if (square[0] < MARK_REACH * MARK_REACH && square[1] < MARK_REACH * MARK_REACH) return;
 
-    steps = (int32_t)(sqrt(square[2] > square[3] ? square[2] : square[3]) * 4.0) + 1;
+    int32_t const steps = (int32_t)(sqrt(square[2] > square[3] ? square[2] : square[3]) * 4.0) + 1;
     for (int32_t i = 0; i <= steps; i++) {
         double const t = (double)i / steps;
         double from[3], to[3];
@@ -348,7 +336,6 @@ int bvxi_oblique_in_cube(const bvxi_oblique_plane *p, const int32_t first[3], do
     double height[8], count = 0.0;
 
     at[0] = at[1] = at[2] = 0.0;
-
     for (int c = 0; c < 8; c++) {
         double const corner[3] = {first[0] + (c & 1 ? side : 0.0), first[1] + (c & 2 ? side : 0.0),
                                   first[2] + (c & 4 ? side : 0.0)};
@@ -372,7 +359,6 @@ int bvxi_oblique_in_cube(const bvxi_oblique_plane *p, const int32_t first[3], do
 static void plane_block_piece(void *user, uint64_t begin, uint64_t end)
 {
     bvxi_oblique *const o = user;
-
     for (uint64_t i = begin; i < end; i++) {
         int32_t first[3];
         double at[3];
@@ -416,11 +402,9 @@ static bvx_status begin_blocks(bvxi_oblique *o, uint64_t n)
 bvx_status bvxi_oblique_lattice(bvxi_oblique *o)
 {
     uint64_t const n = (uint64_t)o->blocks[0] * (uint64_t)o->blocks[1] * (uint64_t)o->blocks[2];
-
     BVXI_TRY(BVXI_ZEROS(o->ctx, n, "the blocks of the lattice", o->block_kind));
     BVXI_TRY(BVXI_ARRAY(o->ctx, n, "the blocks of the lattice", o->block_at));
     BVXI_TRY(BVXI_ZEROS(o->ctx, n, "the blocks of the lattice", o->contour_cells));
-
     memset(o->block_at, 0xff, (size_t)n * 4);
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, begin_blocks(o, n)));
     return BVXI_SHARE(o->ctx, 0.4, 1.0, follow_surface(o));

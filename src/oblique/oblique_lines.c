@@ -37,7 +37,6 @@ uint32_t bvxi_knot_root(const bvxi_oblique *o, uint32_t knot)
 void bvxi_knot_place(const bvxi_oblique *o, uint32_t knot, double at[3])
 {
     const bvxi_knot *const root = &o->knot[bvxi_knot_root(o, knot)];
-
     for (int k = 0; k < 3; k++) at[k] = root->sum[k] / root->count;
 }
 
@@ -45,7 +44,6 @@ uint32_t bvxi_knot_after(const bvxi_oblique *o, uint32_t plane, uint32_t segment
 {
     double least = 1.0; /* the segment's end is the next one's point */
     uint32_t found = BVXI_NONE;
-
     for (uint32_t k = o->plane[plane].knot; k != BVXI_NONE; k = o->knot[k].next)
         if (o->knot[k].segment == segment && o->knot[k].share > share && o->knot[k].share < least) {
             least = o->knot[k].share;
@@ -59,7 +57,6 @@ static bvx_status find_knot(bvxi_oblique *o, uint32_t plane, uint32_t segment, d
                             const double at[3], uint32_t *number)
 {
     double const near = BVXI_OBLIQUE_NEAR * BVXI_OBLIQUE_NEAR;
-    bvxi_knot *k;
 
     /* Three planes in one line meet a contour at one place: it gets one knot. */
     for (uint32_t i = o->plane[plane].knot; i != BVXI_NONE; i = o->knot[i].next)
@@ -69,7 +66,7 @@ static bvx_status find_knot(bvxi_oblique *o, uint32_t plane, uint32_t segment, d
         }
     BVXI_TRY(BVXI_GROW(o, o->knot, o->knot_count, o->knot_room, "the crossings of contours with planes"));
     *number = (uint32_t)o->knot_count++;
-    k = &o->knot[*number];
+    bvxi_knot *const k = &o->knot[*number];
     memset(k, 0, sizeof *k);
     memcpy(k->at, at, 24);
     memcpy(k->sum, at, 24);
@@ -90,7 +87,6 @@ static bvx_status find_knot(bvxi_oblique *o, uint32_t plane, uint32_t segment, d
 static void join_knots(bvxi_oblique *o, uint32_t a, uint32_t b, double share)
 {
     uint32_t x = bvxi_knot_root(o, a), y = bvxi_knot_root(o, b);
-    bvxi_knot *keep, *gone;
 
     if (x == y) return;
     if (y < x) {
@@ -98,8 +94,8 @@ static void join_knots(bvxi_oblique *o, uint32_t a, uint32_t b, double share)
         x = y;
         y = swap;
     }
-    keep = &o->knot[x];
-    gone = &o->knot[y];
+    bvxi_knot *const keep = &o->knot[x];
+    bvxi_knot *const gone = &o->knot[y];
     gone->joined = x;
     /* a contour's own point stays where it is; the first of two does */
     if (keep->exact) return;
@@ -130,7 +126,6 @@ static bvx_status find_events(bvxi_oblique *o, oblique_line_work *w, uint32_t pl
         uint32_t const n = p->next[i];
         double a[3], b[3], at[3], ha, hb, share;
         uint32_t segment = i;
-        line_event *e;
 
         bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[i], a);
         bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[n], b);
@@ -151,7 +146,7 @@ static bvx_status find_events(bvxi_oblique *o, oblique_line_work *w, uint32_t pl
         }
         if (share == 0.0) memcpy(at, segment == i ? a : b, 24);
         BVXI_TRY(BVXI_GROW(o, w->event, w->count, w->room, "the crossings of contours with planes"));
-        e = &w->event[w->count];
+        line_event *const e = &w->event[w->count];
         e->which = which;
         e->along = (w->direction[0] * at[0] + w->direction[1] * at[1]) + w->direction[2] * at[2];
         BVXI_TRY(find_knot(o, plane, segment, share, other, at, &e->knot));
@@ -195,7 +190,6 @@ static double way_apart(const bvxi_oblique *o, uint32_t a, uint32_t b, const lin
 {
     double const gap = to->along - from->along;
     double middle[3], one, two, least;
-
     for (int k = 0; k < 3; k++) middle[k] = 0.5 * (o->knot[from->knot].at[k] + o->knot[to->knot].at[k]);
     one = 2.0 * bvxi_absolute(bvxi_oblique_exact(o, a, middle));
     two = 2.0 * bvxi_absolute(bvxi_oblique_exact(o, b, middle));
@@ -210,11 +204,9 @@ static double share_of_way(const bvxi_oblique *o, uint32_t plane_a, const double
                            const double b[3])
 {
     double least = 0.0, most = 1.0;
-
     for (uint32_t i = 0; i < o->plane_count; i++) {
         double const ha = bvxi_oblique_height(&o->plane[i], a), hb = bvxi_oblique_height(&o->plane[i], b);
         double at[3], share;
-
         if (i == plane_a || i == plane_b || (ha < 0.0) == (hb < 0.0)) continue;
         share = ha / (ha - hb);
         for (int k = 0; k < 3; k++) at[k] = a[k] + share * (b[k] - a[k]);
@@ -233,14 +225,13 @@ static bvx_status settle_pair(bvxi_oblique *o, oblique_line_work *w, uint32_t a,
     for (uint64_t i = 0; i < w->count; i++) {
         const line_event *const e = &w->event[i], *const before = &w->event[since];
         int const apart = inside[0] != inside[1];
-        double gap;
 
         inside[e->which] ^= 1;
         if (!apart) {
             since = i;
             continue;
         }
-        gap = way_apart(o, a, b, before, e);
+        double const gap = way_apart(o, a, b, before, e);
         if (gap > o->agree) return refuse_gap(o, a, b, o->knot[before->knot].at, gap);
         if (gap * o->step > o->report.largest_gap) o->report.largest_gap = gap * o->step;
         /* In and out again of the same plane, with nothing of the other: there is nothing to move it to. */
@@ -258,12 +249,11 @@ static bvx_status settle_pair(bvxi_oblique *o, oblique_line_work *w, uint32_t a,
 static bvx_status settle_line(bvxi_oblique *o, oblique_line_work *w, uint32_t a, uint32_t b)
 {
     const double *const n = o->plane[a].normal, *const m = o->plane[b].normal;
-    double length;
 
     for (int k = 0; k < 3; k++)
         w->direction[k] = n[(k + 1) % 3] * m[(k + 2) % 3] - n[(k + 2) % 3] * m[(k + 1) % 3];
-    length = sqrt((w->direction[0] * w->direction[0] + w->direction[1] * w->direction[1]) +
-                  w->direction[2] * w->direction[2]);
+    double const length = sqrt((w->direction[0] * w->direction[0] + w->direction[1] * w->direction[1]) +
+                               w->direction[2] * w->direction[2]);
     if (!(length > 1e-9)) return BVX_OK; /* they cross nowhere near */
     /* Places along the line are lengths then, which agree is one of. */
     for (int k = 0; k < 3; k++) w->direction[k] /= length;
@@ -280,7 +270,6 @@ static bvx_status settle_line(bvxi_oblique *o, oblique_line_work *w, uint32_t a,
 static int moves_across(const bvxi_oblique *o, uint32_t knot, uint32_t plane)
 {
     double at[3];
-
     bvxi_knot_place(o, knot, at);
     return (bvxi_oblique_height(&o->plane[plane], o->knot[knot].at) < 0.0) !=
            (bvxi_oblique_height(&o->plane[plane], at) < 0.0);
@@ -308,29 +297,24 @@ static void order_knots(const bvxi_oblique *o, line_event *e, uint64_t n)
         }
 }
 
-static bvx_status order_plane(bvxi_oblique *o, oblique_line_work *w, uint32_t plane)
-{
-    w->count = 0;
-    for (uint32_t k = o->plane[plane].knot; k != BVXI_NONE; k = o->knot[k].next) {
-        BVXI_TRY(BVXI_GROW(o, w->event, w->count, w->room, "the crossings of contours with planes"));
-        w->event[w->count].which = o->knot[k].segment;
-        w->event[w->count].along = o->knot[k].segment + o->knot[k].share;
-        w->event[w->count++].knot = k;
-    }
-    sort_events(w->event, w->count);
-    order_knots(o, w->event, w->count);
-    return BVX_OK;
-}
-
 bvx_status bvxi_oblique_settle(bvxi_oblique *o)
 {
     oblique_line_work w = {0};
-
     for (uint32_t a = 0; a < o->plane_count; a++) {
         BVXI_TRY(bvxi_progress(o->ctx, "sections", (double)a / o->plane_count));
         for (uint32_t b = a + 1; b < o->plane_count; b++) BVXI_TRY(settle_line(o, &w, a, b));
     }
     /* Once all are moved: which side of a corner a contour passes depends on both of its crossings there. */
-    for (uint32_t a = 0; a < o->plane_count; a++) BVXI_TRY(order_plane(o, &w, a));
+    for (uint32_t a = 0; a < o->plane_count; a++) {
+        w.count = 0;
+        for (uint32_t k = o->plane[a].knot; k != BVXI_NONE; k = o->knot[k].next) {
+            BVXI_TRY(BVXI_GROW(o, w.event, w.count, w.room, "the crossings of contours with planes"));
+            w.event[w.count].which = o->knot[k].segment;
+            w.event[w.count].along = o->knot[k].segment + o->knot[k].share;
+            w.event[w.count++].knot = k;
+        }
+        sort_events(w.event, w.count);
+        order_knots(o, w.event, w.count);
+    }
     return BVX_OK;
 }

@@ -9,7 +9,6 @@ static uint32_t look_slot(const bvxi_look *l, const uint32_t *table, uint32_t nu
 {
     uint32_t const mask = 4 * l->most - 1;
     uint32_t at = number * UINT32_C(0x9e3779b1) >> 7 & mask;
-
     while (table[at] != BVXI_NONE && table[at] != number) at = (at + 1) & mask;
     return at;
 }
@@ -17,7 +16,6 @@ static uint32_t look_slot(const bvxi_look *l, const uint32_t *table, uint32_t nu
 static int look_add_tetra(bvxi_look *l, uint32_t tetra)
 {
     uint32_t const at = look_slot(l, l->seen, tetra);
-
     if (l->seen[at] == tetra) return 1;
     if (l->count == l->most) return 0;
     l->seen[at] = tetra;
@@ -76,11 +74,9 @@ void bvxi_look_stretches(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex, i
 
         /* Of a tetrahedron's three other corners those on one side hang together. */
         for (int k = 0; k < 4; k++) {
-            uint32_t own;
-            int inside;
             if (v[k] == vertex) continue;
-            own = look_vertex(l, v[k]);
-            inside = l->sign[own] > 0;
+            uint32_t const own = look_vertex(l, v[k]);
+            int const inside = l->sign[own] > 0;
             if (!contours && l->sign[own] == 0) continue;
             if (last[inside] != BVXI_NONE)
                 stretches[inside] -= (uint32_t)bvxi_join(l->joined, own, last[inside]);
@@ -92,7 +88,6 @@ void bvxi_look_stretches(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex, i
 int bvxi_look_torn(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
 {
     uint32_t stretches[2];
-
     bvxi_look_stretches(o, l, vertex, 0, stretches);
     return stretches[0] > 1 || stretches[1] > 1;
 }
@@ -100,7 +95,6 @@ int bvxi_look_torn(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
 int64_t bvxi_look_euler(const bvxi_oblique *o, const bvxi_look *l, uint32_t vertex, int *any, int *all)
 {
     int64_t corners = 0, edges = 0, faces = 0;
-
     for (uint32_t i = 0; i < l->vertices; i++) corners += l->sign[i] > 0;
     for (uint32_t i = 0; i < l->count; i++) {
         const bvxi_tetra *const t = &o->tetra[l->tetra[i]];

@@ -25,7 +25,6 @@ typedef struct part_work {
 static uint64_t plane_key(uint32_t plane)
 {
     uint64_t const x = (plane + 1) * UINT64_C(0x9e3779b97f4a7c15);
-
     return (x ^ x >> 29) * UINT64_C(0xbf58476d1ce4e5b9);
 }
 
@@ -34,7 +33,6 @@ static uint64_t cell_below(const bvxi_oblique *o, uint32_t plane, const double *
 {
     double at[3];
     uint64_t key = 1;
-
     bvxi_oblique_in_cells(o, world, at);
     for (uint32_t j = 0; j < o->plane_count; j++) {
         double const height = bvxi_oblique_height(&o->plane[j], at);

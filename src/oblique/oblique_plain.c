@@ -68,7 +68,6 @@ static uint8_t plain_edge(plain_case *c, uint8_t a, uint8_t b)
 {
     uint8_t const code = (uint8_t)((a < b ? a : b) | (a ^ b) << 3);
     uint8_t n = 0;
-
     while (n < c->edges && c->edge[n] != code) n++;
     if (n == c->edges) c->edge[c->edges++] = code;
     return n;
@@ -158,7 +157,6 @@ static void bits_around(const bvxi_oblique *o, uint32_t known, uint32_t bit, uin
 uint64_t bvxi_oblique_mixed(const bvxi_oblique *o, uint32_t known)
 {
     uint64_t mixed = 0;
-
     for (uint32_t bit = 0; bit < bvxi_oblique_kind_bits(o); bit++) {
         uint64_t moved[8], any = 0, all = UINT64_MAX;
         bits_around(o, known, bit, moved);
@@ -174,7 +172,6 @@ uint64_t bvxi_oblique_mixed(const bvxi_oblique *o, uint32_t known)
 static void signs_of_known(void *user, uint64_t begin, uint64_t end)
 {
     bvxi_oblique *const o = user;
-
     for (uint64_t i = begin; i < end; i++)
         for (uint32_t bit = 0; bit < bvxi_oblique_kind_bits(o); bit++) {
             uint64_t word = 0;
@@ -226,7 +223,6 @@ static void find_crossed(const bvxi_oblique *o, uint32_t known)
 static int signs_of_cell(const uint64_t moved[8], int cell)
 {
     int signs = 0;
-
     for (int c = 0; c < 8; c++) signs |= (int)(moved[c] >> cell & 1) << c;
     return signs;
 }
@@ -235,11 +231,9 @@ static void plain_crossed_piece(void *user, uint64_t begin, uint64_t end)
 {
     const plain_job *const job = user;
     const bvxi_oblique *const o = job->o;
-
     for (uint64_t i = begin; i < end; i++) {
         uint64_t moved[8];
         uint32_t triangles = 0;
-
         find_crossed(o, (uint32_t)i);
         if (o->active[i] != 0) bits_around(o, (uint32_t)i, 0, moved);
         for (uint64_t cells = o->active[i]; cells != 0; cells &= cells - 1)
@@ -274,7 +268,6 @@ uint32_t bvxi_oblique_plain_vertex(const bvxi_oblique *o, uint32_t known, int bi
 {
     const bvxi_oblique_crossed *const x = &o->crossed[known];
     uint64_t const edges = x->edges[way - 1], below = (UINT64_C(1) << bit) - 1;
-
     if (!(edges >> bit & 1)) return BVXI_NONE;
     return x->first[way - 1] + bvxi_popcount(edges & below);
 }
@@ -298,7 +291,6 @@ void bvxi_oblique_cross_again(const double in[3], double rise, const double out[
                               double middle, double at[3])
 {
     double share = place_at_share(in, out, rise + fall > 0.0 ? rise / (rise + fall) : 0.5, at);
-
     /* Distances bend along an edge, and the first straight line errs by the square of a cell, always to the
      * hollow side. A second one from where it ended errs by far less. The ends keep their sides, whatever the
      * number between says. */
@@ -310,7 +302,6 @@ void bvxi_oblique_cross_again(const double in[3], double rise, const double out[
 static void blocks_beside(const bvxi_oblique *o, uint32_t known, uint32_t beside[8])
 {
     uint64_t block;
-
     for (int c = 0; c < 8; c++) beside[c] = block_beside(o, known, c, 1, &block);
 }
 
@@ -318,7 +309,6 @@ static void blocks_beside(const bvxi_oblique *o, uint32_t known, uint32_t beside
 static int vertex_on(int bit, int way, int *beyond)
 {
     int n = 0;
-
     *beyond = 0;
     for (int k = 0; k < 3; k++) {
         int const place = (bit >> 2 * k & 3) + (way >> k & 1);
@@ -342,19 +332,17 @@ static void plain_positions(const bvxi_oblique *o, uint32_t known)
         for (uint64_t left = o->crossed[known].edges[way - 1]; left != 0; left &= left - 1, number++) {
             int const bit = bvxi_lowest(left);
             double end[2][3], value[2], at[3];
-            int in;
 
             for (int e = 0; e < 2; e++) {
                 int32_t place[3];
                 int beyond, n = vertex_on(bit, e == 1 ? way : 0, &beyond);
-
                 bvxi_oblique_in_block(first, n, place);
                 for (int k = 0; k < 3; k++) place[k] += BVXI_BLOCK_SIDE * (beyond >> k & 1);
                 bvxi_oblique_place_among(o, place, plane, planes, end[e]);
                 value[e] = o->value[(uint64_t)beside[beyond] * BVXI_BLOCK_SIZE + (uint64_t)n];
             }
             /* From inside outwards, as tetrahedra do: the place must not depend on who computes it. */
-            in = value[0] > 0.0 ? 0 : 1;
+            int const in = value[0] > 0.0 ? 0 : 1;
             bvxi_oblique_cross_edge(end[in], bvxi_absolute(value[in]), end[!in], bvxi_absolute(value[!in]),
                                     at);
             bvxi_oblique_cross_again(end[in], bvxi_absolute(value[in]), end[!in], bvxi_absolute(value[!in]),
@@ -378,7 +366,6 @@ static void plain_triangles(const plain_job *job, uint32_t known)
         int const cell = bvxi_lowest(cells);
         const plain_case *const c = &job->cases[signs_of_cell(moved, cell)];
         uint32_t number[PLAIN_EDGES];
-
         for (int e = 0; e < c->edges; e++) {
             int beyond, n = vertex_on(cell, c->edge[e] & 7, &beyond);
             number[e] = bvxi_oblique_plain_vertex(o, beside[beyond], n, c->edge[e] >> 3);
@@ -391,7 +378,6 @@ static void plain_triangles(const plain_job *job, uint32_t known)
 static void plain_surface_piece(void *user, uint64_t begin, uint64_t end)
 {
     const plain_job *const job = user;
-
     for (uint64_t i = begin; i < end; i++) {
         plain_positions(job->o, (uint32_t)i);
         if (job->o->active[i] != 0) plain_triangles(job, (uint32_t)i);

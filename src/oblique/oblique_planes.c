@@ -5,8 +5,6 @@
  * plane on which there is no body. */
 #include "oblique/oblique.h"
 
-#include <math.h>
-
 enum { OBLIQUE_CELLS = 64, OBLIQUE_MOST_CELLS = 1024, OBLIQUE_FINE = 29 };
 
 #define OBLIQUE_OFF 1e-3 /* of the longest side: how far a point may lie off its plane */
@@ -18,7 +16,6 @@ static bvx_status lay_lattice(bvxi_oblique *o, const double low[3], const double
 {
     static const double shift[3] = {0.3137, 0.1429, 0.2253}; /* round coordinates on no lattice plane */
     double longest = 0.0, cells, largest = 0.0;
-    int32_t pad;
 
     for (int k = 0; k < 3; k++) {
         double const side = high[k] - low[k];
@@ -49,7 +46,7 @@ static bvx_status lay_lattice(bvxi_oblique *o, const double low[3], const double
 
     /* The body may bulge beyond its contours by an eighth; three cells more keep the lattice's border outside
      * of it. */
-    pad = (int32_t)(cells / 8.0) + 3;
+    int32_t const pad = (int32_t)(cells / 8.0) + 3;
     for (int k = 0; k < 3; k++) {
         /* Whole blocks, so that no block needs a look at where the lattice ends. */
         int32_t const least = (int32_t)((high[k] - low[k]) / o->step) + 2 + 2 * pad;
@@ -72,7 +69,6 @@ static bvx_status bound_contours(bvxi_oblique *o)
 {
     const bvx_sections *const g = o->given;
     double low[3] = {1e300, 1e300, 1e300}, high[3] = {-1e300, -1e300, -1e300};
-
     for (uint64_t i = 0; i < g->loop_count; i++) {
         /* Other bodies neither widen the lattice nor make its cells coarser. */
         if (g->loops[i].label != o->options.label && !o->of_all) continue;
@@ -128,7 +124,6 @@ static bvx_status place_points(bvxi_oblique *o, bvxi_oblique_plane *f)
                 OBLIQUE_OFF * o->longest * o->step);
         bvxi_widen(f->low, f->high, p->uv[i], 2);
     }
-
     return BVX_OK;
 }
 
@@ -255,7 +250,6 @@ double bvxi_oblique_exact(const bvxi_oblique *o, uint32_t plane, const double at
     const bvxi_oblique_plane *const p = &o->plane[plane];
     uint32_t hint = 0;
     double uv[2], d;
-
     if (p->plane.contour_count == 0) return -0.25 * o->longest;
     bvxi_oblique_uv(p, at, uv);
     d = bvxi_plane_distance(&p->plane, uv[0], uv[1], &hint);
@@ -264,12 +258,10 @@ double bvxi_oblique_exact(const bvxi_oblique *o, uint32_t plane, const double at
 
 int bvxi_oblique_encloses(const bvxi_oblique *o, uint32_t plane, const double uv[2])
 {
-    const bvxi_plane *const p = &o->plane[plane].plane;
-
     /* Of several bodies what any of them encloses: where two overlap by a hair they do not cancel out. */
     for (uint32_t i = 0; i < o->body_count; i++)
         if (bvxi_oblique_in_bounds(&o->body[i].plane[plane], uv, 0.0) &&
             bvxi_oblique_encloses(&o->body[i], plane, uv))
             return 1;
-    return o->body_count == 0 && bvxi_plane_encloses(p, uv[0], uv[1]);
+    return o->body_count == 0 && bvxi_plane_encloses(&o->plane[plane].plane, uv[0], uv[1]);
 }

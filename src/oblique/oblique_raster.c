@@ -19,7 +19,6 @@
 static uint32_t point_before(const bvxi_plane *p, uint32_t i)
 {
     if (i > 0 && p->next[i - 1] == i) return i - 1;
-
     /* The first of its loop: the last one is at the end of the loop's points. */
     return i + p->contour[bvxi_contour_of(p, i)].count - 1;
 }
@@ -31,9 +30,7 @@ static int bulge_slope(const double segment[2], const double beside[2], double *
     double const other = sqrt(beside[0] * beside[0] + beside[1] * beside[1]);
     double const dot = segment[0] * beside[0] + segment[1] * beside[1];
     double const cross = segment[0] * beside[1] - segment[1] * beside[0];
-
     if (!(dot > BULGE_CORNER * own * other)) return 0;
-
     /* The tangent of half the turn, as on a circle with equal segments. The longer of two takes less: a long
      * one beside a short one is a straight line that ends there. */
     *slope = cross / (own * other + dot) * (2.0 * (own < other ? own : other) / (own + other));
@@ -67,7 +64,6 @@ static uint32_t nearest_of_group(const bvxi_plane *p, uint32_t group, const doub
 {
     uint32_t nearest = 0;
     double least = 1e300;
-
     for (uint32_t n = group; n < group + BVXI_SEGMENT_GROUP && n < p->segment_count; n++) {
         uint32_t const i = p->segment == NULL ? n : p->segment[n];
         double const square = bvxi_segment_square(p->uv[i], p->uv[p->next[i]], at);
@@ -88,7 +84,6 @@ double bvxi_oblique_curved(const bvxi_oblique *o, uint32_t plane, const double u
     int const inside = bvxi_oblique_encloses(o, plane, uv);
     int const left = (b[0] - a[0]) * (uv[1] - a[1]) - (b[1] - a[1]) * (uv[0] - a[0]) > 0.0;
     double const bulge = bulge_beside(p, i, uv);
-
     /* A curve to the left is nearer to what lies there: inside it is less deep, outside less far. */
     return (inside ? d : -d) + (left == inside ? -bulge : bulge);
 }
@@ -99,7 +94,6 @@ static void raster_row(const bvxi_oblique *o, const bvxi_oblique_plane *p, int32
 {
     uint32_t const plane = (uint32_t)(p - o->plane);
     uint32_t hint = 0;
-
     for (int32_t i = 0; i < p->raster_size[0]; i++) {
         double const uv[2] = {p->raster_low[0] + BVXI_RASTER_STEP * i,
                               p->raster_low[1] + BVXI_RASTER_STEP * row};
@@ -116,7 +110,6 @@ static void rows_piece(void *user, int32_t row)
 {
     const rows_job *const job = user;
     const bvxi_oblique_plane *p = job->o->plane;
-
     for (; p->raster == NULL || row >= p->raster_size[1]; p++)
         if (p->raster != NULL) row -= p->raster_size[1];
     job->row(job->o, p, row);
@@ -126,7 +119,6 @@ bvx_status bvxi_oblique_rows(const bvxi_oblique *o, bvxi_row_fn *row)
 {
     rows_job job = {o, row};
     uint64_t rows = 0;
-
     for (uint32_t i = 0; i < o->plane_count; i++)
         if (o->plane[i].raster != NULL) rows += (uint64_t)o->plane[i].raster_size[1];
     if (rows > INT32_MAX)
@@ -167,7 +159,6 @@ double bvxi_oblique_raster_at(const bvxi_oblique_plane *p, const float *raster, 
 {
     double uv[2], t[2];
     int32_t i[2];
-    const float *row;
 
     bvxi_oblique_uv(p, at, uv);
     for (int k = 0; k < 2; k++) {
@@ -179,7 +170,7 @@ double bvxi_oblique_raster_at(const bvxi_oblique_plane *p, const float *raster, 
         if (i[k] > p->raster_size[k] - 2) i[k] = p->raster_size[k] - 2;
         t[k] = x - i[k];
     }
-    row = raster + (int64_t)i[1] * p->raster_size[0] + i[0];
+    const float *const row = raster + (int64_t)i[1] * p->raster_size[0] + i[0];
     {
         double const low = row[0] + t[0] * ((double)row[1] - row[0]);
         double const high = row[p->raster_size[0]] +
@@ -191,14 +182,12 @@ double bvxi_oblique_raster_at(const bvxi_oblique_plane *p, const float *raster, 
 double bvxi_oblique_distance(const bvxi_oblique *o, uint32_t plane, const double at[3])
 {
     const bvxi_oblique_plane *const p = &o->plane[plane];
-
     return p->raster == NULL ? -0.25 * o->longest : bvxi_oblique_raster_at(p, p->raster, at);
 }
 
 int bvxi_oblique_side(const bvxi_oblique *o, uint32_t plane, const double at[3])
 {
     double const near = bvxi_oblique_distance(o, plane, at);
-
     /* a bilinear cell of distances is off by less than its diagonal */
     if (bvxi_absolute(near) > 1.5 * BVXI_RASTER_STEP) return near > 0.0 ? 1 : -1;
     return bvxi_oblique_exact(o, plane, at) > 0.0 ? 1 : -1;

@@ -27,24 +27,12 @@ static void vote_for(const bvxi_oblique *o, oblique_region_work *w, uint32_t pla
 {
     uint32_t const edge = bvxi_edge_find(&o->contour_edge, x, y);
     double a[2], b[2], c[2], area;
-
     if (edge == BVXI_NONE || edge / 2 != plane) return;
     bvxi_oblique_uv(&o->plane[plane], o->vertex[x].at, a);
     bvxi_oblique_uv(&o->plane[plane], o->vertex[y].at, b);
     bvxi_oblique_uv(&o->plane[plane], o->vertex[z].at, c);
     area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
     w->vote[z] += (x > y) == (edge & 1) ? area : -area;
-}
-
-static void look_at_plane_face(const bvxi_oblique *o, oblique_region_work *w, uint32_t plane,
-                               const uint32_t v[3])
-{
-    for (int k = 0; k < 3; k++) {
-        uint32_t const x = v[k], y = v[(k + 1) % 3], z = v[(k + 2) % 3];
-        if (o->body_count == 0 && o->vertex[x].sign == 0 && o->vertex[y].sign == 0 && o->vertex[z].sign != 0)
-            vote_for(o, w, plane, x, y, z);
-        if (o->vertex[x].sign != 0 && o->vertex[y].sign != 0) bvxi_join(w->joined, x, y);
-    }
 }
 
 /* Arrays over all vertices, made ready for this plane's alone, as others may have used them; then joins and
@@ -64,7 +52,13 @@ static void vote_on_plane(const bvxi_oblique *o, oblique_region_work *w, uint32_
     }
     for (uint64_t i = begin; i < end; i++) {
         bvxi_tetra_face(&o->tetra[w->face[i] / 4], (int)(w->face[i] % 4), v);
-        look_at_plane_face(o, w, plane, v);
+        for (int k = 0; k < 3; k++) {
+            uint32_t const x = v[k], y = v[(k + 1) % 3], z = v[(k + 2) % 3];
+            if (o->body_count == 0 && o->vertex[x].sign == 0 && o->vertex[y].sign == 0 &&
+                o->vertex[z].sign != 0)
+                vote_for(o, w, plane, x, y, z);
+            if (o->vertex[x].sign != 0 && o->vertex[y].sign != 0) bvxi_join(w->joined, x, y);
+        }
     }
 }
 
@@ -142,7 +136,6 @@ static void settle_kinds(bvxi_oblique *o, oblique_region_work *w, uint32_t plane
 static void mark_faces_piece(void *user, uint64_t begin, uint64_t end)
 {
     const bvxi_oblique *const o = user;
-
     for (uint64_t t = begin; t < end; t++) {
         o->mark[t] = 0;
         for (int k = 0; k < 4; k++) {
@@ -160,10 +153,9 @@ static bvx_status list_plane_faces(bvxi_oblique *o, oblique_region_work *w)
 {
     static const char what[] = "the faces on planes";
     uint64_t const n = (uint64_t)o->plane_count + 2;
-    uint64_t *next;
 
     BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w->first));
-    next = w->first + 1;
+    uint64_t *const next = w->first + 1;
     for (int fill = 0; fill < 2; fill++) {
         for (uint64_t t = 0; t < o->tetra_count; t++)
             for (int k = 0; k < 4 && o->mark[t] != 0; k++) {

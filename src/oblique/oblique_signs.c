@@ -35,7 +35,6 @@ static void give_sign(const bvxi_oblique *o, bvxi_tetra_vertex *x, uint32_t plan
 {
     double const value = plane != BVXI_NONE ? bvxi_oblique_exact(o, plane, x->at)
                                             : bvxi_oblique_number(o, x->at);
-
     x->sign = value > 0.0 ? 1 : -1;
     x->value = (float)value;
 }
@@ -44,7 +43,6 @@ static void signs_piece(void *user, uint64_t begin, uint64_t end)
 {
     const signs_job *const job = user;
     bvxi_oblique *const o = job->o;
-
     for (uint64_t i = begin; i < end; i++) {
         bvxi_tetra_vertex *const x = &o->vertex[i];
         /* Vertices of contours have no sign, and those of the lattice have theirs from it. */
@@ -111,7 +109,6 @@ static bvx_status look_any(bvxi_oblique *o, link_work *w, uint32_t v, bvxi_look 
         if (w->large.most == 0 || *look == &w->large) {
             uint32_t const most = 2 * (*look)->most;
             uint32_t *block = NULL;
-
             BVXI_TRY(
                 BVXI_ARRAY(o->ctx, (uint64_t)most * BVXI_LOOK_WORDS, "the vertices round a vertex", block));
             w->large = bvxi_look_in(block, most);
@@ -133,7 +130,6 @@ static int is_wrong_sign(const bvxi_oblique *o, const bvxi_look *look, uint32_t 
 {
     int any, all, inside;
     int64_t const euler = bvxi_look_euler(o, look, v, &any, &all);
-
     inside = all || (euler <= 0 && any);
     return euler != 1 && inside != (o->vertex[v].sign > 0) && bvxi_look_whole(o, look, v);
 }
@@ -141,7 +137,6 @@ static int is_wrong_sign(const bvxi_oblique *o, const bvxi_look *look, uint32_t 
 static bvx_status settle_sign(bvxi_oblique *o, link_work *w, uint32_t v, const signs_job *job)
 {
     bvxi_look *look;
-
     BVXI_TRY(look_any(o, w, v, &look));
     if (!is_wrong_sign(o, look, v)) return BVX_OK;
     bvxi_flip_sign(o, v);
@@ -153,7 +148,6 @@ static bvx_status settle_sign(bvxi_oblique *o, link_work *w, uint32_t v, const s
 static int is_loose_sign(const bvxi_oblique *o, uint32_t v)
 {
     const bvxi_tetra_vertex *const x = &o->vertex[v];
-
     if (x->sign == 0 || bvxi_first_plane(o, v) != BVXI_NONE) return 0;
     return !x->lattice || (x->value < FREE_VALUE && x->value > -FREE_VALUE);
 }
@@ -164,10 +158,8 @@ static void judge_loose_piece(void *user, uint64_t begin, uint64_t end)
     const signs_job *const job = user;
     uint32_t block[BVXI_LOOK_WORDS * BVXI_LOOK_MOST];
     bvxi_look look = bvxi_look_in(block, BVXI_LOOK_MOST);
-
     for (uint64_t i = begin; i < end; i++) {
         uint32_t const v = (uint32_t)i;
-
         job->wrong[i] = is_loose_sign(job->o, v) &&
                         (!bvxi_look_link(job->o, &look, v) || is_wrong_sign(job->o, &look, v));
     }
@@ -178,7 +170,6 @@ static void judge_loose_piece(void *user, uint64_t begin, uint64_t end)
 static bvx_status settle_signs(bvxi_oblique *o, signs_job *job, const uint32_t *torn, uint64_t torn_count)
 {
     link_work w;
-
     open_link(&w);
     for (uint64_t i = 0; i < torn_count; i++) BVXI_TRY(settle_sign(o, &w, torn[i], job));
     memset(job->again, 0, (size_t)job->vertices);
@@ -248,7 +239,6 @@ static bvx_status ring_vertices(bvxi_oblique *o, uint32_t a, uint32_t b, uint64_
     for (uint64_t i = 0; i < o->ring_count; i++) {
         const uint32_t *const v = o->tetra[o->ring[i]].v;
         const bvxi_tetra *const next = &o->tetra[o->ring[(i + 1) % o->ring_count]];
-
         BVXI_TRY(BVXI_GROW(o, o->star, o->star_count, o->star_room, "the vertices round an edge"));
         o->star[o->star_count] = BVXI_NONE;
         for (int k = 3; k >= 0; k--)
@@ -319,7 +309,6 @@ static void judge_edge_piece(void *user, uint64_t begin, uint64_t end)
 static bvx_status settle_edges(bvxi_oblique *o, signs_job *job)
 {
     const bvxi_map *const m = &o->contour_edge;
-
     memset(job->again, 0, (size_t)job->vertices);
     BVXI_TRY(bvxi_for(o->ctx, "surface", m->room, 1024, judge_edge_piece, job));
     for (uint64_t i = 0; i < m->room; i++) {
@@ -339,7 +328,6 @@ static bvx_status settle_edges(bvxi_oblique *o, signs_job *job)
 static uint32_t main_root(const bvxi_oblique *o, const bvxi_look *l, int sign, uint32_t plane)
 {
     uint32_t found = BVXI_NONE;
-
     for (uint32_t i = 0; i < l->vertices; i++) {
         if (l->sign[i] != sign) continue;
         if (found == BVXI_NONE) found = bvxi_root(l->joined, i);
@@ -353,11 +341,9 @@ static uint32_t main_root(const bvxi_oblique *o, const bvxi_look *l, int sign, u
 static uint32_t find_torn(const bvxi_oblique *o, bvxi_look *l, uint32_t v)
 {
     uint32_t const plane = bvxi_first_plane(o, v);
-
     if (!bvxi_look_torn(o, l, v)) return BVXI_NONE;
     for (int sign = 1; sign >= -1; sign -= 2) {
         uint32_t const keep = main_root(o, l, sign, plane);
-
         for (uint32_t i = 0; i < l->vertices; i++)
             if (l->sign[i] == sign && bvxi_root(l->joined, i) != keep) return l->vertex[i];
     }
@@ -390,7 +376,6 @@ static void judge_vertex_piece(void *user, uint64_t begin, uint64_t end)
     const bvxi_oblique *const o = job->o;
     uint32_t block[BVXI_LOOK_WORDS * BVXI_LOOK_MOST];
     bvxi_look look = bvxi_look_in(block, BVXI_LOOK_MOST);
-
     for (uint64_t i = begin; i < end; i++)
         job->wrong[i] = o->vertex[i].sign == 0 &&
                         (!bvxi_look_link(o, &look, (uint32_t)i) || bvxi_look_torn(o, &look, (uint32_t)i));
@@ -399,7 +384,6 @@ static void judge_vertex_piece(void *user, uint64_t begin, uint64_t end)
 static bvx_status settle_vertices(bvxi_oblique *o, signs_job *job)
 {
     link_work w;
-
     open_link(&w);
     memset(job->again, 0, (size_t)job->vertices);
     BVXI_TRY(bvxi_for(o->ctx, "surface", job->vertices, 256, judge_vertex_piece, job));
@@ -414,14 +398,12 @@ static void mark_contours_piece(void *user, uint64_t begin, uint64_t end)
 {
     const signs_job *const job = user;
     const bvxi_oblique *const o = job->o;
-
     for (uint64_t t = begin; t < end; t++) o->mark[t] = bvxi_on_contours(o, &o->tetra[t]) >= 2;
 }
 
 static bvx_status part_contours(bvxi_oblique *o, signs_job *job)
 {
     uint64_t const marked = o->tetra_count;
-
     BVXI_TRY(BVXI_RESERVE(o, o->mark, o->tetra_room[0], o->mark_room, "the marks of tetrahedra"));
     BVXI_TRY(bvxi_for(o->ctx, "surface", o->tetra_count, 4096, mark_contours_piece, job));
     for (uint64_t t = 0; t < o->tetra_count; t++)

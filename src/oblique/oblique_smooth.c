@@ -44,7 +44,6 @@ typedef struct smooth_work {
 static void keys_shares(double t, double share[4])
 {
     double const s = 1.0 - t;
-
     /* Shares sum to 1 and are symmetric in t and s, so that the number goes smoothly from cell to cell. */
     share[0] = -0.5 * t * s * s;
     share[1] = s * (1.0 + t - 1.5 * t * t);
@@ -143,10 +142,8 @@ static void tie_plane(const smooth_work *w, uint32_t plane, int axis)
 static void make_tables(smooth_work *w, int axis)
 {
     int const size = w->grid.size[axis];
-
     memset(w->plate[axis], 0, sizeof w->plate[axis]);
     memset(w->slope[axis], 0, sizeof w->slope[axis]);
-
     /* A difference is taken where all of its nodes exist: the plate's border is free, bent by nothing. */
     for (int c = 1; c + 1 < size; c++)
         for (int a = -1; a <= 1; a++)
@@ -223,7 +220,6 @@ static void pull_row(const smooth_work *w, int64_t first, const double *x, doubl
 static void image_slice(void *user, int32_t index)
 {
     const smooth_work *const w = user;
-
     for (int32_t j = 0; j < w->grid.size[1]; j++) {
         int64_t const first = j * w->step[1] + index * w->step[2];
         const double *const x = w->way + w->padding + first;
@@ -244,24 +240,10 @@ static bvx_status make_image(smooth_work *w)
 
 /* ---- conjugate gradients ---- */
 
-static void make_scale(const smooth_work *w)
-{
-    const float *const diagonal = w->band + w->padding;
-
-    for (int32_t k = 0, n = 0; k < w->grid.size[2]; k++)
-        for (int32_t j = 0; j < w->grid.size[1]; j++)
-            for (int32_t i = 0; i < w->grid.size[0]; i++, n++) {
-                double const a = w->slope[0][i][1], b = w->slope[1][j][1], c = w->slope[2][k][1];
-                double const plate = (w->plate[0][i][2] + w->plate[1][j][2]) + w->plate[2][k][2];
-                w->scale[n] = 1.0 / ((plate + 2.0 * ((a * b + a * c) + b * c)) + (double)diagonal[n]);
-            }
-}
-
 /* residual -= share * image; what is left of it, squared by the scale */
 static double lessen_residual(const smooth_work *w, double share)
 {
     double sum = 0.0;
-
     for (uint64_t i = 0; i < w->nodes; i++) {
         double const r = w->residual[i] - share * w->image[i];
         w->residual[i] = r;
@@ -277,7 +259,15 @@ static bvx_status solve_plate(smooth_work *w)
     double left, first;
 
     /* The nodes may come from a coarser level, so the first residual is not just that of the ties. */
-    make_scale(w);
+    const float *const diagonal = w->band + w->padding;
+    for (int32_t k = 0, n = 0; k < w->grid.size[2]; k++)
+        for (int32_t j = 0; j < w->grid.size[1]; j++)
+            for (int32_t i = 0; i < w->grid.size[0]; i++, n++) {
+                double const a = w->slope[0][i][1], b = w->slope[1][j][1], c = w->slope[2][k][1];
+                double const plate = (w->plate[0][i][2] + w->plate[1][j][2]) + w->plate[2][k][2];
+                w->scale[n] = 1.0 / ((plate + 2.0 * ((a * b + a * c) + b * c)) + (double)diagonal[n]);
+            }
+
     memcpy(way, w->grid.node, (size_t)w->nodes * 8);
     BVXI_TRY(BVXI_SHARE(w->o->ctx, 0.0, 0.01, make_image(w)));
     first = left = lessen_residual(w, 1.0);
@@ -304,35 +294,6 @@ static bvx_status solve_plate(smooth_work *w)
 
 /* ---- levels ---- */
 
-static void lay_smooth_level(smooth_work *w, double spacing)
-{
-    w->grid.scale = 1.0 / spacing;
-    w->nodes = 1;
-    for (int k = 0; k < 3; k++) {
-        w->grid.low[k] = w->o->near_low[k];
-        w->grid.size[k] = (int32_t)((w->o->near_high[k] - w->o->near_low[k] - 1.0) / spacing) + 4;
-        w->step[k] = (int64_t)w->nodes;
-        w->nodes *= (uint64_t)w->grid.size[k];
-    }
-
-    /* Ties reach three nodes on: rows and slices beyond the ends read zeros. */
-    w->padding = 3 * (uint64_t)w->step[2];
-}
-
-static void begin_with(const smooth_work *w, const bvxi_smooth *coarser)
-{
-    uint64_t n = 0;
-
-    for (int32_t k = 0; k < w->grid.size[2]; k++)
-        for (int32_t j = 0; j < w->grid.size[1]; j++)
-            for (int32_t i = 0; i < w->grid.size[0]; i++) {
-                double const at[3] = {(i - 1) / w->grid.scale + w->grid.low[0],
-                                      (j - 1) / w->grid.scale + w->grid.low[1],
-                                      (k - 1) / w->grid.scale + w->grid.low[2]};
-                w->grid.node[n++] = bvxi_smooth_at(coarser, at);
-            }
-}
-
 static bvx_status solve_smooth_level(smooth_work *w, const bvxi_smooth *coarser)
 {
     static const char what[] = "the nodes of the smooth number";
@@ -346,7 +307,17 @@ static bvx_status solve_smooth_level(smooth_work *w, const bvxi_smooth *coarser)
     BVXI_TRY(BVXI_ZEROS(ctx, w->nodes + 2 * w->padding, what, w->way));
     BVXI_TRY(BVXI_ZEROS(ctx, bands, what, w->band));
 
-    if (coarser->node != NULL) begin_with(w, coarser);
+    if (coarser->node != NULL) {
+        uint64_t n = 0;
+        for (int32_t k = 0; k < w->grid.size[2]; k++)
+            for (int32_t j = 0; j < w->grid.size[1]; j++)
+                for (int32_t i = 0; i < w->grid.size[0]; i++) {
+                    double const at[3] = {(i - 1) / w->grid.scale + w->grid.low[0],
+                                          (j - 1) / w->grid.scale + w->grid.low[1],
+                                          (k - 1) / w->grid.scale + w->grid.low[2]};
+                    w->grid.node[n++] = bvxi_smooth_at(coarser, at);
+                }
+    }
     for (int axis = 0; axis < 3; axis++) {
         make_tables(w, axis);
         for (uint32_t p = 0; p < w->o->plane_count; p++) {
@@ -363,8 +334,17 @@ static bvx_status make_smooth_level(bvxi_oblique *o, double spacing)
 {
     bvxi_smooth coarser = o->smooth;
     smooth_work w = {.o = o};
+    w.grid.scale = 1.0 / spacing;
+    w.nodes = 1;
+    for (int k = 0; k < 3; k++) {
+        w.grid.low[k] = w.o->near_low[k];
+        w.grid.size[k] = (int32_t)((w.o->near_high[k] - w.o->near_low[k] - 1.0) / spacing) + 4;
+        w.step[k] = (int64_t)w.nodes;
+        w.nodes *= (uint64_t)w.grid.size[k];
+    }
+    /* Ties reach three nodes on: rows and slices beyond the ends read zeros. */
+    w.padding = 3 * (uint64_t)w.step[2];
 
-    lay_smooth_level(&w, spacing);
     BVXI_TRY(BVXI_ZEROS(o->ctx, w.nodes, "the nodes of the smooth number", w.grid.node));
     o->smooth = w.grid;
     return BVXI_SCOPE(o->ctx, solve_smooth_level(&w, &coarser));
@@ -373,7 +353,6 @@ static bvx_status make_smooth_level(bvxi_oblique *o, double spacing)
 bvx_status bvxi_oblique_smooth(bvxi_oblique *o)
 {
     double const spacing = o->longest > SMOOTH_NODES ? o->longest / SMOOTH_NODES : 1.0;
-
     /* Each level has eight times the nodes of the one before it; the shares of progress follow that. */
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.05, make_smooth_level(o, 4.0 * spacing)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.05, 0.2, make_smooth_level(o, 2.0 * spacing)));

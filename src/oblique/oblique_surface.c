@@ -38,7 +38,6 @@ static uint32_t vertex_of_plain(const bvxi_oblique *o, uint32_t a, uint32_t b)
     uint32_t slot;
 
     if (!x->lattice || !y->lattice || one == BVXI_NONE || two == BVXI_NONE) return BVXI_NONE;
-
     for (int e = 0; e < 2; e++) {
         slot = e == 0 ? one : two;
         bvxi_oblique_block_place(o, o->known[slot / BVXI_BLOCK_SIZE], place[e]);
@@ -85,12 +84,10 @@ static bvx_status edge_vertex(bvxi_oblique *o, uint32_t in, uint32_t out, uint32
 
 static bvx_status add_surface_triangle(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t c)
 {
-    uint32_t *t;
-
     if (a == b || b == c || c == a) return BVX_OK;
     BVXI_TRY(BVXI_GROW_BY(o, o->triangle, o->triangle_count, o->triangle_room, 12,
                           "the triangles of the surface"));
-    t = o->triangle + 3 * o->triangle_count++;
+    uint32_t *const t = o->triangle + 3 * o->triangle_count++;
     t[0] = a;
     t[1] = b;
     t[2] = c;
@@ -128,7 +125,6 @@ static void mark_inside_piece(void *user, int32_t index, uint64_t begin, uint64_
     march_job *const job = user;
     const bvxi_oblique *const o = job->o;
     uint64_t triangles = 0;
-
     for (uint64_t t = begin; t < end; t++) {
         static const uint8_t many[16] = {0, 1, 1, 2, 1, 2, 2, 1, 1, 2, 2, 1, 2, 1, 1, 0};
         int inside = 0;
@@ -175,7 +171,6 @@ static bvx_status count_handles(bvxi_oblique *o, int64_t *handles)
 {
     int64_t parts = (int64_t)o->position_count;
     uint32_t *joined;
-
     BVXI_TRY(BVXI_ARRAY(o->ctx, o->position_count, "the parts of the surface", joined));
     for (uint64_t i = 0; i < o->position_count; i++) joined[i] = (uint32_t)i;
     for (uint64_t t = 0; t < o->triangle_count; t++)
@@ -215,7 +210,6 @@ static bvx_status close_handles(bvxi_oblique *o)
 
     for (int round = 0; round < HANDLE_ROUNDS && settled > 0; round++) {
         uint64_t const vertices = o->vertex_count;
-
         BVXI_TRY(BVXI_SCOPE(o->ctx, count_handles(o, &handles)));
         if (handles <= 0 || o->triangle_count == o->plain_triangles) return BVX_OK;
         BVXI_TRY(BVXI_SHARE(o->ctx, (double)round / HANDLE_ROUNDS, (round + 0.7) / HANDLE_ROUNDS,
@@ -231,7 +225,6 @@ static bvx_status close_handles(bvxi_oblique *o)
 static void give_contour_points(bvxi_oblique *o)
 {
     uint32_t first = 0;
-
     for (uint32_t i = 0; i < o->plane_count; i++) {
         const bvxi_plane *const p = &o->plane[i].plane;
         for (uint32_t n = 0; n < p->point_count; n++) {
@@ -271,7 +264,6 @@ static void oblique_count_unkept(bvxi_oblique *o, const uint32_t *renumbered)
 static int is_small_loop(const bvxi_oblique *o, const bvxi_plane *p, const bvxi_contour *loop)
 {
     double low[3] = {1e300, 1e300, 1e300}, high[3] = {-1e300, -1e300, -1e300};
-
     for (uint32_t n = 0; n < loop->count; n++) {
         bvxi_widen(low, high, o->given->points + 3 * (uint64_t)p->given[loop->first + n], 3);
         for (int k = 0; k < 3; k++)
@@ -343,7 +335,6 @@ static bvx_status keep_bodies(bvxi_oblique *o, uint32_t *joined, uint64_t *verti
 static bvx_status refuse_torn(bvxi_oblique *o)
 {
     uint64_t broken = 0;
-
     /* Plain cells' vertices count where a tetrahedron's triangle meets them: all their triangles are
      * looked at. */
     memset(o->kept, 0, (size_t)o->position_count);
@@ -384,7 +375,6 @@ static bvx_status write_surface(bvxi_oblique *o, uint32_t *joined, bvx_mesh *mes
 bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh)
 {
     uint32_t *joined;
-
     o->output_room = o->vertex_count;
     BVXI_TRY(BVXI_ARRAY(o->ctx, o->output_room, "the vertices on contours", o->output));
     memset(o->output, 0xff, (size_t)o->output_room * 4);

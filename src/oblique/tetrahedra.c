@@ -12,7 +12,6 @@ bvx_status bvxi_tetra_add_vertex(bvxi_oblique *o, const double at[3], uint32_t *
 {
     static const bvxi_tetra_vertex none = {
         {0.0, 0.0, 0.0}, {BVXI_NONE, BVXI_NONE}, BVXI_NONE, 0.0F, BVXI_SIGN_UNKNOWN, 0};
-
     BVXI_TRY(BVXI_GROW(o, o->vertex, o->vertex_count, o->vertex_room, "the vertices of tetrahedra"));
     BVXI_TRY(BVXI_GROW_BY(o, o->on, o->vertex_count, o->on_room, (uint64_t)o->plane_words * 8,
                           "the planes of vertices"));
@@ -172,15 +171,14 @@ static bvx_status keep_contour_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uin
 bvx_status bvxi_tetra_split_edge(bvxi_oblique *o, uint32_t tetra, uint32_t a, uint32_t b, const double at[3],
                                  uint32_t *m)
 {
-    uint64_t *on, *on_a, *on_b;
     int closed;
 
     BVXI_TRY(bvxi_tetra_add_vertex(o, at, m));
     o->vertex[*m].parent[0] = a;
     o->vertex[*m].parent[1] = b;
-    on = bvxi_tetra_on(o, *m);
-    on_a = bvxi_tetra_on(o, a);
-    on_b = bvxi_tetra_on(o, b);
+    uint64_t *const on = bvxi_tetra_on(o, *m);
+    uint64_t *const on_a = bvxi_tetra_on(o, a);
+    uint64_t *const on_b = bvxi_tetra_on(o, b);
     /* A vertex put into an edge lies on the planes that both ends lie on. */
     for (uint32_t w = 0; w < o->plane_words; w++) on[w] = on_a[w] & on_b[w];
     BVXI_TRY(keep_contour_edge(o, a, b, *m));
@@ -242,12 +240,11 @@ bvx_status bvxi_tetra_split_face(bvxi_oblique *o, uint32_t tetra, int corner, co
 {
     uint32_t const beside = o->tetra[tetra].n[corner];
     uint32_t face[3], part[2][3];
-    uint64_t *on;
     int across[2];
 
     bvxi_tetra_face(&o->tetra[tetra], corner, face);
     BVXI_TRY(bvxi_tetra_add_vertex(o, at, m));
-    on = bvxi_tetra_on(o, *m);
+    uint64_t *const on = bvxi_tetra_on(o, *m);
 
     for (int k = 0; k < 3; k++)
         for (uint32_t w = 0; w < o->plane_words; w++) {

@@ -91,6 +91,7 @@ enum { CRUMB_VOXELS = 64 };
 /* What is known of a piece, by its least vertex. */
 typedef struct crumb_piece {
     uint32_t triangles;    /* of all; 0 where no part is nearest to it */
+    uint32_t beside;       /* triangles that may be before voxels of small parts, at most */
     uint32_t large, small; /* triangles before voxels of large parts, and of small ones */
     uint32_t best;         /* 1 + the small part of most voxels among those that are nearest to the piece */
 } crumb_piece;
@@ -269,7 +270,8 @@ static int find_only_piece(const crumb_job *job, uint32_t *only)
 }
 
 /* Count what lies behind the triangles of the pieces that parts are nearest to. Where more than half of a piece's
- * have been seen before voxels of one kind, the rest change nothing. */
+ * have been seen before voxels of one kind, or more than there may be before the other kind, the rest change
+ * nothing. */
 static void count_beside(crumb_job *job, int32_t s)
 {
     const bvx_mesh_view *const mesh = job->source[s].mesh;
@@ -283,7 +285,8 @@ static void count_beside(crumb_job *job, int32_t s)
         bvxi_view_triangle(mesh, t, v);
         /* By the piece of the first corner, as all three are of one. */
         piece = &job->piece[s][job->source[s].piece[v[0]]];
-        if (2 * (uint64_t)piece->large > piece->triangles || 2 * (uint64_t)piece->small >= piece->triangles)
+        if (2 * (uint64_t)piece->large > piece->triangles || 2 * (uint64_t)piece->small >= piece->triangles ||
+            piece->large > piece->beside)
             continue;
         for (int k = 0; k < 3; k++) bvxi_view_position(mesh, v[k], p[k]);
         found = crumb_beside(job, (const double(*)[3])p);
@@ -350,7 +353,7 @@ static bvx_status find_nearest_pieces(crumb_job *job, int32_t s, const bvx_mesh_
 }
 
 /* Among the triangles beside small parts: nearly every part has its piece there, and what lies within reach is
- * nearer than all that is not there. */
+ * nearer than all that is not there. What crumb_beside looks at is within reach, too. */
 static bvx_status find_pieces_beside(crumb_job *job, double reach, double *distance)
 {
     for (int32_t s = 0; s < job->sources; s++) {
@@ -359,6 +362,8 @@ static bvx_status find_pieces_beside(crumb_job *job, double reach, double *dista
 
         BVXI_TRY(bvxi_triangles_near(job->ctx, job->source[s].mesh, &job->small, reach, 0, &near, &corner));
         BVXI_TRY(find_nearest_pieces(job, s, &near, -1.0, distance));
+        for (uint64_t t = 0; t < near.triangle_count; t++)
+            job->piece[s][job->source[s].piece[corner[3 * t]]].beside++;
         bvxi_drop(job->ctx, corner);
     }
     return BVX_OK;
@@ -427,6 +432,7 @@ static bvx_status find_pieces(crumb_job *job)
 
     if (find_only_piece(job, &only)) {
         for (uint64_t n = 0; n < job->spaces.count; n++) job->part[n].piece = only;
+        job->piece[0][only].beside = UINT32_MAX;
     } else {
         BVXI_TRY(ask_meshes(job));
     }

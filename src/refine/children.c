@@ -32,7 +32,6 @@ static inline uint32_t children_of_box(const int32_t (*p)[3], int32_t half, int 
     *reach = half;
     for (int a = 0; a < 3; a++) {
         int32_t const u = p[0][a], v = p[1][a], w = p[2][a];
-
         int32_t const uv = u < v ? u : v, UV = u < v ? v : u;
         int32_t const least = uv < w ? uv : w, most = UV > w ? UV : w;
         int64_t const far = (int64_t)most > -(int64_t)least ? (int64_t)most : -(int64_t)least;
@@ -54,13 +53,11 @@ static inline uint32_t child_edge_misses(const int64_t a[2], const int64_t b[2],
 {
     /* The edge function at the centre, turned so that the triangle is where it is not negative. */
     int64_t const at = (a[0] * b[1] - a[1] * b[0]) * turn;
-
     /* The centre is a corner of all eight octants, so none lies outside of an edge that has it inside. */
     if (at >= 0) return 0;
     int64_t const du = (a[1] - b[1]) * turn, dv = (b[0] - a[0]) * turn;
     int64_t const su = (du < 0 ? -du : du) * half, sv = (dv < 0 ? -dv : dv) * half;
     uint32_t const u = hu[du > 0], v = hv[dv > 0]; /* octants on the growing side */
-
     /* Octants that grow along neither axis keep the value at the centre, which is negative here. */
     uint32_t missed = 255 & ~u & ~v;
     if (at + su < 0) missed |= u & ~v;
@@ -92,7 +89,6 @@ static inline uint32_t child_plane_misses(int64_t at, const int64_t step[3], uin
 {
     int64_t sum[8];
     uint32_t missed = 0;
-
     sum[0] = 0;
     for (uint32_t k = 1; k < 8; k++)
         sum[k] = (k & 1 ? step[0] : 0) + (k & 2 ? step[1] : 0) + (k & 4 ? step[2] : 0);
@@ -184,7 +180,6 @@ static inline uint32_t batch_box_children(const bvxi_children_batch *b, uint32_t
 {
     uint32_t mask = 255;
     int held = 1;
-
     for (int a = 0; a < 3; a++) {
         int32_t const u = b->p[0][a][i], v = b->p[1][a][i], w = b->p[2][a][i];
         int32_t const uv = u < v ? u : v, UV = u < v ? v : u;
@@ -207,7 +202,6 @@ BVXI_VECTOR_INLINE int64_t batch_edge_misses(double au, double av, double bu, do
     double const atu = at + su, atv = at + sv;
     int64_t const u = du > 0 ? u1 : 255 ^ u1, v = dv > 0 ? v1 : 255 ^ v1; /* octants on the growing side */
     int64_t const missed = (at < 0 ? 255 ^ (u | v) : 0) | (atu < 0 ? u & ~v : 0) | (atv < 0 ? v & ~u : 0);
-
     *near |= (at < slack ? (at > -slack ? 1 : 0) : 0) | (atu < slack ? (atu > -slack ? 1 : 0) : 0) |
              (atv < slack ? (atv > -slack ? 1 : 0) : 0);
     return missed;

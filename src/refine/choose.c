@@ -70,23 +70,9 @@ static void project_piece(void *user, int32_t index, uint64_t begin, uint64_t en
     choose_job *const job = user;
     uint64_t const step = job->view->triangle_count / job->looked_at;
     double sum = 0;
-
     /* Evenly spread over the mesh: neighbours in a file are often neighbours in space. */
     for (uint64_t i = begin; i < end; i++) sum += projected_area(job, i * step);
     job->part[index] = sum;
-}
-
-/* Pieces follow from the count only, and are summed in order. */
-static bvx_status project_triangles(bvx_context *ctx, choose_job *job)
-{
-    uint64_t const all = job->view->triangle_count;
-    job->looked_at = all < CHOOSE_TRIANGLES ? all : CHOOSE_TRIANGLES;
-    job->pieces = bvxi_piece_count(job->looked_at, CHOOSE_GRAIN);
-    BVXI_TRY(bvxi_for_pieces(ctx, "choose", 0.0, 1.0, job->pieces, job->looked_at, project_piece, job));
-    for (int32_t i = 0; i < job->pieces; i++) job->projected += job->part[i];
-
-    job->projected *= (double)all / (double)job->looked_at;
-    return BVX_OK;
 }
 
 /* ---- the model ---- */
@@ -101,7 +87,6 @@ static double touched_voxels(const choose_job *job, double n)
 {
     double const plane = job->projected * n * n;
     double const all = side_at(job, 0, n) * side_at(job, 1, n) * side_at(job, 2, n);
-
     /* A crumpled mesh has more projected squares than the lattice has voxels. */
     return plane < all ? plane : all;
 }
@@ -116,11 +101,9 @@ static double predict_whole(const choose_job *job, double base, int32_t levels)
 {
     double const t = (double)job->view->triangle_count;
     double n = base, time = TRIANGLE_COST * t + WORD_COST * base_words(job, base);
-
     /* Levels above the last two pay for each voxel that is split. */
     for (int32_t l = 0; l + 2 < levels; l++, n *= 2) time += OCTET_COST * touched_voxels(job, n);
     if (levels > 0) time += (levels == 1 ? LAST_COST : CUBE_COST) * touched_voxels(job, n);
-
     /* The last two levels are one word of 64 voxels, so they are paid for once. */
     for (int32_t l = levels > 2 ? levels - 2 : 0; l < levels; l++) n *= 2;
     return time + FINEST_COST * touched_voxels(job, n);
@@ -130,7 +113,6 @@ static double predict_window(const choose_job *job, double base, int32_t levels,
 {
     double const t = (double)job->view->triangle_count;
     double share = 1;
-
     /* Rows run along x, so only y and z say which of them come near the window. */
     for (int a = 1; a < 3; a++) {
         double const about = (double)window->size[a] / (double)((int32_t)1 << levels) + 1;
@@ -216,14 +198,21 @@ static bvx_status measure_choice(bvx_context *ctx, const bvx_mesh_view *mesh, in
                                  choose_job *job)
 {
     bvx_lattice fit;
-
     if (mesh != NULL && mesh->triangle_count == 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", choose_name);
     BVXI_TRY(bvx_lattice_fit(ctx, mesh, resolution, &fit));
     job->view = mesh;
     job->scale = 1.0 / (fit.spacing[0] * resolution);
     for (int a = 0; a < 3; a++) job->sides[a] = (double)fit.dims[a] / resolution;
-    return project_triangles(ctx, job);
+
+    /* Pieces follow from the count only, and are summed in order. */
+    uint64_t const all = job->view->triangle_count;
+    job->looked_at = all < CHOOSE_TRIANGLES ? all : CHOOSE_TRIANGLES;
+    job->pieces = bvxi_piece_count(job->looked_at, CHOOSE_GRAIN);
+    BVXI_TRY(bvxi_for_pieces(ctx, "choose", 0.0, 1.0, job->pieces, job->looked_at, project_piece, job));
+    for (int32_t i = 0; i < job->pieces; i++) job->projected += job->part[i];
+    job->projected *= (double)all / (double)job->looked_at;
+    return BVX_OK;
 }
 
 static bvx_status run_refine_choose(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,
@@ -232,13 +221,12 @@ static bvx_status run_refine_choose(bvx_context *context, const bvx_mesh_view *m
     bvx_refine_options o;
     choose_job job = {0};
     bvx_lattice made;
-    int32_t levels;
 
     if (base == NULL) return bvxi_fail_null(context, choose_name, "base");
     BVXI_TRY(check_choose_arguments(context, options, &o));
     BVXI_TRY(measure_choice(context, mesh, resolution, &job));
-    levels = o.tolerance > 0 ? levels_for_tolerance(resolution)
-                             : levels_of_least_time(&job, resolution, &o.window);
+    int32_t const levels = o.tolerance > 0 ? levels_for_tolerance(resolution)
+                                           : levels_of_least_time(&job, resolution, &o.window);
     BVXI_TRY(bvx_lattice_fit(context, mesh, base_for(resolution, levels), &made));
 
     /* Both results at once, when nothing can fail any more. */

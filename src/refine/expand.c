@@ -32,13 +32,11 @@ static inline uint64_t *expand_row(const expand_job *job, int32_t y, int32_t z)
 static void set_expanded_box(const expand_job *job, const int32_t v[3], int32_t level)
 {
     int32_t low[3], high[3];
-
     for (int a = 0; a < 3; a++) {
         int32_t const begin = v[a] << (job->level - level), end = begin + (1 << (job->level - level));
         low[a] = begin > job->low[a] ? begin : job->low[a];
         high[a] = end < job->high[a] ? end : job->high[a];
     }
-
     for (int32_t z = low[2]; z < high[2]; z++)
         for (int32_t y = low[1]; y < high[1]; y++)
             bvxi_set_run(expand_row(job, y, z), low[0] - job->low[0], high[0] - job->low[0]);
@@ -68,7 +66,6 @@ static void set_expanded_children(const expand_job *job, const int32_t v[3], uin
 static inline int expand_meets(const expand_job *job, const int32_t v[3], int32_t level)
 {
     int32_t const up = job->level - level;
-
     /* At the voxel's own level: it meets the window when it lies between the window's end voxels there. */
     for (int a = 0; a < 3; a++)
         if (v[a] > (job->high[a] - 1) >> up || v[a] < job->low[a] >> up) return 0;
@@ -83,7 +80,6 @@ static void expand_octet(const expand_job *job, int32_t level, uint64_t octet, c
 
     step->enter = 0;
 
-    /* The children are the voxels requested: all eight at once. */
     if (level + 1 == job->level) {
         set_expanded_children(job, v, bvxi_octet_in_states(o, octet, job->states));
         return;
@@ -141,7 +137,6 @@ static void expand_piece(void *user, uint64_t begin, uint64_t end)
 {
     const expand_job *const job = user;
     uint64_t const ny = (uint64_t)(job->last[1] - job->first[1]) + 1;
-
     for (uint64_t i = begin; i < end; i++)
         expand_column(job, job->first[1] + (int32_t)(i % ny), job->first[2] + (int32_t)(i / ny));
 }
@@ -151,7 +146,6 @@ static bvx_status check_expand_arguments(bvx_context *ctx, const bvx_octree *tre
                                          bvx_window *window)
 {
     static const char *const function = "bvx_octree_expand";
-
     BVXI_TRY(bvxi_octree_check(ctx, function, tree));
     if (level < 0 || level > tree->levels)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
@@ -169,15 +163,13 @@ static bvx_status run_octree_expand(bvx_context *context, const bvx_octree *tree
     bvx_lattice lattice;
     bvx_window w;
     uint64_t rows;
-    bvx_grid made;
-    bvx_status status;
 
     if (grid == NULL) return bvxi_fail_null(context, "bvx_octree_expand", "grid");
     BVXI_TRY(check_expand_arguments(context, tree, level, states, window, &lattice, &w));
 
     /* A grid of the library's that is passed again is used again where it is large enough. */
     bvxi_grid_renew(context, &lattice, &w, grid);
-    made = *grid;
+    bvx_grid made = *grid;
     BVXI_TRY(bvxi_grid_open(context, "bvx_octree_expand", &lattice, &w, &made));
     memset(made.words, 0, (size_t)bvxi_grid_words(&made) * 8);
     job.grid = &made;
@@ -190,8 +182,7 @@ static bvx_status run_octree_expand(bvx_context *context, const bvx_octree *tree
         job.last[a] = (job.high[a] - 1) >> level;
     }
     rows = (uint64_t)(job.last[1] - job.first[1] + 1) * (uint64_t)(job.last[2] - job.first[2] + 1);
-    status = bvxi_for(context, "octree", rows, 1, expand_piece, &job);
-    return bvxi_grid_put(context, status, &made, grid);
+    return bvxi_grid_put(context, bvxi_for(context, "octree", rows, 1, expand_piece, &job), &made, grid);
 }
 
 bvx_status bvx_octree_expand(bvx_context *context, const bvx_octree *tree, int32_t level, int32_t states,

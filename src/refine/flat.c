@@ -12,7 +12,6 @@ static void flat_corners(const bvxi_refine_job *job, uint32_t triangle, const in
 {
     uint32_t corner[3];
     bvxi_view_triangle(job->view, triangle, corner);
-
     /* Differences of whole numbers first: they are exact, and near 0 where doubles are densest. */
     for (int c = 0; c < 3; c++)
         for (int a = 0; a < 3; a++)

@@ -35,7 +35,6 @@ static void enter_octet(const leaves_job *job, int32_t level, uint64_t octet, co
                         leaf_step *step)
 {
     step->octet = octet;
-
     /* A level without masks of its own has no split voxels below. */
     step->next_split_octet = job->tree->octets[level].split != NULL
                                  ? bvxi_octets_rank(&job->tree->octets[level], 8 * octet)
@@ -83,7 +82,6 @@ static void leaves_of_piece(void *user, int32_t index)
     uint64_t begin, end, place = job->leaves != NULL ? job->place[index] : 0;
 
     bvxi_piece(nx * ny * (uint64_t)tree->base[2], job->pieces, index, &begin, &end);
-
     for (uint64_t i = begin; i < end; i++) {
         int32_t const v[3] = {(int32_t)(i % nx), (int32_t)(i / nx % ny), (int32_t)(i / nx / ny)};
         uint64_t const bit = bvxi_root_bit(tree, v[0], v[1], v[2]);
@@ -102,7 +100,6 @@ bvx_status bvxi_octree_leaves(bvxi_call step, const bvx_octree *tree, int32_t st
     double const middle = leaves != NULL ? step.from + (step.to - step.from) * 0.4 : step.to;
     bvx_context *const ctx = step.ctx;
     leaves_job job = {0};
-    uint64_t total;
 
     BVXI_TRY(bvxi_octree_check(ctx, step.function, tree));
     BVXI_TRY(bvxi_octree_check_states(ctx, step.function, states));
@@ -111,7 +108,7 @@ bvx_status bvxi_octree_leaves(bvxi_call step, const bvx_octree *tree, int32_t st
     job.pieces = bvxi_piece_count((uint64_t)tree->base[0] * (uint64_t)tree->base[1] * (uint64_t)tree->base[2],
                                   1);
     BVXI_TRY(bvxi_each(ctx, step.stage, step.from, middle, job.pieces, leaves_of_piece, &job));
-    total = bvxi_place_counts(job.place, (uint64_t)job.pieces);
+    uint64_t const total = bvxi_place_counts(job.place, (uint64_t)job.pieces);
     *count = total;
 
     /* Nothing is written where the array is too small: count and message have the number that is needed. */

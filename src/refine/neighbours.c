@@ -65,10 +65,8 @@ static int hold_voxel(const bvx_octree *tree, int32_t level, const int32_t v[3],
 {
     const bvxi_octets *o = &tree->root;
     uint64_t bit = bvxi_root_bit(tree, v[0] >> level, v[1] >> level, v[2] >> level);
-
     for (*at = 0; bvxi_octets_is_split(o, bit); ++*at) {
         int32_t const down = level - *at - 1;
-
         *octet = bvxi_octets_rank(o, bit);
         if (*at == level) return 1;
         o = &tree->octets[*at];
@@ -110,7 +108,6 @@ bvx_status bvx_octree_neighbours(bvx_context *context, const bvx_octree *tree, c
     list.leaves = leaves;
     list.capacity = leaves != NULL ? capacity : 0;
 
-    /* Beyond the lattice there is no leaf. */
     if (v[direction % 3] >= 0 && v[direction % 3] < tree->base[direction % 3] << leaf->level) {
         if (hold_voxel(tree, leaf->level, v, &at, &state, &octet)) {
             leaves_on_side(tree, leaf->level, octet, v, (direction + 3) % BVXI_DIRECTIONS, &list);

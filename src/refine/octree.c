@@ -13,7 +13,6 @@ bvx_status bvxi_octets_open(bvx_context *ctx, uint64_t count, uint64_t words, in
     *octets = (bvxi_octets){.count = count, .words = words};
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_RESULT, words * 8, "the octree's touched voxels", &octets->touched));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_RESULT, words * 8, "the octree's outside voxels", &octets->outside));
-
     /* Without a window or a tolerance all touched voxels are split: one mask serves both. */
     if (split == BVXI_SPLIT_ALL) octets->split = octets->touched;
     if (split == BVXI_SPLIT_SOME)
@@ -35,7 +34,6 @@ uint64_t bvxi_octets_count(bvxi_octets *octets)
 {
     uint64_t total = 0;
     if (octets->split == NULL) return 0;
-
     /* Counts before each word make a rank a look-up and one count of bits. */
     for (uint64_t i = 0; i < octets->words; i++) {
         octets->before[i] = (uint32_t)total;
@@ -47,7 +45,6 @@ uint64_t bvxi_octets_count(bvxi_octets *octets)
 void bvx_octree_free(bvx_context *context, bvx_octree *tree)
 {
     if (context == NULL || tree == NULL) return;
-
     for (int32_t l = BVXI_OCTREE_LEVELS - 1; l >= 0; l--) bvxi_octets_close(context, &tree->octets[l]);
     bvxi_octets_close(context, &tree->root);
     bvxi_free(context, tree, sizeof *tree);
@@ -96,7 +93,6 @@ bvx_status bvx_octree_lattice(bvx_context *context, const bvx_octree *tree, int3
                               bvx_lattice *lattice)
 {
     static const char *const function = "bvx_octree_lattice";
-
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (lattice == NULL) return bvxi_fail_null(context, function, "lattice");
     BVXI_TRY(bvxi_octree_check(context, function, tree));
@@ -120,12 +116,10 @@ static void count_octree_level(const bvx_octree *tree, int32_t level, bvx_octree
 {
     const bvxi_octets *const o = level == 0 ? &tree->root : &tree->octets[level - 1];
     uint64_t const touched = count_mask_bits(o->touched, o->words);
-
     memset(c, 0, sizeof *c);
     c->voxels = level == 0 ? (uint64_t)tree->base[0] * (uint64_t)tree->base[1] * (uint64_t)tree->base[2]
                            : 8 * o->count;
     c->outside = count_mask_bits(o->outside, o->words);
-
     c->inside = c->voxels - touched - c->outside;
     c->split = o->split != NULL ? count_mask_bits(o->split, o->words) : 0;
     c->surface = touched - c->split;
@@ -137,7 +131,6 @@ static bvx_status run_octree_count(bvx_context *context, const bvx_octree *tree,
                                    int32_t capacity)
 {
     static const char *const function = "bvx_octree_count";
-
     if (counts == NULL) return bvxi_fail_null(context, function, "counts");
     BVXI_TRY(bvxi_octree_check(context, function, tree));
     if (capacity < tree->levels + 1)
@@ -162,7 +155,6 @@ static void find_octree_leaf(const bvx_octree *tree, const int32_t v[3], bvx_oct
     const bvxi_octets *o = &tree->root;
     uint64_t bit = bvxi_root_bit(tree, v[0] >> levels, v[1] >> levels, v[2] >> levels);
     int32_t up[3], level = 0;
-
     while (bvxi_octets_is_split(o, bit)) {
         uint64_t const octet = bvxi_octets_rank(o, bit);
         int32_t const down = levels - level - 1;
@@ -193,11 +185,9 @@ static int octree_has_voxel(const bvx_octree *tree, const int32_t v[3])
 static int octree_voxel_of_point(const bvx_octree *tree, const double *p, int32_t v[3])
 {
     int inside = 1;
-
     for (int a = 0; a < 3; a++) {
         double const at = floor((p[a] - tree->lattice.origin[a]) / tree->lattice.spacing[a]);
         if (!(p[a] - p[a] == 0.0)) return -1;
-
         /* Compared as doubles: a cast of what is out of range is undefined. */
         if (at >= 0 && at < (double)tree->lattice.dims[a]) v[a] = (int32_t)at;
         else inside = 0;
@@ -245,7 +235,6 @@ static bvx_status find_octree_places(bvx_context *ctx, const char *function, con
     if (job->leaves == NULL) return bvxi_fail_null(ctx, function, "leaves");
     job->pieces = bvxi_piece_count(job->count, PLACE_GRAIN);
     BVXI_TRY(bvxi_for_pieces(ctx, "octree", 0.0, 1.0, job->pieces, job->count, find_octree_range, job));
-
     /* From the last piece down, so that the first bad place stays. */
     for (int32_t i = job->pieces; i-- > 0;)
         if (job->bad[i] != job->count) *bad = job->bad[i];
@@ -258,7 +247,6 @@ static bvx_status run_octree_at(bvx_context *context, const bvx_octree *tree, co
     static const char *const function = "bvx_octree_at";
     octree_places job = {.tree = tree, .voxels = voxels, .leaves = leaves, .count = count};
     uint64_t bad;
-
     BVXI_TRY(find_octree_places(context, function, voxels, "voxels", &job, &bad));
     if (bad == count) return BVX_OK;
     return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_INDEX,
@@ -280,7 +268,6 @@ static bvx_status run_octree_find(bvx_context *context, const bvx_octree *tree, 
     static const char *const function = "bvx_octree_find";
     octree_places job = {.tree = tree, .points = points, .leaves = leaves, .count = count};
     uint64_t bad;
-
     BVXI_TRY(find_octree_places(context, function, points, "points", &job, &bad));
     if (bad == count) return BVX_OK;
     return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: point %i is not finite",

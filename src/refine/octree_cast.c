@@ -8,8 +8,6 @@
  * (t, z, y, x) by these numbers, as if all had been asked. */
 #include "refine/room.h"
 
-#include <math.h>
-
 typedef struct octree_ray {
     const bvx_octree *tree;
     double u[3], per[3]; /* per: 1 / step */
@@ -131,7 +129,6 @@ static int ray_meets_row(const octree_ray *r, int32_t y, int32_t z)
     int32_t const v[3] = {0, y, z};
     double t;
     int32_t axis;
-
     /* As if the ray stood still in x, in the middle of the row: then x never excludes. */
     flat.way[0] = 0;
     flat.u[0] = 0.0;

@@ -20,11 +20,9 @@ static int32_t levels_that_fit(const int32_t base[3])
     int32_t longest = 1, levels = 0;
     for (int a = 0; a < 3; a++)
         if (base[a] > longest) longest = base[a];
-
     /* Multiplied in two steps, so that three sides of 2^25 do not overflow 64 bits. */
     uint64_t const face = (uint64_t)base[0] * (uint64_t)base[1];
     if (face >= (uint64_t)1 << 31 || face * (uint64_t)base[2] >= (uint64_t)1 << 31) return -1;
-
     /* One more level doubles the longest side, which a lattice limits. */
     while (levels < BVXI_OCTREE_LEVELS && longest <= BVXI_MAX_SIDE >> (levels + 1)) levels++;
     return levels;
@@ -83,7 +81,6 @@ static bvx_status check_refine_arguments(bvx_context *ctx, const bvx_mesh_view *
 static bvx_status take_refine_window(bvxi_refine_job *job, bvx_refine_options *o)
 {
     static const bvx_window none = {{0, 0, 0}, {0, 0, 0}};
-
     job->tolerance = o->tolerance;
     for (int a = 0; a < 3; a++)
         job->step[a] = job->tree->lattice.spacing[a] /
@@ -107,7 +104,6 @@ static bvx_status last_lattice(bvx_context *ctx, const bvx_lattice *base, int32_
 {
     double spacing[3];
     int32_t dims[3];
-
     /* Halving is exact in doubles. */
     for (int a = 0; a < 3; a++) {
         spacing[a] = base->spacing[a] / (double)((int32_t)1 << levels);
@@ -132,7 +128,6 @@ static int32_t choose_start(const bvxi_refine_job *job)
     const bvx_octree *const tree = job->tree;
     int32_t start = job->windowed && window_is_small(job) ? job->outer : tree->levels;
     if (job->tolerance > 0) return 0;
-
     /* One grid of the last level is the fastest way while it is small: rows of bits, and no lists of
      * triangles at all. */
     if (bvxi_refine_grid_words(tree, start) <= BVXI_REFINE_WHOLE_GRID / 8) return start;
@@ -227,10 +222,9 @@ static bvx_status run_refinement(bvxi_refine_job *job)
 static bvx_status refine_from_start(bvxi_refine_job *job, int32_t asked)
 {
     uint64_t const mark = bvxi_scratch_begin(job->ctx);
-    bvx_status status;
 
     job->start = asked >= 0 ? asked : choose_start(job);
-    status = run_refinement(job);
+    bvx_status status = run_refinement(job);
 
     /* From the base on less memory is needed: lists in place of one large grid. */
     if (status == BVX_ERR_BUDGET && asked < 0 && job->start > 0) {
@@ -258,7 +252,6 @@ static bvx_status run_refine(bvx_context *context, const bvx_mesh_view *mesh, co
 {
     bvx_refine_options o;
     bvxi_refine_job job = {.ctx = context, .view = mesh};
-    bvx_status status;
 
     if (tree == NULL) return bvxi_fail_null(context, bvx_refine_name, "tree");
     BVXI_TRY(check_refine_arguments(context, mesh, base, options, &o));
@@ -267,7 +260,7 @@ static bvx_status run_refine(bvx_context *context, const bvx_mesh_view *mesh, co
     memcpy(job.tree->base, base->dims, sizeof job.tree->base);
     job.tree->levels = o.levels;
     job.tree->row_words = bvxi_row_words(base->dims[0]);
-    status = refine_mesh(&job, base, &o);
+    bvx_status const status = refine_mesh(&job, base, &o);
     if (status != BVX_OK) {
         bvx_octree_free(context, job.tree);
         return status;

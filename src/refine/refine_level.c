@@ -28,7 +28,6 @@ typedef struct level_job {
 static void octets_of_piece(const level_job *job, int32_t index, uint64_t *begin, uint64_t *end)
 {
     bvxi_piece(bvxi_octet_words(job->front->count), job->pieces, index, begin, end);
-
     *begin *= 8;
     *end = *end * 8 < job->front->count ? *end * 8 : job->front->count;
 }
@@ -40,7 +39,6 @@ static inline uint32_t children_in_grid(const level_job *job, const int32_t *v)
     const uint64_t *const grid = job->refine->grids.words[job->level + 1];
     uint64_t const row = (uint64_t)bvxi_refine_row_words(tree, job->level + 1);
     uint64_t const ny = (uint64_t)tree->base[1] << (job->level + 1);
-
     /* The word with the two lowest children: two rows of two slices hold all eight, side by side in x. */
     uint64_t const at = (2 * (uint64_t)v[2] * ny + 2 * (uint64_t)v[1]) * row + (uint64_t)(v[0] >> 5);
     unsigned const shift = 2 * ((unsigned)v[0] & 31);
@@ -66,7 +64,6 @@ typedef struct level_batch {
 static void end_level_batch(const level_job *job, level_batch *batch)
 {
     bvxi_children_of_batch(&batch->children, batch->count, job->half, bvxi_cpu(job->refine->ctx));
-
     for (uint32_t i = 0; i < batch->count; i++) {
         uint64_t const n = batch->octet[i];
         job->octets->touched[n >> 3] |= (uint64_t)batch->children.touched[i] << (8 * (n & 7));
@@ -100,16 +97,6 @@ static void children_by_list(const level_job *job, uint64_t n, level_batch *batc
         /* Nothing more can be found out about a voxel whose children are all touched. */
         if (job->last && bvxi_octet_mask(job->octets->touched, n) == 255) return;
     }
-}
-
-static void mark_by_lists(const level_job *job, uint64_t begin, uint64_t end)
-{
-    level_batch batch;
-    batch.count = 0;
-
-    /* Batches run over several octets, as most lists are shorter than one. */
-    for (uint64_t n = begin; n < end; n++) children_by_list(job, n, &batch);
-    end_level_batch(job, &batch);
 }
 
 /* Those of an octet's touched children that are split. */
@@ -161,7 +148,13 @@ static void mark_octets(void *user, int32_t index)
     octets_of_piece(job, index, &begin, &end);
 
     /* From lists all octets of the piece go through batches first; from a grid each is read by itself. */
-    if (!from_grid) mark_by_lists(job, begin, end);
+    if (!from_grid) {
+        level_batch batch;
+        batch.count = 0;
+        /* Batches run over several octets, as most lists are shorter than one. */
+        for (uint64_t n = begin; n < end; n++) children_by_list(job, n, &batch);
+        end_level_batch(job, &batch);
+    }
     for (uint64_t n = begin; n < end; n++) {
         if (from_grid)
             bvxi_octet_put(job->octets->touched, n, children_in_grid(job, job->front->ijk + 3 * n));
@@ -177,9 +170,7 @@ static void mark_octets(void *user, int32_t index)
 static void place_lists(level_job *job, uint64_t n, uint32_t split, uint64_t child, uint64_t *place)
 {
     uint64_t begin, end;
-
     list_of_voxel(job->front, n, &begin, &end);
-
     /* The list is read once for each split child: it is short, and in the cache after the first. */
     for (uint32_t p = 0; p < 8; p++) {
         if ((split >> p & 1) == 0) continue;
@@ -199,7 +190,6 @@ static void place_children(void *user, int32_t index)
     for (uint64_t n = begin; n < end; n++) {
         const int32_t *const v = job->front->ijk + 3 * n;
         uint32_t const split = bvxi_octet_split(job->octets, n);
-
         if (lists) place_lists(job, n, split, child, &place);
         for (uint32_t p = 0; p < 8; p++) {
             if ((split >> p & 1) == 0) continue;
@@ -244,26 +234,13 @@ void bvxi_refine_free_front(bvxi_refine_job *job, bvxi_refine_front *front)
     memset(front, 0, sizeof *front);
 }
 
-/* The start's lists wait in the fronts above it. */
-static void hand_lists_on(bvxi_refine_front *from, bvxi_refine_front *to)
-{
-    to->offset = from->offset;
-    to->list = from->list;
-    to->slots = from->slots;
-    to->pairs = from->pairs;
-    from->offset = NULL;
-    from->list = NULL;
-}
-
 static bvx_status split_front(level_job *job, double from, double to)
 {
     bvxi_refine_job *const refine = job->refine;
     bvx_context *const ctx = refine->ctx;
-
     BVXI_TRY(bvxi_octets_open(ctx, refine->front.count, bvxi_octet_words(refine->front.count),
                               bvxi_refine_split_kind(refine, job->level + 1), job->octets));
     BVXI_TRY(bvxi_each(ctx, "refine", from, (from + to) / 2, job->pieces, mark_octets, job));
-
     bvxi_octets_count(job->octets);
     if (job->last) return BVX_OK;
     BVXI_TRY(open_next_front(ctx, job));
@@ -296,10 +273,17 @@ bvx_status bvxi_refine_split(bvxi_refine_job *job, int32_t level)
     bvxi_drop(job->ctx, split->hits);
 
     /* Above the start nobody reads the lists: they pass through to the level that does. */
-    if (!lists) hand_lists_on(&job->front, &split->next);
+    if (!lists) {
+        /* The start's lists wait in the fronts above it. */
+        split->next.offset = job->front.offset;
+        split->next.list = job->front.list;
+        split->next.slots = job->front.slots;
+        split->next.pairs = job->front.pairs;
+        job->front.offset = NULL;
+        job->front.list = NULL;
+    }
     bvxi_refine_free_front(job, &job->front);
 
-    /* The next level's voxels take the place of this one's. */
     job->front = split->next;
     bvxi_drop(job->ctx, split);
     return BVX_OK;

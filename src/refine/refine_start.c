@@ -32,7 +32,6 @@ static inline void touch_cut_run(bvxi_surface_tile *tile, int32_t j, int32_t k, 
                                  uint32_t t)
 {
     int32_t const first = x0 > 0 ? x0 : 0, last = x1 < tile->job->size[0] ? x1 : tile->job->size[0] - 1;
-
     /* Beyond the tile another task sets the same run. */
     if (first > last || j < tile->rows.j0 || j >= tile->rows.j1 || k < tile->rows.k0 || k >= tile->rows.k1)
         return;
@@ -51,7 +50,6 @@ static void end_start_batch(bvxi_surface_tile *tile, start_batch *b)
     bvxi_children_of_batch(&b->children, b->count, (int32_t)1 << tile->job->fraction_bits, tile->job->cpu);
     for (uint32_t i = 0; i < b->count; i++) {
         int32_t const x = b->high[0][i], y = b->high[1][i], z = b->high[2][i];
-
         /* Four rows of two voxels about the corner that the children were judged around. */
         for (int32_t r = 0; r < 4; r++) {
             uint32_t const pair = b->children.touched[i] >> 2 * r & 3;
@@ -203,7 +201,6 @@ static bvx_status make_start_lists(bvxi_refine_job *job, start_job *start)
 static void start_surface(const bvxi_refine_job *job, const bvx_grid *grid, bvxi_surface_job *surface)
 {
     const bvx_octree *const tree = job->tree;
-
     for (int a = 0; a < 3; a++) surface->size[a] = tree->base[a] << job->start;
     surface->view = job->view;
     surface->solid = NULL;
@@ -212,7 +209,6 @@ static void start_surface(const bvxi_refine_job *job, const bvx_grid *grid, bvxi
     surface->fraction_bits = tree->lattice.fraction_bits + tree->levels - job->start;
     surface->mode = BVX_SURFACE_CONSERVATIVE;
     surface->cpu = bvxi_cpu(job->ctx);
-
     /* One thread has no use for tiles, and each would look at its triangles anew. */
     bvxi_tiles_choose(&surface->tiles, surface->size[1], surface->size[2],
                       bvxi_threads(job->ctx) == 1 ? 1 : BVXI_SURFACE_TILES);
@@ -355,7 +351,6 @@ static bvx_status make_first_front(bvxi_refine_job *job)
 bvx_status bvxi_refine_start(bvxi_refine_job *job)
 {
     uint64_t const words = bvxi_refine_grid_words(job->tree, job->start);
-
     /* On 32-bit machines a request would wrap around and succeed. */
     if (words > SIZE_MAX / 8)
         return bvxi_fail(job->ctx, BVX_ERR_BUDGET,
@@ -388,7 +383,6 @@ bvx_status bvxi_refine_lists(bvxi_refine_job *job)
     bvxi_octets_count(&ranked);
     for (uint64_t n = 0; n < job->front.count; n++) {
         const int32_t *const v = job->front.ijk + 3 * n;
-
         job->front.slot[n] = bvxi_octets_rank(&ranked,
                                               ((uint64_t)v[2] * ny + (uint64_t)v[1]) * row + (uint64_t)v[0]);
     }

@@ -39,7 +39,6 @@ static void decide_last(const row_states_job *job, uint64_t octet, const int32_t
     int32_t const x = 2 * v[0] - g->low[0], y = 2 * v[1] - g->low[1], z = 2 * v[2] - g->low[2];
     const uint64_t *const at = g->words + (uint64_t)z * slice + (uint64_t)y * row + (uint64_t)(x >> 6);
     unsigned const shift = (unsigned)x & 63;
-
     uint32_t const inside = (uint32_t)((at[0] >> shift & 3) | (at[row] >> shift & 3) << 2 |
                                        (at[slice] >> shift & 3) << 4 | (at[slice + row] >> shift & 3) << 6);
     bvxi_octet_put(o->outside, octet, 255 & ~(inside | bvxi_octet_mask(o->touched, octet)));
@@ -90,7 +89,6 @@ static void decide_tree(const row_states_job *job, uint64_t octet, const int32_t
 static void decide_base(const row_states_job *job)
 {
     const bvx_octree *const tree = job->tree;
-
     for (int32_t z = 0; z < tree->base[2]; z++)
         for (int32_t y = 0; y < tree->base[1]; y++)
             for (int32_t x = 0; x < tree->base[0]; x++) {
@@ -129,12 +127,10 @@ static int rows_meet_window(const bvxi_refine_job *job, const uint32_t corner[3]
 static uint64_t gather_near(const bvxi_refine_job *job, double *positions)
 {
     uint64_t n = 0;
-
     for (uint64_t t = 0; t < job->view->triangle_count; t++) {
         uint32_t corner[3];
         bvxi_view_triangle(job->view, t, corner);
         if (!rows_meet_window(job, corner)) continue;
-
         for (uint64_t c = 0; c < 3 && positions != NULL; c++)
             bvxi_view_position(job->view, corner[c], positions + 3 * (3 * n + c));
         n++;
@@ -148,7 +144,6 @@ static uint64_t gather_near(const bvxi_refine_job *job, double *positions)
 static void window_of_level(const bvxi_refine_job *job, int32_t level, bvx_window *w)
 {
     int32_t const up = job->tree->levels - level + 1;
-
     /* Whole pairs of voxels, so that all children of a split voxel are in it. */
     for (int a = 0; a < 3; a++) {
         w->low[a] = 2 * (job->low[a] >> up);
@@ -182,14 +177,11 @@ static bvx_status make_solids(bvxi_refine_job *job, const bvx_mesh_view *nearby,
 static bvx_status decide_by_solids(bvxi_refine_job *job, const bvx_mesh_view *nearby)
 {
     row_states_job *rows;
-    bvx_status status;
-
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sizeof *rows, "the window's solids", &rows));
     rows->tree = job->tree;
     rows->outer = job->outer;
-    status = make_solids(job, nearby, rows);
+    bvx_status const status = make_solids(job, nearby, rows);
     if (status == BVX_OK) decide_base(rows);
-
     for (int32_t l = job->tree->levels; l >= job->outer; l--) bvx_grid_free(job->ctx, &rows->solid[l]);
     return status;
 }
@@ -199,7 +191,6 @@ bvx_status bvxi_octree_row_states(bvxi_refine_job *job)
     uint64_t const count = gather_near(job, NULL);
     bvx_mesh_view nearby = {0};
     double *positions = NULL;
-
     /* A copy of most of the mesh would cost more than it saves. */
     if (count > job->view->triangle_count / 2) return decide_by_solids(job, job->view);
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, count * 72, "the triangles near the window", &positions));

@@ -91,7 +91,6 @@ static void pass_to_row(bvxi_states_job *job, uint64_t row, uint64_t column, uin
         job->tree->root.outside[word] |= fresh;
         bvxi_list_row(job, row);
     }
-
     /* A split voxel is not filled as a whole: its own octet learns through which face the outside is. */
     expose_base_octets(job, word, news, (d + 3) % 6);
 }
@@ -194,7 +193,6 @@ static inline void expose_voxels(bvxi_states_job *job, uint64_t octet, uint64_t 
     bvxi_list_numbered(job, job->bottom, octet, &c->state);
 }
 
-/* The octet that child p of an octet is split into. */
 static inline uint64_t octet_below(const bvxi_states_job *job, int32_t level, uint64_t octet, uint32_t p)
 {
     return bvxi_octets_rank(&job->tree->octets[level], 8 * octet + p);
@@ -206,7 +204,6 @@ static inline uint64_t octet_below(const bvxi_states_job *job, int32_t level, ui
 static int base_neighbour(const bvxi_states_job *job, uint32_t linear, int d, uint64_t *bit)
 {
     int32_t v[3];
-
     v[0] = (int32_t)(linear % (uint32_t)job->nx);
     v[1] = (int32_t)(linear / (uint32_t)job->nx % (uint32_t)job->ny);
     v[2] = (int32_t)(linear / (uint32_t)job->nx / (uint32_t)job->ny);
@@ -216,7 +213,6 @@ static int base_neighbour(const bvxi_states_job *job, uint32_t linear, int d, ui
     return 1;
 }
 
-/* What lies beyond face d of an octet. */
 static octree_neighbour neighbour_of(const bvxi_states_job *job, int32_t level, uint64_t octet, int d)
 {
     uint32_t const across = 1u << d % 3, side = d >= 3 ? across : 0;
@@ -267,7 +263,6 @@ static void pass_down(bvxi_states_job *job, int32_t level, uint64_t octet, const
                       uint32_t news)
 {
     uint64_t below = octet_below(job, level, octet, 0);
-
     /* Split children are ranked in the order of their bits, so one running index finds each. */
     for (uint32_t p = 0; p < 8; p++) {
         uint32_t state = o->state & bvxi_octet_inherits(p);
@@ -284,7 +279,6 @@ static void pass_to_octet(bvxi_states_job *job, int32_t level, uint64_t octet, i
 {
     unsigned const step = 1u << d % 3;
     uint32_t const beside = d >= 3 ? children >> step : children << step;
-
     /* Leaves become outside themselves; split ones pass it on to their own children on that face. */
     expose_children(job, level, octet, beside);
     for (uint32_t p = 0, split = beside & bvxi_news_of(job, level, octet)->split; split != 0;
@@ -302,7 +296,6 @@ static void expose_base(bvxi_states_job *job, uint64_t bit)
     bvxi_list_row(job, (bit >> 6) / (uint64_t)job->row_words);
 }
 
-/* To a leaf beyond a face. */
 static inline void pass_to_leaf(bvxi_states_job *job, const octree_neighbour *beyond)
 {
     if (beyond->kind == NEIGHBOUR_CHILD)
@@ -379,7 +372,6 @@ enum { OCTETS_BETWEEN_QUESTIONS = 1 << 17, STATES_GRAIN = 1024 };
 static bvx_status work_until_done(bvx_context *ctx, bvxi_states_job *job)
 {
     uint32_t since = 0;
-
     while (job->rows_listed > 0 || job->listed > 0) {
         /* Rows of the base first: one fills 64 voxels at a time and leaves less to the octets. Any order
          * gives the same end. */
@@ -397,7 +389,6 @@ static uint64_t cube_of_octet(const bvx_octree *tree, int32_t level, uint64_t oc
     const bvxi_octets *const o = &tree->octets[level];
     uint32_t const touched = bvxi_octet_mask(o->touched, octet), split = bvxi_octet_split(o, octet);
     uint64_t below = split != 0 ? bvxi_octets_rank(o, 8 * octet) : 0, cube = 0;
-
     /* A child that is touched but not split is a wall as a whole; one that is split shows its own eight. */
     for (uint32_t p = 0; p < 8; p++) {
         uint64_t const child = (split >> p & 1) != 0     ? bvxi_cube_spread(bvxi_octet_mask(
@@ -412,29 +403,10 @@ static uint64_t cube_of_octet(const bvx_octree *tree, int32_t level, uint64_t oc
 static void take_cubes(void *user, uint64_t begin, uint64_t end)
 {
     const bvxi_states_job *const job = user;
-
     for (uint64_t n = begin; n < end; n++) {
         memset(&job->cubes[n], 0, sizeof job->cubes[n]);
         job->cubes[n].touched = cube_of_octet(job->tree, job->bottom, n);
     }
-}
-
-static void take_octets(const bvxi_states_job *job)
-{
-    for (int32_t l = 0; l < job->bottom; l++)
-
-        for (uint64_t n = 0; n < job->tree->octets[l].count; n++) {
-            bvxi_octet_news const fresh = {(uint8_t)bvxi_octet_mask(job->tree->octets[l].touched, n),
-                                           (uint8_t)bvxi_octet_split(&job->tree->octets[l], n), 0, 0, 0};
-            *bvxi_news_of(job, l, n) = fresh;
-        }
-}
-
-static void give_octets(const bvxi_states_job *job)
-{
-    for (int32_t l = 0; l < job->bottom; l++)
-        for (uint64_t n = 0; n < job->tree->octets[l].count; n++)
-            bvxi_octet_put(job->tree->octets[l].outside, n, bvxi_news_of(job, l, n)->outside);
 }
 
 /* Pieces are whole words of the masks. */
@@ -471,13 +443,11 @@ static void give_cubes(void *user, int32_t index)
     }
 }
 
-/* The level of the octets that are cubes, of a tree of these levels. */
 static int32_t bottom_of_levels(int32_t levels)
 {
     return levels >= 2 ? levels - 2 : levels - 1;
 }
 
-/* Octets above the cubes. */
 static uint64_t octets_above(const bvx_octree *tree, int32_t bottom)
 {
     uint64_t octets = 0;
@@ -489,7 +459,6 @@ uint64_t bvxi_states_bytes(const bvx_octree *tree, int32_t levels)
 {
     int32_t const bottom = bottom_of_levels(levels);
     uint64_t const octets = octets_above(tree, bottom), cubes = bottom >= 0 ? tree->octets[bottom].count : 0;
-
     /* The sum of what bvxi_octree_states lays into its one block. */
     return cubes * (sizeof(bvxi_cube_news) + 4) + octets * (sizeof(bvxi_octet_news) + 4) +
            tree->root.words * 8 + tree->root.count * 5;
@@ -503,13 +472,20 @@ static bvx_status find_states(bvx_context *ctx, bvxi_states_job *job)
         return work_until_done(ctx, job);
     }
     job->pieces = bvxi_piece_count(job->tree->octets[job->bottom].count, STATES_GRAIN);
-    take_octets(job);
+    for (int32_t l = 0; l < job->bottom; l++)
+        for (uint64_t n = 0; n < job->tree->octets[l].count; n++) {
+            bvxi_octet_news const fresh = {(uint8_t)bvxi_octet_mask(job->tree->octets[l].touched, n),
+                                           (uint8_t)bvxi_octet_split(&job->tree->octets[l], n), 0, 0, 0};
+            *bvxi_news_of(job, l, n) = fresh;
+        }
     BVXI_TRY(BVXI_SHARE(
         ctx, 0.0, 0.2,
         bvxi_for(ctx, "refine", job->tree->octets[job->bottom].count, STATES_GRAIN, take_cubes, job)));
     expose_sides(job);
     BVXI_TRY(work_until_done(ctx, job));
-    give_octets(job);
+    for (int32_t l = 0; l < job->bottom; l++)
+        for (uint64_t n = 0; n < job->tree->octets[l].count; n++)
+            bvxi_octet_put(job->tree->octets[l].outside, n, bvxi_news_of(job, l, n)->outside);
     return bvxi_each(ctx, "refine", 0.8, 1.0, job->pieces, give_cubes, job);
 }
 
@@ -520,7 +496,6 @@ bvx_status bvxi_octree_states(bvx_context *ctx, bvx_octree *tree, uint32_t *cons
     uint64_t const bytes = bvxi_states_bytes(tree, tree->levels);
     bvxi_states_job job = {.tree = tree, .up = up};
     unsigned char *block;
-    bvx_status status;
 
     if (octets + cubes >= UINT32_MAX)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
@@ -542,7 +517,7 @@ bvx_status bvxi_octree_states(bvx_context *ctx, bvx_octree *tree, uint32_t *cons
     job.row_in_list = (uint8_t *)(job.news + octets);
     memset(job.passed, 0, (size_t)tree->root.words * 8);
     memset(job.row_in_list, 0, (size_t)tree->root.count);
-    status = find_states(ctx, &job);
+    bvx_status const status = find_states(ctx, &job);
     bvxi_drop(ctx, block);
     return status;
 }

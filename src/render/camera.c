@@ -4,8 +4,6 @@
 
 #include "mesh/view.h"
 
-#include <math.h>
-
 #define CAMERA_FILLS 0.94 /* of the frame's side; the rest is margin */
 #define CAMERA_FAR   1e6  /* most that is shown; the model's size is about 1 */
 #define CAMERA_THIN  1e-9 /* least extent that the scale is taken from; the model's size is about 1 */
@@ -14,7 +12,6 @@
 static void camera_normalize(const double v[3], double n[3])
 {
     double most = 0.0, length;
-
     for (int a = 0; a < 3; a++) {
         most = v[a] > most ? v[a] : most;
         most = -v[a] > most ? -v[a] : most;
@@ -67,7 +64,6 @@ void bvxi_camera_show(const bvxi_camera *camera, const double show[2], bvxi_came
 void bvxi_camera_fit(bvxi_camera *camera, const bvxi_camera_extent *extent, int32_t width, int32_t height)
 {
     double const side[2] = {(double)width, (double)height};
-
     for (int a = 0; a < 2; a++) {
         /* The tighter side decides, so that all fits in. */
         double const size = extent->high[a] - extent->low[a];

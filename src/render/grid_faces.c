@@ -27,7 +27,6 @@ static int32_t first_voxel_from(const bvx_grid *g, int axis, double place, int a
 {
     /* By bisection on the same sum that places voxels, so that rounding cannot make two answers. */
     int32_t begin = 0, end = g->size[axis];
-
     while (begin < end) {
         int32_t const middle = begin + (end - begin) / 2;
         double const centre = kept_voxel_centre(g, axis, middle);
@@ -85,13 +84,12 @@ static void extent_of_rows(void *user, int32_t index, uint64_t begin, uint64_t e
 static bvx_status fit_kept_voxels(bvx_context *ctx, bvxi_grid_scene *s)
 {
     bvxi_camera_extent all = bvxi_camera_nothing;
-    uint64_t size;
 
     for (int a = 0; a < 3; a++)
         if (s->begin[a] == s->end[a])
             return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the cut leaves no voxel", s->picture.function);
     s->pieces = bvxi_piece_count(bvxi_kept_rows(s->begin, s->end), GRID_GRAIN);
-    size = (uint64_t)s->pieces * sizeof *s->extent;
+    uint64_t const size = (uint64_t)s->pieces * sizeof *s->extent;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "the picture's extents", &s->extent));
     BVXI_TRY(bvxi_for_pieces(ctx, "render", 0.0, 0.1, s->pieces, bvxi_kept_rows(s->begin, s->end),
                              extent_of_rows, s));
@@ -272,7 +270,6 @@ static voxel_row row_beside(const bvxi_grid_scene *s, int32_t j, int32_t k)
 {
     const bvx_grid *const g = s->grid;
     voxel_row r = {NULL, NULL, 0};
-
     if (j < 0 || k < 0 || j >= g->size[1] || k >= g->size[2]) return r;
     size_t const at = ((size_t)k * (size_t)g->size[1] + (size_t)j) * (size_t)g->words_per_row;
     r.first = g->words + at;
@@ -289,7 +286,6 @@ static void draw_faces_by_kind(const face_work *w, int axis, uint64_t faces, uin
     uint64_t const first = row->first[at[0]], second = row->second[at[0]];
     uint64_t const member[3] = {first & second, first & ~second, second & ~first};
     int32_t const x = at[0] * BVXI_WORD_BITS;
-
     for (int m = 0; m < 3; m++) {
         draw_faces_of_word(w, axis, bvxi_face_id(axis, 0, m), faces & ~bare & member[m], x, at[1], at[2]);
         draw_faces_of_word(w, axis, bvxi_face_id(axis, 1, m), bare & member[m], x, at[1], at[2]);

@@ -61,7 +61,6 @@ static void put_picture_defaults(bvx_render_options *o)
     static const double direction[3] = {3.0, -4.0, 2.0}, up[3] = {0.0, 0.0, 1.0};
     static const uint8_t colour[4] = {200, 196, 188, 255}, background[4] = {255, 255, 255, 255},
                          none[4] = {0};
-
     if (memcmp(o->colour, none, sizeof none) == 0) memcpy(o->colour, colour, sizeof colour);
     if (memcmp(o->background, none, sizeof none) == 0) memcpy(o->background, background, sizeof background);
     if (bvxi_vec_is_zero(o->camera.direction)) memcpy(o->camera.direction, direction, sizeof direction);
@@ -70,13 +69,6 @@ static void put_picture_defaults(bvx_render_options *o)
         if ((o->cut.sides & BVX_OPEN_X_LOW << 2 * a) == 0) o->cut.low[a] = -(double)INFINITY;
         if ((o->cut.sides & BVX_OPEN_X_HIGH << 2 * a) == 0) o->cut.high[a] = (double)INFINITY;
     }
-}
-
-static bvx_status check_picture_options(bvx_context *ctx, const char *function, bvx_render_options *o)
-{
-    BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(picture_rows)));
-    put_picture_defaults(o);
-    return check_picture_cut(ctx, function, o);
 }
 
 bvx_status bvxi_picture_options(bvx_context *ctx, const char *function, const bvx_render_options *given,
@@ -88,7 +80,9 @@ bvx_status bvxi_picture_options(bvx_context *ctx, const char *function, const bv
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
                              "%s: image brings pixels, which are not used; zero it first", function);
     BVXI_TRY(bvxi_take_options(ctx, function, given, options, sizeof *options));
-    BVXI_TRY(check_picture_options(ctx, function, options));
+    BVXI_TRY(bvxi_check_options(ctx, function, options, BVXI_OPTIONS(picture_rows)));
+    put_picture_defaults(options);
+    BVXI_TRY(check_picture_cut(ctx, function, options));
     return looked_at ? check_picture_view(ctx, function, options) : BVX_OK;
 }
 
@@ -98,7 +92,6 @@ bvx_status bvxi_picture_open(bvx_context *ctx, const char *function, const bvx_r
     memset(picture, 0, sizeof *picture);
     picture->function = function;
     BVXI_TRY(bvxi_picture_options(ctx, function, options, image, 1, &picture->options));
-
     /* Several samples a pixel are a larger frame, which is averaged when it is shaded. */
     picture->raster.width = picture->options.width * picture->options.samples;
     picture->raster.height = picture->options.height * picture->options.samples;
@@ -126,7 +119,6 @@ static void draw_picture_band(void *user, int32_t index)
 {
     const bvxi_picture *const p = ((const picture_work *)user)->picture;
     bvxi_raster_rows rows;
-
     picture_band(p, index, &rows.begin, &rows.end);
     /* Bands are counted in pixels, the raster in samples. */
     rows.begin *= p->options.samples;
@@ -168,13 +160,10 @@ bvx_status bvxi_picture_make(bvx_context *ctx, bvxi_picture *p)
     uint64_t const pixels = (uint64_t)p->options.width * (uint64_t)p->options.height;
     uint64_t const samples = (uint64_t)p->raster.width * (uint64_t)p->raster.height;
     bvx_image image = {NULL, p->options.width, p->options.height};
-    bvx_status status;
-
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, pixels * 3, "the picture's pixels", &image.pixels));
     p->image = image;
-
     /* Depths and samples live only as long as the two passes. */
-    status = BVXI_SCOPE(ctx, draw_and_shade(ctx, p, samples));
+    bvx_status const status = BVXI_SCOPE(ctx, draw_and_shade(ctx, p, samples));
     if (status == BVX_OK) return BVX_OK;
     bvx_image_free(ctx, &image);
     memset(&p->image, 0, sizeof p->image);

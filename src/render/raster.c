@@ -74,10 +74,8 @@ static void raster_fill(const bvxi_raster *r, int32_t row, int32_t left, int32_t
                         const bvxi_raster_plane *p, uint32_t id)
 {
     size_t const at = (size_t)row * (size_t)r->width;
-
     /* The value at the middle of the row; samples differ by the slope along x. */
     double const z = p->z + p->dy * (row + 0.5 - p->y);
-
     for (int32_t x = left; x < right; x++) {
         double const exact = z + p->dx * (x + 0.5 - p->x);
         float const d = (float)(exact < p->low ? p->low : exact > p->high ? p->high : exact);
@@ -95,7 +93,6 @@ void bvxi_raster_polygon(const bvxi_raster *raster, bvxi_raster_rows rows, const
     int32_t const bits = raster->fraction_bits;
     int32_t low[2] = {corner[0][0], corner[0][1]}, high[2] = {corner[0][0], corner[0][1]};
     raster_span span;
-    int32_t begin, end;
 
     /* The box first: most triangles of a fine mesh lie between two rows or two columns of samples. */
     for (int32_t k = 1; k < count; k++)
@@ -103,11 +100,10 @@ void bvxi_raster_polygon(const bvxi_raster *raster, bvxi_raster_rows rows, const
             low[a] = corner[k][a] < low[a] ? corner[k][a] : low[a];
             high[a] = corner[k][a] > high[a] ? corner[k][a] : high[a];
         }
-    begin = bvxi_centres_below(low[1], bits);
-    end = bvxi_centres_below(high[1], bits);
+    int32_t begin = bvxi_centres_below(low[1], bits);
+    int32_t end = bvxi_centres_below(high[1], bits);
     begin = begin < rows.begin ? rows.begin : begin;
     end = end > rows.end ? rows.end : end;
-    /* between samples */
     if (begin >= end || bvxi_centres_below(low[0], bits) >= bvxi_centres_below(high[0], bits)) return;
     for (int32_t row = 0; row < end - begin; row++) {
         span.left[row] = INT32_MAX;
@@ -116,14 +112,13 @@ void bvxi_raster_polygon(const bvxi_raster *raster, bvxi_raster_rows rows, const
     /* Each edge that crosses rows of the band narrows or widens the spans of these rows. */
     for (int32_t k = 0; k < count; k++) {
         const int32_t *a = corner[k], *b = corner[k + 1 == count ? 0 : k + 1];
-        int32_t from, to;
         if (a[1] > b[1]) {
             const int32_t *const other = a;
             a = b;
             b = other;
         }
-        from = bvxi_centres_below(a[1], bits);
-        to = bvxi_centres_below(b[1], bits);
+        int32_t from = bvxi_centres_below(a[1], bits);
+        int32_t to = bvxi_centres_below(b[1], bits);
         from = from < begin ? begin : from;
         to = to > end ? end : to;
         if (from < to) raster_edge(&span, begin, from, to, a, b, bits);
@@ -156,7 +151,6 @@ static void walk_bins_piece(const bins_work *w, int32_t index, int fill)
     uint64_t *const place = w->place + (size_t)index * (size_t)w->bins->bands;
     uint64_t begin, end;
     int32_t first, last;
-
     bvxi_piece(w->triangle_count, w->pieces, index, &begin, &end);
     for (uint64_t t = begin; t < end; t++) {
         if (!w->reach(w->user, (uint32_t)t, &first, &last)) continue;
@@ -200,10 +194,8 @@ bvx_status bvxi_triangle_bins_open(bvx_context *ctx, uint64_t triangle_count, in
                                    bvxi_bands_fn *reach, const void *user, bvxi_triangle_bins *bins)
 {
     bins_work w = {bins, triangle_count, bvxi_piece_count(triangle_count, BINS_GRAIN), reach, user, NULL};
-    uint64_t places;
-
     w.pieces = w.pieces < BINS_PIECES ? w.pieces : BINS_PIECES;
-    places = (uint64_t)w.pieces * (uint64_t)bands;
+    uint64_t const places = (uint64_t)w.pieces * (uint64_t)bands;
     bins->bands = bands;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, ((uint64_t)bands + 1) * 8, "the picture's bands", &bins->begin));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, places * 8, "the picture's bands", &w.place));
@@ -222,7 +214,6 @@ bvx_status bvxi_triangle_bins_open(bvx_context *ctx, uint64_t triangle_count, in
  * whichever way the polygon goes round, and lies on the plane exactly. Both triangles of an edge are clipped
  * by the same planes in the same order, so they keep the same piece of it. */
 
-/* 1 when a comes before b. */
 static int cut_is_before(const double a[3], const double b[3])
 {
     for (int k = 0; k < 3; k++)
@@ -243,7 +234,6 @@ static int32_t cut_by_plane(const double (*in)[3], int32_t n, int axis, double p
                             double (*out)[3])
 {
     int32_t count = 0;
-
     /* Points on the plane count as inside, so a triangle that only touches it keeps its corner. */
     for (int32_t i = 0; i < n; i++) {
         const double *const p = in[i], *const q = in[i + 1 == n ? 0 : i + 1];

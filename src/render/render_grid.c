@@ -43,7 +43,6 @@ static void normal_around(const bvxi_grid_scene *s, const int32_t voxel[3], cons
     double const longest = bvxi_longest_spacing(spacing);
     double const relative[3] = {spacing[0] / longest, spacing[1] / longest, spacing[2] / longest};
     double world[3], length2;
-
     bvxi_voxel_normal(s->grid, s->also, relative, voxel[0], voxel[1], voxel[2], world);
     for (int a = 0; a < 3; a++) n[a] = bvxi_vec_dot(s->picture.camera.axis[a], world);
     /* Normals that look away from the eye are laid flat: shading has no back side here. */
@@ -73,18 +72,6 @@ static double light_of_lines(const bvxi_grid_scene *s, int axis, const double pa
     return 1.0 - ink;
 }
 
-static void normal_of_sample(const bvxi_grid_scene *s, const int32_t voxel[3], const double face[3],
-                             bvxi_seen *seen)
-{
-    double mix[3], length2;
-    if (s->picture.roughness > 0.0) normal_around(s, voxel, face, seen->tangent);
-    else memcpy(seen->tangent, face, 3 * sizeof *face);
-    /* Large voxels show their faces, small ones the shape around them; in between both are mixed. */
-    for (int a = 0; a < 3; a++) mix[a] = face[a] * s->blocky + seen->tangent[a] * (1.0 - s->blocky);
-    length2 = bvxi_vec_dot(mix, mix);
-    for (int a = 0; a < 3; a++) seen->normal[a] = length2 > 0.0 ? mix[a] / sqrt(length2) : face[a];
-}
-
 static void see_face(const void *user, const bvxi_raster *raster, uint32_t id, int32_t x, int32_t y,
                      bvxi_seen *seen)
 {
@@ -96,14 +83,13 @@ static void see_face(const void *user, const bvxi_raster *raster, uint32_t id, i
                                                                : s->picture.options.colour;
     double face[3], part[3];
     int32_t voxel[3];
-    uint64_t row, key;
 
     voxel_of_sample(s, depth, axis, x, y, voxel, part);
     seen->light = s->picture.options.wireframe ? light_of_lines(s, axis, part) : 1.0;
     if (bare) seen->light *= GRID_BARE;
     /* The face that was shaded last is the next one's too, in most cases: its normal and colour stay. */
-    row = (uint64_t)voxel[2] * (uint64_t)s->grid->size[1] + (uint64_t)voxel[1];
-    key = (row * (uint64_t)s->grid->size[0] + (uint64_t)voxel[0]) * 32 + id; /* of the face */
+    uint64_t const row = (uint64_t)voxel[2] * (uint64_t)s->grid->size[1] + (uint64_t)voxel[1];
+    uint64_t const key = (row * (uint64_t)s->grid->size[0] + (uint64_t)voxel[0]) * 32 + id; /* of the face */
     if (seen->key == key) return;
     seen->key = key;
     seen->inside = 0;
@@ -112,7 +98,15 @@ static void see_face(const void *user, const bvxi_raster *raster, uint32_t id, i
         seen->colour[a] = colour[a];
     }
     /* A face that the cut laid bare is flat: it is not part of the surface. */
-    if (!bare) normal_of_sample(s, voxel, face, seen);
+    if (!bare) {
+        double mix[3], length2;
+        if (s->picture.roughness > 0.0) normal_around(s, voxel, face, seen->tangent);
+        else memcpy(seen->tangent, face, 3 * sizeof *face);
+        /* Large voxels show their faces, small ones the shape around them; in between both are mixed. */
+        for (int a = 0; a < 3; a++) mix[a] = face[a] * s->blocky + seen->tangent[a] * (1.0 - s->blocky);
+        length2 = bvxi_vec_dot(mix, mix);
+        for (int a = 0; a < 3; a++) seen->normal[a] = length2 > 0.0 ? mix[a] / sqrt(length2) : face[a];
+    }
     for (int a = 0; a < 3 && bare; a++) seen->normal[a] = seen->tangent[a] = face[a];
 }
 
@@ -134,11 +128,9 @@ static bvx_status run_render_grid(bvx_context *context, const bvx_grid *grid,
 {
     static const char *const function = "bvx_render_grid";
     bvxi_grid_scene s;
-
     memset(&s, 0, sizeof s);
     BVXI_TRY(bvxi_picture_open(context, function, options, image, &s.picture));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
-
     s.grid = grid;
     s.also = grid->words;
     return render_grid_scene(context, &s, image);
@@ -167,7 +159,6 @@ static bvx_status run_render_difference(bvx_context *context, const bvx_grid *be
 {
     static const char *const function = "bvx_render_difference";
     bvxi_grid_scene s;
-
     memset(&s, 0, sizeof s);
     BVXI_TRY(bvxi_picture_open(context, function, options, image, &s.picture));
     if (before == NULL) return bvxi_fail_null(context, function, "before");
@@ -175,7 +166,6 @@ static bvx_status run_render_difference(bvx_context *context, const bvx_grid *be
     BVXI_TRY(bvxi_grid_check(context, function, before));
     BVXI_TRY(bvxi_grid_check(context, function, after));
     BVXI_TRY(check_same_place(context, function, before, after));
-
     s.grid = before;
     s.also = after->words;
     return render_grid_scene(context, &s, image);

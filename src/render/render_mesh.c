@@ -27,31 +27,13 @@ static void scaled_corners(const bvxi_mesh_scene *s, uint64_t t, double p[3][3])
 static int32_t cut_corners(const bvxi_mesh_scene *s, uint64_t t, double q[BVXI_CUT_MOST][3])
 {
     double p[3][3];
-    int32_t n;
-
     scaled_corners(s, t, p);
-    n = bvxi_cut_triangle(&s->cut, (const double(*)[3])p, q);
+    int32_t const n = bvxi_cut_triangle(&s->cut, (const double(*)[3])p, q);
     for (int32_t k = 0; k < n; k++) {
         double const at[3] = {q[k][0], q[k][1], q[k][2]};
         bvxi_camera_turn_scaled(&s->picture.camera, at, q[k]);
     }
     return n;
-}
-
-/* A box around the whole mesh is no cut; else the camera turns about what is left of the bounds. */
-static void take_scene_cut(bvxi_mesh_scene *s, double low[3], double high[3])
-{
-    const bvx_render_options *const o = &s->picture.options;
-
-    /* Where the cut lies inside the bounds, it replaces them for the camera. */
-    for (int a = 0; a < 3; a++) {
-        s->cut.low[a] = o->cut.low[a] * s->picture.camera.unit;
-        s->cut.high[a] = o->cut.high[a] * s->picture.camera.unit;
-        s->cut.on |= o->cut.low[a] > low[a] || o->cut.high[a] < high[a];
-        if (o->cut.low[a] > low[a] && o->cut.low[a] < high[a]) low[a] = o->cut.low[a];
-        if (o->cut.high[a] < high[a] && o->cut.high[a] > low[a]) high[a] = o->cut.high[a];
-    }
-    if (s->cut.on) bvxi_camera_move(&s->picture.camera, low, high);
 }
 
 /* ---- where the mesh lies in the view ---- */
@@ -83,11 +65,10 @@ static void extent_of_piece(void *user, int32_t index, uint64_t begin, uint64_t 
 static bvx_status fit_scene(bvx_context *ctx, bvxi_mesh_scene *s)
 {
     bvxi_camera_extent all = bvxi_camera_nothing;
-    uint64_t size;
 
     /* Extents of pieces are joined afterwards: neither their number nor their order shows. */
     s->pieces = bvxi_piece_count(s->view->triangle_count, SCENE_GRAIN);
-    size = (uint64_t)s->pieces * sizeof *s->extent;
+    uint64_t const size = (uint64_t)s->pieces * sizeof *s->extent;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "the picture's extents", &s->extent));
     BVXI_TRY(
         bvxi_for_pieces(ctx, "render", 0.0, 0.05, s->pieces, s->view->triangle_count, extent_of_piece, s));
@@ -115,7 +96,6 @@ static void place_piece(void *user, uint64_t begin, uint64_t end)
     const bvxi_mesh_scene *const s = user;
     const bvxi_raster *const r = &s->picture.raster;
     double p[3], q[3], at[3];
-
     for (uint64_t v = begin; v < end; v++) {
         bvxi_view_position(s->view, v, p);
         bvxi_camera_turn(&s->picture.camera, p, q);
@@ -245,7 +225,6 @@ static void draw_scene_rows(const void *user, const bvxi_raster *raster, bvxi_ra
 static bvx_status make_scene(bvx_context *ctx, bvxi_mesh_scene *s)
 {
     int32_t const bands = (s->picture.options.height + BVXI_PICTURE_BAND - 1) / BVXI_PICTURE_BAND;
-
     BVXI_TRY(fit_scene(ctx, s));
     BVXI_TRY(place_vertices(ctx, s));
     BVXI_TRY(bvxi_triangle_bins_open(ctx, s->view->triangle_count, bands, bands_of_triangle, s, &s->bins));
@@ -262,7 +241,6 @@ static bvx_status run_render_mesh(bvx_context *context, const bvx_mesh_view *mes
     static const char *const function = "bvx_render_mesh";
     bvxi_mesh_scene s;
     double low[3], high[3];
-    bvx_status status;
     memset(&s, 0, sizeof s);
     s.view = mesh;
     BVXI_TRY(bvxi_picture_open(context, function, options, image, &s.picture));
@@ -273,8 +251,20 @@ static bvx_status run_render_mesh(bvx_context *context, const bvx_mesh_view *mes
     /* The direction of view is that of the whole mesh; the cut only moves what is looked at. */
     bvxi_camera_look(&s.picture.camera, low, high, s.picture.options.camera.direction,
                      s.picture.options.camera.up);
-    take_scene_cut(&s, low, high);
-    status = make_scene(context, &s);
+
+    /* A box around the whole mesh is no cut; else the camera turns about what is left of the bounds. */
+    const bvx_render_options *const o = &s.picture.options;
+    /* Where the cut lies inside the bounds, it replaces them for the camera. */
+    for (int a = 0; a < 3; a++) {
+        s.cut.low[a] = o->cut.low[a] * s.picture.camera.unit;
+        s.cut.high[a] = o->cut.high[a] * s.picture.camera.unit;
+        s.cut.on |= o->cut.low[a] > low[a] || o->cut.high[a] < high[a];
+        if (o->cut.low[a] > low[a] && o->cut.low[a] < high[a]) low[a] = o->cut.low[a];
+        if (o->cut.high[a] < high[a] && o->cut.high[a] > low[a]) high[a] = o->cut.high[a];
+    }
+    if (s.cut.on) bvxi_camera_move(&s.picture.camera, low, high);
+
+    bvx_status const status = make_scene(context, &s);
     if (status != BVX_OK) return status;
 
     bvx_image_free(context, image);

@@ -65,7 +65,6 @@ static void box_of_piece(void *user, int32_t index, uint64_t begin, uint64_t end
 static bvx_status find_slice_box(bvx_context *ctx, slice_sheet *s)
 {
     int32_t low[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, high[3] = {-1, -1, -1};
-    uint64_t size;
 
     /* The cut is what may be shown; the box of what is set in it is what will be. */
     bvxi_grid_cut(s->grid, s->options.cut.low, s->options.cut.high, s->begin, s->end);
@@ -73,7 +72,7 @@ static bvx_status find_slice_box(bvx_context *ctx, slice_sheet *s)
         if (s->begin[a] == s->end[a])
             return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the cut leaves no voxel", s->function);
     s->pieces = bvxi_piece_count(bvxi_kept_rows(s->begin, s->end), SLICES_GRAIN);
-    size = (uint64_t)s->pieces * sizeof *s->box;
+    uint64_t const size = (uint64_t)s->pieces * sizeof *s->box;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "the sheet's boxes", &s->box));
     BVXI_TRY(bvxi_for_pieces(ctx, "render", 0.0, 0.3, s->pieces, bvxi_kept_rows(s->begin, s->end),
                              box_of_piece, s));
@@ -173,7 +172,6 @@ static pixel_span span_of_pixel(const sheet_side *side, int32_t pixel)
     /* In these units both a pixel's and a voxel's borders are whole numbers, so shares are exact. */
     int64_t const low = (int64_t)pixel * side->voxels, high = low + side->voxels, voxel = side->pixels;
     pixel_span s = {(int32_t)(low / voxel), (int32_t)((high + voxel - 1) / voxel), side->voxels, 0, voxel};
-
     if (side->pixels >= side->voxels) s.begin = s.end - 1; /* the voxel in which its end lies */
     else {
         s.first = (s.begin + 1) * voxel - low;
@@ -192,7 +190,6 @@ static int64_t slice_bit(const uint64_t *row, int32_t x)
 static int64_t count_slice_run(const uint64_t *row, int32_t begin, int32_t end)
 {
     int64_t count = 0;
-
     for (int32_t x = begin; x < end;) {
         /* From word to word, with the bits outside the run masked off. */
         int32_t const next = (x & ~63) + 64 < end ? (x & ~63) + 64 : end;
@@ -230,7 +227,6 @@ static void draw_slice_pixel(const slice_sheet *s, const pixel_span *right, cons
 {
     int64_t const all = (int64_t)s->right.voxels * s->up.voxels; /* below 2^50 */
     int64_t sum = 0;
-
     for (int32_t v = up->begin; v < up->end; v++) {
         int64_t const share = v == up->begin ? up->first : v == up->end - 1 ? up->last : up->whole;
         sum += share * sum_along_right(s, right, slice, v);
@@ -258,13 +254,12 @@ static void draw_sheet_row(const slice_sheet *s, int32_t y, uint8_t *row)
         int32_t const begin = cell_begin(&s->right, column), end = cell_begin(&s->right, column + 1);
         int32_t const left = begin + (end - begin + (column > 0) - s->right.pixels) / 2;
         int64_t const length = s->end[s->axis] - s->begin[s->axis];
-        pixel_span up;
         if (number >= s->count || inside < 0 || inside >= s->up.pixels) continue;
         /* The middle of each of count equal stretches of the axis. */
         int32_t const slice = s->begin[s->axis] +
                               (int32_t)((2 * number + 1) * length / (2 * (int64_t)s->count));
         /* Rows of pixels run down, voxels up. */
-        up = span_of_pixel(&s->up, s->up.pixels - 1 - inside);
+        pixel_span up = span_of_pixel(&s->up, s->up.pixels - 1 - inside);
         for (int32_t x = 0; x < s->right.pixels && left + x < s->right.length; x++) {
             pixel_span const right = span_of_pixel(&s->right, x);
             draw_slice_pixel(s, &right, &up, slice, row + (size_t)(left + x) * 3);
@@ -285,7 +280,6 @@ static void draw_sheet_band(void *user, int32_t index)
     const slice_sheet *const s = user;
     int32_t const begin = index * BVXI_PICTURE_BAND, height = s->image.height;
     int32_t const end = begin + BVXI_PICTURE_BAND < height ? begin + BVXI_PICTURE_BAND : height;
-
     for (int32_t y = begin; y < end; y++) {
         uint8_t *const row = s->image.pixels + (size_t)y * (size_t)s->image.width * 3;
         int const across = is_sheet_line(&s->up, y);
@@ -300,12 +294,10 @@ static bvx_status make_sheet(bvx_context *ctx, slice_sheet *s)
 {
     uint64_t const size = (uint64_t)s->options.width * (uint64_t)s->options.height * 3;
     int32_t const bands = (s->options.height + BVXI_PICTURE_BAND - 1) / BVXI_PICTURE_BAND;
-    bvx_status status;
-
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, size, "the picture's pixels", &s->image.pixels));
     s->image.width = s->options.width;
     s->image.height = s->options.height;
-    status = bvxi_each(ctx, "render", 0.3, 1.0, bands, draw_sheet_band, s);
+    bvx_status const status = bvxi_each(ctx, "render", 0.3, 1.0, bands, draw_sheet_band, s);
     if (status != BVX_OK) bvx_image_free(ctx, &s->image);
     return status;
 }

@@ -24,10 +24,8 @@ bvx_status bvxi_mesh_scene_normals(bvx_context *ctx, bvxi_mesh_scene *s)
 {
     double p[3][3], n[3];
     uint32_t c[3];
-
     BVXI_TRY(
         bvxi_alloc_zero(ctx, BVXI_SCRATCH, s->view->vertex_count * 12, "the picture's normals", &s->normal));
-
     /* As long as twice the area, so larger facets count for more. */
     for (uint64_t t = 0; t < s->view->triangle_count; t++) {
         bvxi_mesh_scene_corners(s, (uint32_t)t, c, p);

@@ -153,33 +153,38 @@ static int order_by_index(const uint32_t *corner, uint32_t *sorted)
     return a > b;
 }
 
-/* Mark triangles that an earlier one copies: exactly, or turned. keys, half: for use. */
-static bvx_status mark_copies(sheet_work *w, uint8_t *copy)
+/* Mark triangles that an earlier one copies: exactly, or turned. */
+static bvx_status mark_copies(const sheet_work *w, uint8_t *copy)
 {
-    uint32_t sorted[3], before[3] = {0, 0, 0};
+    uint32_t sorted[3], before[3] = {0, 0, 0}, *order;
     int known[2] = {0, 0};
+    uint64_t *keys;
+
+    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->triangles * 12, "the triangles' corners", &keys));
+    order = (uint32_t *)(void *)(keys + w->triangles);
 
     /* By the highest corner, then by the others: equal triangles end up side by side, in their order. */
     for (uint32_t t = 0; t < w->triangles; t++) {
         order_by_index(w->corner + 3 * (uint64_t)t, sorted);
-        w->keys[t] = sorted[2];
-        w->half[t] = t;
+        keys[t] = sorted[2];
+        order[t] = t;
     }
-    BVXI_TRY(bvxi_radix_sort(w->ctx, w->keys, w->half, w->triangles));
+    BVXI_TRY(bvxi_radix_sort(w->ctx, keys, order, w->triangles));
     for (uint64_t i = 0; i < w->triangles; i++) {
-        order_by_index(w->corner + 3 * (uint64_t)w->half[i], sorted);
-        w->keys[i] = (uint64_t)sorted[0] << 32 | sorted[1];
+        order_by_index(w->corner + 3 * (uint64_t)order[i], sorted);
+        keys[i] = (uint64_t)sorted[0] << 32 | sorted[1];
     }
-    BVXI_TRY(bvxi_radix_sort(w->ctx, w->keys, w->half, w->triangles));
+    BVXI_TRY(bvxi_radix_sort(w->ctx, keys, order, w->triangles));
 
     for (uint64_t i = 0; i < w->triangles; i++) {
-        int const turned = order_by_index(w->corner + 3 * (uint64_t)w->half[i], sorted);
+        int const turned = order_by_index(w->corner + 3 * (uint64_t)order[i], sorted);
 
         if (i == 0 || memcmp(sorted, before, sizeof sorted) != 0) known[0] = known[1] = 0;
         memcpy(before, sorted, sizeof before);
-        copy[w->half[i]] = known[turned] ? COPY_DROPPED : known[!turned] ? COPY_TURNED : COPY_NONE;
+        copy[order[i]] = known[turned] ? COPY_DROPPED : known[!turned] ? COPY_TURNED : COPY_NONE;
         known[turned] = 1;
     }
+    bvxi_drop(w->ctx, keys);
     return BVX_OK;
 }
 
@@ -201,11 +206,11 @@ static void drop_marked(sheet_work *w, const uint8_t *copy)
  * many. */
 static bvx_status drop_sheet_copies(sheet_work *w)
 {
+    uint64_t const before = w->triangles;
     uint8_t *copy;
 
     BVXI_TRY(bvxi_alloc_zero(w->ctx, BVXI_SCRATCH, w->triangles, "the triangles' copies", &copy));
     BVXI_TRY(mark_copies(w, copy));
-    BVXI_TRY(list_edges(w));
     for (uint64_t i = 0, n; i < 3 * w->triangles; i += n) {
         uint64_t up = 0, all = 0;
 
@@ -220,7 +225,7 @@ static bvx_status drop_sheet_copies(sheet_work *w)
     }
     drop_marked(w, copy);
     bvxi_drop(w->ctx, copy);
-    return list_edges(w);
+    return w->triangles != before ? list_edges(w) : BVX_OK;
 }
 
 /* ---- Patches ---- */

@@ -264,10 +264,10 @@ static void cross_many(const bvxi_solid_job *job, bvxi_chunk *chunk, bvxi_cross_
     bvxi_rows const all = {0, job->block.ny, 0, job->block.nz};
 
     /* Large triangles are left to the tiles, which cut them by rows: one worker would otherwise hold up the
-     * round. */
-    if (pairs <= BVXI_CROSS_MANY &&
-        b->found_count + (uint32_t)pairs + BVXI_CROSS_BATCH * BVXI_CROSS_FEW <= BVXI_SOLID_BUFFER)
-        bvxi_cover_spans(job, all, triangle, take_found, b);
+     * round. Others come there too where the buffer is full, which ends the round. */
+    b->full |= pairs <= BVXI_CROSS_MANY &&
+               b->found_count + (uint32_t)pairs + job->at_once * BVXI_CROSS_FEW > job->buffer;
+    if (pairs <= BVXI_CROSS_MANY && !b->full) bvxi_cover_spans(job, all, triangle, take_found, b);
     else chunk->large[chunk->large_count++] = triangle;
 }
 
@@ -320,12 +320,12 @@ BVXI_VECTOR_INLINE void sort_by_tile(const bvxi_solid_job *job, bvxi_chunk *chun
 BVXI_VECTOR_INLINE void find_crossings(const bvxi_solid_job *job, bvxi_chunk *chunk, bvxi_cross_batch *b)
 {
     b->count = b->found_count = chunk->large_count = 0;
-    while (chunk->next < chunk->end) {
-        uint32_t const n = (uint32_t)(chunk->end - chunk->next < BVXI_CROSS_BATCH ? chunk->end - chunk->next
-                                                                                  : BVXI_CROSS_BATCH);
+    b->full = 0;
+    while (chunk->next < chunk->end && !b->full) {
+        uint64_t const left = chunk->end - chunk->next;
+        uint32_t const n = left < job->at_once ? (uint32_t)left : job->at_once;
         /* at worst every triangle has BVXI_CROSS_FEW crossings, or is large */
-        if (b->found_count + n * BVXI_CROSS_FEW > BVXI_SOLID_BUFFER ||
-            chunk->large_count + n > BVXI_SOLID_LARGE)
+        if (b->found_count + n * BVXI_CROSS_FEW > job->buffer || chunk->large_count + n > BVXI_SOLID_LARGE)
             break;
 
         /* An index beyond the vertices: only now is it worth finding out which triangle has it. */

@@ -11,8 +11,6 @@
 #include "solid/solid.h"
 
 enum { CHUNK_GRAIN = 4096 };
-#define CHUNK_BYTES \
-    (sizeof(bvxi_chunk) + BVXI_SOLID_BUFFER * sizeof(bvxi_crossing) + BVXI_SOLID_LARGE * sizeof(uint32_t))
 
 static bvx_status fill_parity_rows(bvx_context *ctx, bvxi_solid_job *job)
 {
@@ -100,25 +98,35 @@ bvx_status bvxi_solid_fill(bvxi_call step, bvxi_solid_job *job, const bvx_grid *
     return BVX_OK;
 }
 
-/* The chunks and their buffers: one block of scratch. */
+/* The buffers of chunks and workers: one block of scratch. */
 static bvx_status open_chunks(bvx_context *ctx, bvxi_solid_job *job)
 {
-    unsigned char *memory;
+    uint64_t const triangles = job->view->triangle_count;
+    uint64_t const workers = (uint64_t)bvxi_threads(ctx);
+    bvxi_crossing *found;
+    uint32_t *large;
 
     /* Chunks are pieces of the mesh, whatever the threads are. */
-    job->chunks = bvxi_piece_count(job->view->triangle_count, CHUNK_GRAIN);
+    job->chunks = bvxi_piece_count(triangles, CHUNK_GRAIN);
     if (job->chunks > BVXI_SOLID_CHUNKS) job->chunks = BVXI_SOLID_CHUNKS;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)bvxi_threads(ctx) * sizeof *job->batch,
-                        "the workers' batches", &job->batch));
-    BVXI_TRY(
-        bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)job->chunks * CHUNK_BYTES, "the crossing buffers", &memory));
-    job->chunk = (bvxi_chunk *)(void *)memory;
+    /* A small mesh takes a few rounds more, in a quarter of the memory. */
+    job->buffer = triangles < CHUNK_GRAIN ? BVXI_SOLID_BUFFER / 4 : BVXI_SOLID_BUFFER;
+    job->at_once = triangles < CHUNK_GRAIN ? BVXI_CROSS_BATCH / 4 : BVXI_CROSS_BATCH;
 
-    memory += (size_t)job->chunks * sizeof *job->chunk;
-    for (int32_t c = 0; c < job->chunks; c++, memory += BVXI_SOLID_BUFFER * sizeof(bvxi_crossing))
-        job->chunk[c].sorted = (bvxi_crossing *)(void *)memory;
-    for (int32_t c = 0; c < job->chunks; c++, memory += BVXI_SOLID_LARGE * sizeof(uint32_t))
-        job->chunk[c].large = (uint32_t *)(void *)memory;
+    uint64_t const chunks = (uint64_t)job->chunks, bytes = job->buffer * sizeof *found;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH,
+                        workers * (sizeof *job->batch + bytes) +
+                            chunks * (sizeof *job->chunk + bytes + BVXI_SOLID_LARGE * sizeof *large),
+                        "the crossing buffers", &job->batch));
+    job->chunk = (bvxi_chunk *)(void *)(job->batch + workers);
+    found = (bvxi_crossing *)(void *)(job->chunk + chunks);
+    large = (uint32_t *)(void *)(found + (workers + chunks) * job->buffer);
+
+    for (uint64_t w = 0; w < workers; w++, found += job->buffer) job->batch[w].found = found;
+    for (uint64_t c = 0; c < chunks; c++, found += job->buffer, large += BVXI_SOLID_LARGE) {
+        job->chunk[c].sorted = found;
+        job->chunk[c].large = large;
+    }
     return BVX_OK;
 }
 
@@ -137,8 +145,6 @@ bvx_status bvxi_solid_open(bvx_context *ctx, const char *function, const bvx_mes
 void bvxi_solid_close(bvx_context *ctx, bvxi_solid_job *job)
 {
     bvxi_snap_free(ctx, &job->snapped);
-    bvxi_drop(ctx, job->chunk);
     bvxi_drop(ctx, job->batch);
-    job->chunk = NULL;
     job->batch = NULL;
 }

@@ -23,7 +23,7 @@ typedef struct bvxi_crossing {
 typedef struct bvxi_chunk {
     uint64_t next, end;    /* triangles still to do */
     uint64_t bad;          /* first with an index out of range, or UINT64_MAX */
-    bvxi_crossing *sorted; /* [Size: BVXI_SOLID_BUFFER] by tile */
+    bvxi_crossing *sorted; /* [Size: the job's buffer] by tile */
     /* [Size: BVXI_SOLID_LARGE] triangles of many rows, left to the tiles */
     uint32_t *large;
     uint32_t large_count;
@@ -57,6 +57,8 @@ struct bvxi_solid_job {
     int32_t chunks, rounds;         /* rounds: that the last pass took */
     int32_t last_round;             /* 1: after this one no triangles are left */
     struct bvxi_cross_batch *batch; /* one a worker */
+    /* crossings that a chunk finds in a round at most, and triangles that are looked at together */
+    uint32_t buffer, at_once;
 
     bvxi_tiles tiles;
 
@@ -101,7 +103,8 @@ typedef struct bvxi_cross_batch {
     int32_t spread[BVXI_CROSS_BATCH];       /* bits of the corners' distances */
     uint16_t hit[4 * BVXI_CROSS_BATCH + 4]; /* pair << 2 | centre */
     uint32_t count, found_count;
-    bvxi_crossing found[BVXI_SOLID_BUFFER]; /* of the chunk, in the order found */
+    int32_t full;         /* 1: a triangle did not fit into found */
+    bvxi_crossing *found; /* [Size: the job's buffer] of the chunk, in the order found */
 } bvxi_cross_batch;
 
 /* Number of row (j, k) of the block among those of the grid. */

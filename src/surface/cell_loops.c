@@ -12,18 +12,14 @@
 static uint8_t edge_of_corner(uint32_t cell_case, uint8_t lane, uint8_t offset)
 {
     int const along_y = lane < 6, second_row = lane & 1;
-
     if (lane < 4) return lane;
-
     /* The two ends of the lane's edge at the low-x side, as corners x + 2y + 4z. */
     uint32_t const low = !second_row ? 0 : along_y ? 4 : 2;
     uint32_t const high = low + (along_y ? 2 : 4);
     uint8_t const first = (uint8_t)(along_y ? 4 + 2 * (lane - 4) : 8 + 2 * (lane - 6));
-
     /* A lane's counter stands at its next crossing: that at high x when the surface passes the first edge
      * by. */
     int const first_is_cut = (cell_case >> low & 1) != (cell_case >> high & 1);
-
     return offset != 0 || !first_is_cut ? (uint8_t)(first + 1) : first;
 }
 
@@ -51,19 +47,17 @@ void bvxi_trace_cell(int32_t face_rule, uint32_t cell_case, const uint32_t *tria
     /* Triangles of one loop stand together in the tables: one that is not of the last loop begins another. */
     loops->count = 0;
     for (uint32_t t = 0; t < count; t++) {
-        bvxi_cell_loop *l;
         uint8_t u = edge[3 * t];
 
         if (seen[u]) {
             loops->loop[loops->count - 1].triangles++;
             continue;
         }
-        l = &loops->loop[loops->count++];
+        bvxi_cell_loop *const l = &loops->loop[loops->count++];
         l->first = t;
         l->triangles = 1;
         l->corners = 0;
 
-        /* Around the loop, back to where it began. */
         for (; !seen[u]; u = next[u]) {
             seen[u] = 1;
             l->edge[l->corners] = u;
@@ -76,7 +70,6 @@ void bvxi_trace_cell(int32_t face_rule, uint32_t cell_case, const uint32_t *tria
 static uint32_t faces_of_edge(uint8_t edge)
 {
     uint32_t const first = edge & 1, second = edge >> 1 & 1;
-
     switch (edge >> 2) {
     case 0: return 4u << first | 16u << second;
     case 1: return 1u << first | 16u << second;
@@ -92,12 +85,10 @@ int32_t bvxi_face_of_edges(uint8_t one, uint8_t two)
 int bvxi_face_is_cut_twice(uint32_t cell_case, int32_t face)
 {
     uint32_t const axis = (uint32_t)face >> 1, u = 1u << (axis + 1) % 3, v = 1u << (axis + 2) % 3;
-
     /* Its four corners; where both diagonals agree in themselves and not with each other, all sides are
      * cut. */
     uint32_t const base = ((uint32_t)face & 1) << axis;
     uint32_t const a = cell_case >> base & 1, b = cell_case >> (base + u) & 1;
     uint32_t const c = cell_case >> (base + v) & 1, d = cell_case >> (base + u + v) & 1;
-
     return a == d && b == c && a != b;
 }

@@ -28,13 +28,12 @@ BVXI_VECTOR_INLINE uint64_t count_slot(const bvxi_march *m, uint64_t slot, int f
             int32_t const w = first + bvxi_lowest(busy);
             uint64_t const visited = bvxi_visited(m, w);
             bvxi_cell_words c;
-            uint64_t active;
             bvxi_load_cells(row, w, words, &c);
             /* Edges are owned by the slot at their low end, so none is counted twice. */
             n[0] += bvxi_count_bits((c.low[0] ^ c.high[0]) & visited & has[0], fast);
             n[1] += bvxi_count_bits((c.high[0] ^ c.high[1]) & has[1], fast);
             n[2] += bvxi_count_bits((c.high[0] ^ c.high[2]) & has[2], fast);
-            active = bvxi_active_cells(&c) & visited & has[3];
+            uint64_t const active = bvxi_active_cells(&c) & visited & has[3];
 #if BVXI_HAVE_AVX2
             if (fast) {
                 bvxi_list_cases_bmi2(&cases, &c, active);
@@ -53,14 +52,12 @@ BVXI_VECTOR_INLINE uint64_t count_slot(const bvxi_march *m, uint64_t slot, int f
 BVXI_VECTOR_INLINE void count_piece(bvxi_march *m, int32_t piece, int fast)
 {
     uint64_t begin, end, vertices = 0, triangles = 0, past = 0;
-
     bvxi_piece(m->slot_count, m->pieces, piece, &begin, &end);
     for (uint64_t s = begin; s < end; s++) {
         past |= count_slot(m, s, fast);
         vertices += (uint64_t)m->slots[s].edge[0] + m->slots[s].edge[1] + m->slots[s].edge[2];
         triangles += m->slots[s].triangle;
     }
-
     m->piece_counts[3 * piece] = vertices;
     m->piece_counts[3 * piece + 1] = triangles;
     m->piece_counts[3 * piece + 2] = past;
@@ -71,6 +68,5 @@ BVXI_AVX2_COPY(count_piece_avx2, (bvxi_march * m, int32_t piece), count_piece(m,
 void bvxi_march_count_piece(void *march, int32_t piece)
 {
     bvxi_march *const m = march;
-
     BVXI_PATH(m->cpu == BVX_CPU_AVX2, count_piece(m, piece, 0), count_piece_avx2(m, piece));
 }

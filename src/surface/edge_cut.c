@@ -43,7 +43,6 @@ static unit_cut scale_cut(const bvxi_cut_edge *e)
 {
     double const scale = 1.0 / e->length;
     unit_cut u;
-
     for (int32_t k = 0; k < 3; k++) {
         int32_t const axis = e->axis + k < 3 ? e->axis + k : e->axis + k - 3;
         u.a[k] = e->low[axis] * scale;
@@ -59,14 +58,12 @@ static int cut_by_line(const unit_cut *u, int between, double *ratio)
 {
     double const dx = u->b[0] - u->a[0], dy = u->b[1] - u->a[1], dz = u->b[2] - u->a[2];
     double const across2 = dy * dy + dz * dz;
-    double s;
-
     if (dx * dx + across2 <= SAME_POINT2) {
         *ratio = 0.5 * (u->a[0] + u->b[0]);
         return 1;
     }
     if (!(across2 > PARALLEL2 * (dx * dx))) return 0;
-    s = -((dy * u->a[1] + dz * u->a[2]) / across2);
+    double s = -((dy * u->a[1] + dz * u->a[2]) / across2);
     if (between) s = s < 0.0 ? 0.0 : s > 1.0 ? 1.0 : s;
     *ratio = u->a[0] + dx * s;
     return *ratio - *ratio == 0.0;
@@ -107,7 +104,6 @@ static int cut_beside_end(const bvxi_cut_edge *e, const unit_cut *u, double *rat
 {
     int const low = bvxi_absolute(e->low_distance) <= ON_SURFACE * e->length;
     int const high = bvxi_absolute(e->high_distance) <= ON_SURFACE * e->length;
-
     if (low == high || !(bvxi_vec_dot(low ? u->wb : u->a, low ? u->wb : u->a) > NO_NORMAL2)) return 0;
     *ratio = low ? u->b[0] : u->a[0];
     return is_ratio(*ratio);
@@ -123,15 +119,12 @@ static int32_t cut_by_distances(const bvxi_cut_edge *e, double *ratio)
 
 int32_t bvxi_find_cut(const bvxi_cut_edge *edge, int32_t interpolation, double *ratio)
 {
-    unit_cut u;
-    int told;
-
     *ratio = 0.5;
     if (interpolation == BVX_EDGE_MIDDLE) return BVXI_CUT_MIDDLE;
     if (interpolation == BVX_EDGE_SCALAR) return cut_by_distances(edge, ratio);
-    u = scale_cut(edge);
-    told = (interpolation == BVX_EDGE_TANGENT && cut_by_planes(&u, ratio)) ||
-           cut_by_line(&u, interpolation == BVX_EDGE_TANGENT, ratio);
+    unit_cut u = scale_cut(edge);
+    int told = (interpolation == BVX_EDGE_TANGENT && cut_by_planes(&u, ratio)) ||
+               cut_by_line(&u, interpolation == BVX_EDGE_TANGENT, ratio);
     if (!told && interpolation == BVX_EDGE_TANGENT) told = cut_beside_end(edge, &u, ratio);
     if (told && is_ratio(*ratio)) return BVXI_CUT_VECTOR;
     if (interpolation != BVX_EDGE_PAPER) return cut_by_distances(edge, ratio);
@@ -167,7 +160,6 @@ static void load_facet(const bvxi_cuts *c, const bvx_mesh_view *mesh, facet_edge
 {
     double const scale = 1.0 / c->unit;
     uint32_t corner[3];
-
     /* From the centre, in the largest spacing: sizes near 1 whatever the coordinates are. */
     bvxi_view_triangle(mesh, triangle, corner);
     for (int32_t k = 0; k < 3; k++) {
@@ -231,12 +223,10 @@ static int pass_plane(const facet_edge *f, int32_t end, double *ratio)
 static double distance2_to_facets(const facet_edge *f, double ratio)
 {
     double p[3], q[3], best = -1.0;
-
     point_of_edge(f, ratio, p);
     for (int32_t end = 0; end < 2; end++) {
-        double d2;
         if (f->size[end] == 0.0) continue;
-        d2 = bvxi_closest_on_triangle(p, (const double(*)[3])f->corners[end], q);
+        double const d2 = bvxi_closest_on_triangle(p, (const double(*)[3])f->corners[end], q);
         if (best < 0.0 || d2 < best) best = d2;
     }
     return best;
@@ -257,9 +247,8 @@ static double cut_facets(const facet_edge *f, double ratio)
     /* Through neither: a plane's place is taken only where it is nearer to the triangles. */
     best = distance2_to_facets(f, ratio);
     for (int32_t end = 0; end < 2; end++) {
-        double d2;
         if (f->size[end] == 0.0 || !pass_plane(f, end, &place[end])) continue;
-        d2 = distance2_to_facets(f, place[end]);
+        double const d2 = distance2_to_facets(f, place[end]);
         if (!(d2 < best)) continue;
         best = d2;
         ratio = place[end];
@@ -318,7 +307,6 @@ static void planes_of_vectors(const facet_edge *f, const double cut[3], bvxi_fac
                                ? 0
                                : 1;
     int32_t found = 0;
-
     for (int32_t k = 0; k < 2; k++) {
         int32_t const end = k == 0 ? nearer : 1 - nearer;
         double const length2 = bvxi_vec_dot(f->outward[end], f->outward[end]);
@@ -333,7 +321,6 @@ double bvxi_facet_cut(const bvxi_cuts *cuts, const bvxi_cut_rule *values, const 
 {
     facet_edge f;
     double cut[3];
-
     open_facet_edge(cuts, values, edge, centre, &f);
     if (cuts->interpolation != BVX_EDGE_MIDDLE) ratio = cut_facets(&f, ratio);
     /* Strictly inside, so that no triangle is without area. */

@@ -87,7 +87,6 @@ static void start_counters(const bvxi_march *m, uint64_t slot, int32_t j, int32_
     uint64_t const rows = (uint64_t)m->grid->size[1] + 1;
     uint64_t const up = j + 1 < m->grid->size[1] ? 1 : 0, back = k + 1 < m->grid->size[2] ? rows : 0;
     const bvxi_slot *const s = &m->slots[slot];
-
     counter[0] = s->edge[0];
     counter[1] = s[up].edge[0];
     counter[2] = s[back].edge[0];
@@ -174,7 +173,6 @@ BVXI_VECTOR_INLINE void load_block(const bvxi_march *m, const uint64_t *const ro
         int32_t const w = bvxi_lowest(busy);
         uint64_t const visited = bvxi_visited(m, first + w);
         bvxi_cell_words c;
-        uint64_t active;
         bvxi_load_cells(row, first + w, words, &c);
 
         /* Edges that another row of cells owns are masked out (has), so that each vertex is written exactly
@@ -182,7 +180,7 @@ BVXI_VECTOR_INLINE void load_block(const bvxi_march *m, const uint64_t *const ro
         bvxi_list_bits(&b->edge[0], (c.low[0] ^ c.high[0]) & visited & has[0], w, 3, fast);
         bvxi_list_bits(&b->edge[1], (c.high[0] ^ c.high[1]) & has[1], w, 3, fast);
         bvxi_list_bits(&b->edge[2], (c.high[0] ^ c.high[2]) & has[2], w, 3, fast);
-        active = bvxi_active_cells(&c) & visited & has[3];
+        uint64_t const active = bvxi_active_cells(&c) & visited & has[3];
 #if BVXI_HAVE_AVX2
         if (fast) {
             bvxi_list_cases_bmi2(&b->cases, &c, active);
@@ -242,6 +240,5 @@ BVXI_AVX2_COPY(emit_piece_avx2, (const bvxi_march *m, int32_t piece), emit_piece
 void bvxi_march_emit_piece(void *march, int32_t piece)
 {
     const bvxi_march *const m = march;
-
     BVXI_PATH(m->cpu == BVX_CPU_AVX2, emit_piece(m, piece, 0), emit_piece_avx2(m, piece));
 }

@@ -3,7 +3,6 @@
  * counted and made. */
 #include "surface/faces.h"
 #include "surface/march.h"
-#include "mesh/mesh.h"
 
 enum { FACE_GRAIN = 64 };
 
@@ -18,7 +17,6 @@ static bvx_status check_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *g
                               const bvx_faces_options *given)
 {
     bvx_faces_options *const o = &f->options;
-
     BVXI_TRY(bvxi_take_options(ctx, f->function, given, o, sizeof *o));
     BVXI_TRY(bvxi_grid_check(ctx, f->function, grid));
     BVXI_TRY(bvxi_grid_check_past(ctx, f->function, grid));
@@ -34,7 +32,6 @@ static bvx_status check_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *g
 static bvx_status run_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *grid,
                             const bvx_faces_options *options, bvx_mesh *mesh)
 {
-    uint64_t empty_bytes;
     uint64_t *empty;
     bvx_status status;
 
@@ -44,7 +41,7 @@ static bvx_status run_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *gri
     f->words = grid->size[0] / BVXI_WORD_BITS + 1;
     f->row_count = ((uint64_t)grid->size[1] + 1) * ((uint64_t)grid->size[2] + 1);
     f->pieces = bvxi_piece_count(f->row_count, FACE_GRAIN);
-    empty_bytes = (uint64_t)grid->words_per_row * 8;
+    uint64_t const empty_bytes = (uint64_t)grid->words_per_row * 8;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, empty_bytes, "an empty row", &empty));
     f->empty_row = empty;
     status = f->options.merged ? bvxi_faces_merge(ctx, f, mesh) : bvxi_faces_single(ctx, f, mesh);

@@ -54,7 +54,6 @@ static int32_t end_of_run(const uint64_t *row, int32_t words, int32_t begin)
 static int take_run(uint64_t *row, int32_t begin, int32_t end)
 {
     int32_t const first = begin / BVXI_WORD_BITS, last = (end - 1) / BVXI_WORD_BITS;
-
     /* First look, then clear: a run that is not whole stays for a rectangle of its own. */
     for (int32_t k = first; k <= last; k++)
         if ((~row[k] & run_in_word(begin, end, k)) != 0) return 0;
@@ -166,7 +165,6 @@ static void cut_task(void *user, int32_t task, int32_t worker)
     uint64_t const to = across_y < 0   ? cut_across_x(m, bits, task, from)
                         : across_z < 0 ? cut_across(m, bits, 1, across_y, from)
                                        : cut_across(m, bits, 2, across_z, from);
-
     /* The first run only counts. Prefix sums then give every task its place in the list, whichever worker
      * comes first. */
     if (m->list == NULL) m->before[task] = to;
@@ -177,7 +175,6 @@ static void rectangle_corners(const face_merge *m, const face_rectangle *r, uint
 {
     /* ends of u (1) and v (2) */
     static const uint8_t turn[3][4] = {{0, 1, 3, 2}, {0, 2, 3, 1}, {0, 1, 3, 2}};
-
     for (int n = 0; n < 4; n++) {
         int32_t const u = (turn[r->axis][n] & 1) != 0 ? r->u1 : r->u0;
         int32_t const v = (turn[r->axis][n] & 2) != 0 ? r->v1 : r->v0;
@@ -188,27 +185,15 @@ static void rectangle_corners(const face_merge *m, const face_rectangle *r, uint
     }
 }
 
-static void mark_corners(face_merge *m)
-{
-    for (uint64_t n = 0; n < m->f->face_count; n++) {
-        uint64_t bit[4];
-        rectangle_corners(m, &m->list[n], bit);
-        /* Rectangles share corners: a bit is set as often as needed. */
-        for (int c = 0; c < 4; c++)
-            m->corners[bit[c] / BVXI_WORD_BITS] |= UINT64_C(1) << (bit[c] % BVXI_WORD_BITS);
-    }
-}
-
 static void emit_corner_rows(void *user, uint64_t begin, uint64_t end)
 {
     const face_merge *const m = user;
     const bvxi_faces *const f = m->f;
     uint64_t const rows = (uint64_t)f->grid->size[1] + 1;
-    uint64_t vertex;
 
     /* A piece begins with the rank of its first bit and counts from there, so pieces need not wait for each
      * other. */
-    vertex = bvxi_rank_before(&m->rank, begin * (uint64_t)f->words * BVXI_WORD_BITS);
+    uint64_t vertex = bvxi_rank_before(&m->rank, begin * (uint64_t)f->words * BVXI_WORD_BITS);
     for (uint64_t row = begin; row < end; row++) {
         const uint64_t *const corners = m->corners + (size_t)row * (size_t)f->words;
         double const y = bvxi_corner_along(f, 1, (int32_t)(row % rows));
@@ -223,7 +208,6 @@ static void emit_corner_rows(void *user, uint64_t begin, uint64_t end)
 static void emit_rectangles(void *user, uint64_t begin, uint64_t end)
 {
     const face_merge *const m = user;
-
     for (uint64_t n = begin; n < end; n++) {
         uint64_t bit[4];
         rectangle_corners(m, &m->list[n], bit);
@@ -233,22 +217,21 @@ static void emit_rectangles(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-static bvx_status count_rectangles(bvx_context *ctx, face_merge *m)
-{
-    BVXI_TRY(bvxi_parallel(ctx, "faces", 0.0, 0.3, m->tasks, cut_task, m));
-    m->f->face_count = bvxi_place_counts(m->before, (uint64_t)m->tasks);
-    return bvxi_faces_check_counts(ctx, m->f);
-}
-
 static bvx_status list_rectangles(bvx_context *ctx, face_merge *m)
 {
     uint64_t const words = m->f->row_count * (uint64_t)m->f->words;
-
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, m->f->face_count * sizeof *m->list, "the rectangles", &m->list));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, words * 8, "the corners", &m->corners));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bvxi_rank_bytes(words), "the corners' ranks", &m->prefix));
     BVXI_TRY(bvxi_parallel(ctx, "faces", 0.3, 0.6, m->tasks, cut_task, m));
-    mark_corners(m);
+    for (uint64_t n = 0; n < m->f->face_count; n++) {
+        uint64_t bit[4];
+        rectangle_corners(m, &m->list[n], bit);
+        /* Rectangles share corners: a bit is set as often as needed. */
+        for (int c = 0; c < 4; c++)
+            m->corners[bit[c] / BVXI_WORD_BITS] |= UINT64_C(1) << (bit[c] % BVXI_WORD_BITS);
+    }
+
     m->f->vertex_count = bvxi_rank_build(&m->rank, m->corners, words, m->prefix);
     return bvxi_faces_check_counts(ctx, m->f);
 }
@@ -257,7 +240,6 @@ static bvx_status emit_merged(bvx_context *ctx, face_merge *m, bvx_mesh *mesh)
 {
     int const mine = mesh->positions == NULL;
     bvx_status status;
-
     BVXI_TRY(bvxi_faces_open_mesh(ctx, m->f, mesh));
     status = bvxi_for_ranges(ctx, "faces", 0.6, 0.8, m->f->pieces, m->f->row_count, emit_corner_rows, m);
     if (status == BVX_OK)
@@ -280,7 +262,6 @@ bvx_status bvxi_faces_merge(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
 {
     uint64_t const threads = (uint64_t)bvxi_threads(ctx), mark = bvxi_scratch_begin(ctx);
     face_merge m;
-
     memset(&m, 0, sizeof m);
     m.f = f;
     m.tasks = f->words + f->grid->size[1] + 1 + f->grid->size[2] + 1;
@@ -288,7 +269,9 @@ bvx_status bvxi_faces_merge(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, ((uint64_t)m.tasks + 1) * 8, "the planes' counts", &m.before));
     /* Scratch for each worker, as planes are cut side by side. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, threads * m.scratch_words * 8, "planes of faces", &m.scratch));
-    BVXI_TRY(count_rectangles(ctx, &m));
+    BVXI_TRY(bvxi_parallel(ctx, "faces", 0.0, 0.3, m.tasks, cut_task, &m));
+    m.f->face_count = bvxi_place_counts(m.before, (uint64_t)m.tasks);
+    BVXI_TRY(bvxi_faces_check_counts(ctx, m.f));
     BVXI_TRY(list_rectangles(ctx, &m));
     return bvxi_scratch_end(ctx, mark, mesh != NULL ? emit_merged(ctx, &m, mesh) : BVX_OK);
 }

@@ -21,7 +21,6 @@ static face_voxels voxels_about(const bvxi_faces *f, int32_t j, int32_t k)
     return v;
 }
 
-/* Corners of word w that are used. */
 static inline uint64_t used_corners(const bvxi_faces *f, const face_voxels *v, int32_t w)
 {
     uint64_t any = 0, all = ~UINT64_C(0);
@@ -43,7 +42,6 @@ static inline void faces_of_word(const bvxi_faces *f, const face_voxels *v, int3
     uint64_t const here = bvxi_face_word(f, v->row[3], w, &before);
     uint64_t const below_y = bvxi_face_word(f, v->row[2], w, &unused);
     uint64_t const below_z = bvxi_face_word(f, v->row[1], w, &unused);
-
     /* A face is owned by its low corner; the last rows have none beyond the window. */
     face[0] = j < f->grid->size[1] && k < f->grid->size[2] ? here ^ before : 0;
     face[1] = k < f->grid->size[2] ? here ^ below_y : 0;
@@ -120,16 +118,6 @@ typedef struct face_reach {
     uint64_t used[4];
 } face_reach;
 
-static void open_face_reach(const bvxi_faces *f, uint64_t row, int32_t j, int32_t k, face_reach *c)
-{
-    for (int32_t n = 0; n < 4; n++) {
-        uint64_t const at = row + (uint64_t)(n & 1) + (n >> 1 != 0 ? (uint64_t)f->grid->size[1] + 1 : 0);
-        c->voxels[n] = voxels_about(f, j + (n & 1), k + (n >> 1));
-        /* beyond the last rows there are no faces to ask */
-        c->first[n] = at < f->row_count ? f->rows[at].vertex : 0;
-    }
-}
-
 /* The number of corner `bit` of row n; the next corner along x of the same face has the next number. */
 static inline uint32_t corner_number(const face_reach *c, int32_t n, int32_t bit)
 {
@@ -171,7 +159,12 @@ static void emit_face_row(const bvxi_faces *f, uint64_t row)
     if (f->rows[row].vertex == f->rows[row + 1].vertex) return;
     corner_row(f, row, &j, &k);
     double const y = bvxi_corner_along(f, 1, j), z = bvxi_corner_along(f, 2, k);
-    open_face_reach(f, row, j, k, &c);
+    for (int32_t n = 0; n < 4; n++) {
+        uint64_t const at = row + (uint64_t)(n & 1) + (n >> 1 != 0 ? (uint64_t)f->grid->size[1] + 1 : 0);
+        c.voxels[n] = voxels_about(f, j + (n & 1), k + (n >> 1));
+        /* beyond the last rows there are no faces to ask */
+        c.first[n] = at < f->row_count ? f->rows[at].vertex : 0;
+    }
     for (int32_t w = 0; w < f->words; w++) {
         uint64_t face[3], behind, any;
 
@@ -204,13 +197,11 @@ bvx_status bvxi_faces_open_mesh(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
 bvx_status bvxi_faces_single(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
 {
     uint64_t const bytes = (f->row_count + 1) * sizeof *f->rows;
-    int mine;
-
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the rows' numbers", &f->rows));
     BVXI_TRY(bvxi_for_ranges(ctx, "faces", 0.0, 0.3, f->pieces, f->row_count, count_face_piece, f));
     BVXI_TRY(number_face_rows(ctx, f));
     if (mesh == NULL) return BVX_OK;
-    mine = mesh->positions == NULL;
+    int const mine = mesh->positions == NULL;
     BVXI_TRY(bvxi_faces_open_mesh(ctx, f, mesh));
     return bvxi_mesh_made(
         ctx, bvxi_for_ranges(ctx, "faces", 0.3, 1.0, f->pieces, f->row_count, emit_face_piece, f), mine,

@@ -36,7 +36,6 @@ static value_row start_value_row(const bvxi_cuts *c, const bvxi_cut_rule *v, int
 {
     const bvx_grid *const g = &v->values->where;
     value_row r = {NULL, 0};
-
     /* Where no value is needed the row has no words, and every look-up in it answers that there is none. */
     if ((c->interpolation != BVX_EDGE_MIDDLE || c->planes != NULL) && j >= 0 && k >= 0 && j < g->size[1] &&
         k < g->size[2]) {
@@ -59,7 +58,6 @@ static uint64_t value_before(const value_row *r, int32_t words, int32_t w, int32
 {
     if (bit > 0) return value_at(r, words, w, bit - 1);
     if (r->words == NULL || w == 0 || r->words[w - 1] >> 63 == 0) return NO_VALUE;
-
     /* The last bit of the word before: the walk's count at a word's begin is one past its value. */
     return r->next - 1;
 }
@@ -70,15 +68,13 @@ static double read_value(const bvxi_sparse *s, const void *values, uint64_t n)
                                     : ((const double *)values)[(size_t)n];
 }
 
-/* Vector and distance of one value. */
 static double read_end(const bvxi_sparse *v, uint64_t n, double vector[3])
 {
-    double d;
     for (uint64_t a = 0; a < 3; a++)
         vector[a] = v->vectors != NULL ? read_value(v, v->vectors, 3 * n + a) : 0.0;
     if (v->distances == NULL)
         return sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
-    d = read_value(v, v->distances, n);
+    double const d = read_value(v, v->distances, n);
     return d < 0 ? -d : d;
 }
 
@@ -109,7 +105,6 @@ static inline bvxi_cut_edge read_edge(const cut_walk *k, const bvxi_cut_rule *v,
 {
     const bvxi_march *const m = k->cuts->march;
     bvxi_cut_edge edge;
-
     edge.axis = axis;
     edge.length = m->spacing[axis];
     edge.high_inside = !is_inside(m, i, k->j, k->k);
@@ -137,7 +132,6 @@ static void place_missing_cuts(cut_walk *k)
 {
     const bvxi_cut_rule *const v = k->cuts->values;
     double t[BVXI_MISSING_MOST];
-
     if (k->missing_count == 0) return;
     v->missing(v->missing_user, k->missing_count, k->missing, t);
     for (int32_t n = 0; n < k->missing_count; n++) {
@@ -211,7 +205,6 @@ static void find_body_cut(const cut_walk *k, const bvxi_cut_rule *v, int32_t axi
 static void move_end(double depth, double vector[3], double *distance)
 {
     double const share = (*distance - depth) / *distance;
-
     for (int32_t a = 0; a < 3; a++) vector[a] *= share;
     *distance = *distance < depth ? depth - *distance : *distance - depth;
 }
@@ -222,7 +215,6 @@ static void find_own_cut(const cut_walk *k, const bvxi_cut_rule *v, int32_t axis
                          uint64_t high, placed_cut *cut)
 {
     double const depth = v->offset < 0.0 ? -v->offset : v->offset;
-    bvxi_cut_edge edge;
 
     cut->t = 0.5;
     cut->by = BVXI_CUT_MIDDLE;
@@ -231,7 +223,7 @@ static void find_own_cut(const cut_walk *k, const bvxi_cut_rule *v, int32_t axis
 
     /* Both ends are on the offset's side of the body: they are so together, as the edge is not the body's. */
     if (is_in_body(v->inside, i, k->j, k->k) != (v->offset < 0.0)) return;
-    edge = read_edge(k, v, axis, i, low, high);
+    bvxi_cut_edge edge = read_edge(k, v, axis, i, low, high);
     if ((edge.low_distance < depth) == (edge.high_distance < depth)) return;
 
     /* A centre on the body itself has no direction to move in. */
@@ -325,12 +317,10 @@ void bvxi_cuts_piece(void *cuts, int32_t piece, uint64_t begin, uint64_t end)
 {
     const bvxi_cuts *const c = cuts;
     cut_walk k;
-
     memset(&k, 0, sizeof k);
     k.cuts = c;
     k.bodies = c->values->second != NULL ? 2 : 1;
     for (uint64_t s = begin; s < end; s++) place_slot(&k, s);
-
     /* What is still waiting, before the worker's list goes. */
     place_missing_cuts(&k);
     memcpy(c->piece_counts + (BVXI_CUT_KINDS + 1) * (size_t)piece, k.count, sizeof k.count);

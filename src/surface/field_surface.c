@@ -26,7 +26,6 @@ static bvx_status check_row_values(bvx_context *ctx, const char *function, const
     uint64_t total = 0;
 
     if (f->row_values == NULL) return bvxi_fail_null(ctx, function, "field.row_values");
-
     for (uint64_t r = 0; r < rows; r++) {
         if (f->row_values[r] != total)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
@@ -47,7 +46,6 @@ static bvx_status check_doubles(bvx_context *ctx, const char *function, const bv
 {
     static const double local_origin[3] = {0, 0, 0};
     const double *const origin = o->placing.local_frame ? local_origin : grid->lattice.origin;
-
     /* Floats need no such check: they round, and the surface stays closed. */
     if (o->placing.position_type == BVX_F32) return BVX_OK;
     if (o->placing.position_type == BVX_POSITION_AUTO && bvxi_fits_f32(grid, origin)) return BVX_OK;
@@ -117,7 +115,6 @@ static bvx_status check_field_triangles(bvx_context *ctx, const char *function, 
                                         const bvx_mesh_view *mesh)
 {
     double low[3], high[3];
-
     BVXI_TRY(bvxi_view_check(ctx, function, mesh));
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
     for (uint64_t n = 0; n < f->value_count; n++)
@@ -134,7 +131,6 @@ static bvx_status choose_field_sharp(bvx_context *ctx, const char *function, con
 {
     double low[3], high[3];
     int32_t sharp;
-
     if (o->placing.sharp != BVX_SHARP_AUTO) return BVX_OK;
     BVXI_TRY(bvxi_view_check(ctx, function, mesh));
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
@@ -173,7 +169,6 @@ static bvx_status make_plain(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, bvx_
                              bvx_field_surface_report *report)
 {
     int const mine = surface->positions == NULL;
-
     BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.3, bvxi_march_fill(ctx, m, surface)));
     return bvxi_mesh_made(ctx, BVXI_SHARE(ctx, 0.3, 1.0, place_cuts(ctx, c, report)), mine, surface);
 }
@@ -188,7 +183,6 @@ static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, doub
     bvx_mesh plain = {0};
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, plane_bytes, "the facets' planes", &c->planes));
-
     plain.position_type = m->options.position_type;
     plain.vertex_capacity = m->vertex_count;
     plain.triangle_capacity = m->triangle_count;
@@ -198,8 +192,7 @@ static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, doub
         bvxi_alloc(ctx, BVXI_SCRATCH, triangle_bytes, "the triangles before sharpening", &plain.triangles));
     BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.15, bvxi_march_fill(ctx, m, &plain)));
     BVXI_TRY(BVXI_SHARE(ctx, 0.15, 0.5, place_cuts(ctx, c, report)));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.5, 1.0, bvxi_sharpen(ctx, m, c, least_cosine, surface, report)));
-    return BVX_OK;
+    return BVXI_SHARE(ctx, 0.5, 1.0, bvxi_sharpen(ctx, m, c, least_cosine, surface, report));
 }
 
 bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_grid *inside,
@@ -235,8 +228,6 @@ static bvx_status run_extract_field_surface(bvx_context *context, const bvx_fiel
     static const char name[] = "bvx_extract_field_surface";
     bvx_field_surface_options o;
     bvxi_cut_rule v = {0};
-    bvxi_sparse values;
-    int32_t asked;
 
     if (field == NULL || surface == NULL)
         return bvxi_fail_null(context, name, field == NULL ? "field" : "surface");
@@ -246,7 +237,7 @@ static bvx_status run_extract_field_surface(bvx_context *context, const bvx_fiel
         o.placing.sharp = BVX_SHARP_NEVER;
     BVXI_TRY(check_field(context, name, field, &o));
     /* Remembered, as looking for sharp edges takes its share of progress. */
-    asked = o.placing.sharp;
+    int32_t const asked = o.placing.sharp;
     BVXI_TRY(choose_field_sharp(context, name, mesh, &o));
     /* Triangles make planes exact; without them vectors stand in. */
     if (o.placing.sharp == BVX_SHARP_ALWAYS && mesh != NULL && field->triangles != NULL) {
@@ -254,7 +245,7 @@ static bvx_status run_extract_field_surface(bvx_context *context, const bvx_fiel
         BVXI_TRY(bvxi_view_apart(context, name, mesh, surface));
         v.mesh = mesh;
     }
-    values = bvxi_sparse_of_field(field);
+    bvxi_sparse values = bvxi_sparse_of_field(field);
     v.values = &values;
     v.inside = o.grid != NULL ? &field->inside : NULL;
     v.offset = o.offset;

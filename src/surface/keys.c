@@ -52,6 +52,5 @@ static void key_slot(const bvxi_march *m, uint64_t slot)
 void bvxi_march_key_piece(void *march, uint64_t begin, uint64_t end)
 {
     const bvxi_march *const m = march;
-
     for (uint64_t s = begin; s < end; s++) key_slot(m, s);
 }

@@ -29,7 +29,6 @@ static bvx_status check_extract_options(bvx_context *ctx, const char *function, 
                                         bvx_extract_options *o)
 {
     BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(extract_rows)));
-
     /* A key packs three coordinates of 20 bits and an axis into one word, which merging sorts by. */
     for (int32_t a = 0; o->keys && a < 3; a++)
         if (grid->lattice.dims[a] >= 1 << 20)
@@ -45,7 +44,6 @@ static double farthest_coordinate(const bvx_grid *grid, const double origin[3], 
     double const spacing = grid->lattice.spacing[a];
     double const low = bvxi_absolute(origin[a] + grid->low[a] * spacing);
     double const high = bvxi_absolute(origin[a] + ((double)grid->low[a] + grid->size[a]) * spacing);
-
     return low > high ? low : high;
 }
 
@@ -54,7 +52,6 @@ static double float_step(double coordinate)
 {
     /* 2^-149, the least step of f32 */
     double step = 1.0 / 9007199254740992.0 / 9007199254740992.0 / 8796093022208.0;
-
     /* A float has 24 bits, so its step doubles whenever the coordinate reaches 2^24 of them. Doubling is
      * exact and needs no logarithm of a library; most of the way goes by 16 doublings at once. */
     while (step * 16777216.0 * 65536.0 <= coordinate) step *= 65536.0;
@@ -86,7 +83,6 @@ int bvxi_fits_f32(const bvx_grid *grid, const double origin[3])
 {
     for (int32_t a = 0; a < 3; a++) {
         double const most = farthest_coordinate(grid, origin, a);
-
         if (!(most < FLOAT_LIMIT) || float_step(most) > grid->lattice.spacing[a] / FLOAT_STEPS) return 0;
     }
     return 1;
@@ -118,7 +114,6 @@ bvx_status bvxi_check_f64(bvx_context *ctx, const char *function, const bvx_grid
 static void choose_cells(bvxi_march *m)
 {
     int32_t const nx = m->grid->size[0];
-    int32_t last_bit;
 
     /* A closed side has one more layer of cells, half outside, whose outer corners count as empty: that is
      * what closes the surface there. */
@@ -133,7 +128,7 @@ static void choose_cells(bvxi_march *m)
     m->edge_words = nx / 64 + 1;
     m->first_mask = ~UINT64_C(0) << (m->cell_low[0] + 1); /* cell -1 is bit 0 */
     m->past_mask = bvxi_grid_past(m->grid);
-    last_bit = (m->cell_high[0] + 1) - (m->edge_words - 1) * 64;
+    int32_t const last_bit = (m->cell_high[0] + 1) - (m->edge_words - 1) * 64;
     m->last_mask = last_bit < 0 ? 0 : last_bit >= 63 ? ~UINT64_C(0) : (UINT64_C(2) << last_bit) - 1;
 }
 
@@ -215,29 +210,20 @@ void bvxi_march_close(bvx_context *ctx, bvxi_march *m)
     bvxi_drop(ctx, m->slots);
 }
 
-/* x of every edge's middle (bit e lies between centres e-1 and e) and of every centre (bit i). */
-static bvx_status place_across(bvx_context *ctx, bvxi_march *m)
+bvx_status bvxi_march_fill(bvx_context *ctx, bvxi_march *m, bvx_mesh *mesh)
 {
-    int32_t const n = m->grid->size[0] + 2;
+    int const mine = mesh->positions == NULL;
 
+    /* x of every edge's middle (bit e lies between centres e-1 and e) and of every centre (bit i). */
+    int32_t const n = m->grid->size[0] + 2;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, ((uint64_t)m->grid->size[0] + 2) * 2 * sizeof(double),
                         "the columns' positions", &m->across[0]));
     m->across[1] = m->across[0] + n;
-
     /* From the lattice index, not by adding up spacings, so that a window has the positions of the whole. */
     for (int32_t i = 0; i < n; i++) {
         m->across[0][i] = m->origin[0] + (double)(m->grid->low[0] + i) * m->spacing[0];
         m->across[1][i] = m->origin[0] + ((double)(m->grid->low[0] + i) + 0.5) * m->spacing[0];
     }
-    return BVX_OK;
-}
-
-bvx_status bvxi_march_fill(bvx_context *ctx, bvxi_march *m, bvx_mesh *mesh)
-{
-    int const mine = mesh->positions == NULL;
-    bvx_status status;
-
-    BVXI_TRY(place_across(ctx, m));
 
     /* Exact counts are known by now: the arrays are made once, and pieces write their parts of them without
      * meeting. */
@@ -245,7 +231,7 @@ bvx_status bvxi_march_fill(bvx_context *ctx, bvxi_march *m, bvx_mesh *mesh)
                             m->triangle_count, mesh));
     if (m->options.local_frame) memcpy(mesh->frame, m->grid->lattice.origin, sizeof mesh->frame);
     m->mesh = mesh;
-    status = bvxi_each(ctx, "surface", 0.35, 1.0, m->pieces, bvxi_march_emit_piece, m);
+    bvx_status status = bvxi_each(ctx, "surface", 0.35, 1.0, m->pieces, bvxi_march_emit_piece, m);
     if (status == BVX_OK && m->options.keys)
         status = bvxi_for_ranges(ctx, "surface", 1.0, 1.0, m->pieces, m->slot_count, bvxi_march_key_piece, m);
     return bvxi_mesh_made(ctx, status, mine, mesh);
@@ -258,7 +244,6 @@ static bvx_status run_extract_count(bvx_context *context, const bvx_grid *grid,
     static const char name[] = "bvx_extract_count";
     bvx_extract_options o;
     bvxi_march m = {0};
-
     if (vertex_count == NULL || triangle_count == NULL) return bvxi_fail_null(context, name, "a count");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     m.function = name;
@@ -280,7 +265,6 @@ static bvx_status run_extract_surface(bvx_context *context, const bvx_grid *grid
     static const char name[] = "bvx_extract_surface";
     bvx_extract_options o;
     bvxi_march m = {0};
-
     if (mesh == NULL) return bvxi_fail_null(context, name, "mesh");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     m.function = name;

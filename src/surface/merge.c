@@ -61,7 +61,6 @@ static bvx_status check_parts(bvx_context *ctx, merge_work *w)
 static bvx_status sort_keys(bvx_context *ctx, merge_work *w, int triangles)
 {
     uint64_t n = 0;
-
     /* Keys of all parts, one after the other; their place names part and number. */
     for (uint64_t p = 0; p < w->part_count; p++) {
         const bvx_mesh *const m = &w->parts[p];
@@ -114,18 +113,6 @@ static void merge_vertices(const merge_work *w, const uint64_t *start, bvx_mesh 
     }
 }
 
-static void merge_triangles(const merge_work *w, const uint64_t *start, const uint64_t *vertex_start,
-                            bvx_mesh *whole)
-{
-    for (uint64_t i = 0; i < w->triangles; i++) {
-        uint64_t const place = w->order[i], p = part_of(start, w->part_count, place);
-        const uint32_t *const from = w->parts[p].triangles + 3 * (place - start[p]);
-        for (int32_t c = 0; c < 3; c++)
-            whole->triangles[3 * i + (uint64_t)c] = w->renumber[vertex_start[p] + from[c]];
-        whole->triangle_keys[i] = w->keys[i];
-    }
-}
-
 static uint64_t count_different(const uint64_t *keys, uint64_t n)
 {
     uint64_t different = n != 0;
@@ -136,8 +123,6 @@ static uint64_t count_different(const uint64_t *keys, uint64_t n)
 static bvx_status merge_parts(bvx_context *ctx, merge_work *w, uint64_t *start, uint64_t *vertex_start,
                               bvx_mesh *whole)
 {
-    bvx_status status;
-
     BVXI_TRY(bvxi_progress(ctx, "merge", 0.0));
     /* All keys together say how many vertices there are, before any is made. */
     BVXI_TRY(sort_keys(ctx, w, 0));
@@ -146,14 +131,20 @@ static bvx_status merge_parts(bvx_context *ctx, merge_work *w, uint64_t *start, 
                             count_different(w->keys, w->vertices), w->triangles, whole));
     memcpy(whole->frame, w->parts[0].frame, sizeof whole->frame);
     merge_vertices(w, vertex_start, whole);
-    status = bvxi_progress(ctx, "merge", 0.5);
+    bvx_status status = bvxi_progress(ctx, "merge", 0.5);
     if (status == BVX_OK) status = sort_keys(ctx, w, 1);
     if (status != BVX_OK) {
         bvx_mesh_free(ctx, whole);
         return status;
     }
     start_parts(w, 1, start);
-    merge_triangles(w, start, vertex_start, whole);
+    for (uint64_t i = 0; i < w->triangles; i++) {
+        uint64_t const place = w->order[i], p = part_of(start, w->part_count, place);
+        const uint32_t *const from = w->parts[p].triangles + 3 * (place - start[p]);
+        for (int32_t c = 0; c < 3; c++)
+            whole->triangles[3 * i + (uint64_t)c] = w->renumber[vertex_start[p] + from[c]];
+        whole->triangle_keys[i] = w->keys[i];
+    }
     return BVX_OK;
 }
 
@@ -163,13 +154,12 @@ static bvx_status run_mesh_merge(bvx_context *context, const bvx_mesh *parts, ui
     merge_work w = {0};
     uint64_t *start = NULL, mark;
     bvx_mesh made = {0};
-    int brought;
 
     if (parts == NULL || whole == NULL)
         return bvxi_fail_null(context, merge_name, parts == NULL ? "parts" : "whole");
     if (part_count == 0) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: there are no parts", merge_name);
     /* Arrays of the caller's are filled; the library's own are replaced once the new ones are whole. */
-    brought = whole->owned != 1 && (whole->positions != NULL || whole->triangles != NULL);
+    int const brought = whole->owned != 1 && (whole->positions != NULL || whole->triangles != NULL);
     if (brought) made = *whole;
     w.parts = parts;
     w.part_count = part_count;

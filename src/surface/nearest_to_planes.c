@@ -49,10 +49,9 @@ static void add_least_solution(double a[3][3], const double b[3], double x[3])
                 if (a[p][q] != 0.0) rotate_symmetric(a, v, p, q);
     for (int i = 0; i < 3; i++) largest = a[i][i] > largest ? a[i][i] : largest;
     for (int i = 0; i < 3; i++) {
-        double along;
         /* Directions that planes hardly decide stay at the middle. */
         if (!(a[i][i] > LEAST_EIGENVALUE * largest)) continue;
-        along = (v[0][i] * b[0] + v[1][i] * b[1] + v[2][i] * b[2]) / a[i][i];
+        double const along = (v[0][i] * b[0] + v[1][i] * b[1] + v[2][i] * b[2]) / a[i][i];
         for (int k = 0; k < 3; k++) x[k] += along * v[k][i];
     }
 }
@@ -69,7 +68,6 @@ static void find_free_coordinates(const bvxi_apex_plane *planes, int32_t count, 
         const double *const n = planes[i].n;
         double const left = planes[i].d - (n[0] * x[0] + n[1] * x[1] + n[2] * x[2]);
         for (int k = 0; k < 3; k++) {
-            /* Only free coordinates take part. */
             if (fixed[k]) continue;
             b[k] += n[k] * left;
             for (int l = 0; l < 3; l++)
@@ -89,7 +87,6 @@ void bvxi_apex(const bvxi_apex_plane *planes, int32_t count, const double middle
         int worst = -1;
         find_free_coordinates(planes, count, middle, fixed, apex);
 
-        /* The coordinate farthest out of the box. */
         for (int k = 0; k < 3; k++) {
             double const out = (apex[k] < 0 ? -apex[k] : apex[k]) / half[k];
             if (fixed[k] || !(out > most)) continue;
@@ -97,7 +94,6 @@ void bvxi_apex(const bvxi_apex_plane *planes, int32_t count, const double middle
             worst = k;
         }
         if (worst < 0) return;
-        /* On the box's side, then the others once more. */
         apex[worst] = apex[worst] < 0 ? -half[worst] : half[worst];
         fixed[worst] = 1;
     }

@@ -6,7 +6,6 @@
  * march.c, which requires the samples at the ends of crossing edges only. Guarantee: that of march.c, since
  * the tables' triangulations do not cross for any places inside the edges: closed, manifold, outwards,
  * whatever the samples hold. */
-#include "mesh/mesh.h"
 #include "surface/march.h"
 #include "volume/room.h"
 
@@ -33,7 +32,6 @@ static bvx_status check_scalar_options(bvx_context *ctx, const char *function, b
 static void shape_inside(const bvx_volume_view *volume, bvx_grid *inside)
 {
     bvx_window window;
-
     memset(inside, 0, sizeof *inside);
     memcpy(window.low, volume->low, sizeof window.low);
     memcpy(window.size, volume->size, sizeof window.size);
@@ -88,7 +86,6 @@ static bvx_status run_extract_scalar(bvx_context *context, const bvx_volume_view
     bvx_scalar_options o;
     bvx_grid inside;
     int64_t stride[3];
-    bvx_status status;
 
     /* Everything is checked before the bits' memory is taken. */
     if (mesh == NULL) return bvxi_fail_null(context, name, "mesh");
@@ -98,7 +95,7 @@ static bvx_status run_extract_scalar(bvx_context *context, const bvx_volume_view
     shape_inside(volume, &inside);
     BVXI_TRY(
         bvxi_alloc(context, BVXI_SCRATCH, inside.word_capacity * 8, "the samples' sides", &inside.words));
-    status = extract_level(context, name, volume, stride, &o, &inside, mesh);
+    bvx_status const status = extract_level(context, name, volume, stride, &o, &inside, mesh);
     bvxi_drop(context, inside.words);
     return status;
 }

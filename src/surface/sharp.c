@@ -36,7 +36,6 @@ static bvxi_sharp_loop *sharp_loop_alone(const bvxi_sharp_work *w, uint64_t slot
 {
     /* Loops lie in the order of cells: by bisection. */
     uint32_t low = w->first[slot], high = w->first[slot + 1];
-
     while (low < high) {
         uint32_t const middle = low + (high - low) / 2;
         if (w->loops[middle].x < x) low = middle + 1;
@@ -119,10 +118,8 @@ static void sharp_turn_piece(void *work, int32_t piece, uint64_t begin, uint64_t
 {
     bvxi_sharp_work *const w = work;
     uint64_t count = 0;
-
     for (uint64_t s = begin; s < end; s++) {
         bvxi_cell_walk c;
-        /* No sharp cell in this row. */
         if (w->first[s + 1] == w->first[s]) continue;
         for (bvxi_start_cells(w->march, s, &c); bvxi_next_cell(&c);) {
             bvxi_sharp_loop *const here = sharp_loop_alone(w, s, c.x);
@@ -210,7 +207,6 @@ static void write_slot_triangles(const bvxi_sharp_work *w, uint64_t slot)
 static void write_sharp_piece(void *work, uint64_t begin, uint64_t end)
 {
     const bvxi_sharp_work *const w = work;
-
     for (uint64_t s = begin; s < end; s++) write_slot_triangles(w, s);
 }
 
@@ -252,7 +248,6 @@ static bvx_status number_loops(bvx_context *ctx, bvxi_sharp_work *w, uint64_t *c
     return BVX_OK;
 }
 
-/* Number the apexes that stay. */
 static uint32_t number_apexes(bvxi_sharp_work *w, uint64_t count)
 {
     uint32_t kept = 0;
@@ -284,7 +279,6 @@ bvx_status bvxi_sharpen(bvx_context *ctx, const bvxi_march *march, const bvxi_cu
     uint64_t const slot_bytes = (march->slot_count + 1) * sizeof *w.first;
     uint64_t const piece_bytes = (uint64_t)march->pieces * sizeof *w.counts;
     uint64_t count = 0;
-    uint32_t kept = 0;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, slot_bytes, "the rows' sharp cells", &w.first));
 
@@ -296,7 +290,7 @@ bvx_status bvxi_sharpen(bvx_context *ctx, const bvxi_march *march, const bvxi_cu
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *w.loops, "the sharp cells", &w.loops));
     BVXI_TRY(bvxi_for_ranges(ctx, "sharp edges", 0.3, 0.6, march->pieces, march->slot_count,
                              bvxi_sharp_fill_piece, &w));
-    kept = number_apexes(&w, count);
+    uint32_t const kept = number_apexes(&w, count);
     BVXI_TRY(bvxi_for_pieces(ctx, "sharp edges", 0.6, 0.8, march->pieces, w.march->slot_count,
                              sharp_turn_piece, &w));
     BVXI_TRY(write_sharp(ctx, &w, kept, surface));

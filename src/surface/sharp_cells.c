@@ -41,10 +41,8 @@ static int may_be_sharp(const bvxi_sharp_work *w, const bvxi_cell_walk *c)
 void bvxi_sharp_count_piece(void *work, uint64_t begin, uint64_t end)
 {
     bvxi_sharp_work *const w = work;
-
     for (uint64_t s = begin; s < end; s++) {
         bvxi_cell_walk c;
-
         w->first[s] = 0;
         if (w->march->slots[s + 1].triangle == w->march->slots[s].triangle) continue;
         for (bvxi_start_cells(w->march, s, &c); bvxi_next_cell(&c);) {
@@ -64,21 +62,6 @@ typedef struct sharp_box {
 static double as_written(const bvxi_march *m, double x)
 {
     return m->options.position_type == BVX_F32 ? bvxi_nearest_float(x) : x;
-}
-
-static void open_box(const bvxi_sharp_work *w, const bvxi_cell_walk *c, sharp_box *box)
-{
-    const bvxi_march *const m = w->march;
-    int32_t const at[3] = {c->x, c->j, c->k};
-
-    /* As the mesh will hold them: an apex that is strictly between the rounded faces cannot touch a
-     * neighbouring cell's triangles. */
-    for (int32_t a = 0; a < 3; a++) {
-        box->low[a] = as_written(m, bvxi_place_along(m, a, at[a], 0.0));
-        box->high[a] = as_written(m, bvxi_place_along(m, a, at[a] + 1, 0.0));
-        box->middle[a] = bvxi_place_along(m, a, at[a], 0.5);
-        box->half[a] = (0.5 - BVXI_EDGE_MARGIN) * m->spacing[a] / w->cuts->unit;
-    }
 }
 
 /* Read the planes at a loop's vertices, from the cell's middle: the nearer ones, then the others. */
@@ -148,7 +131,6 @@ static int place_apex(const bvxi_sharp_work *w, const sharp_box *box, const bvxi
 static int looks_away(const bvxi_sharp_work *w, const uint32_t end[2], const double n[3])
 {
     int known = 0;
-
     for (int i = 0; i < 4; i++) {
         const bvxi_facet_plane *const p = &w->cuts->planes[2 * (size_t)end[i >> 1] + (size_t)(i & 1)];
         double const facet[3] = {(double)p->n[0], (double)p->n[1], (double)p->n[2]};
@@ -164,7 +146,6 @@ static int turns_over(const bvxi_sharp_work *w, const bvxi_cell_loop *l, const d
     for (int32_t i = 0; i < l->corners; i++) {
         uint32_t const end[2] = {l->vertex[i], l->vertex[i + 1 < l->corners ? i + 1 : 0]};
         double p[2][3], n[3];
-
         for (int k = 0; k < 2; k++) bvxi_sharp_vertex(w->march, end[k], p[k]);
         if (!bvxi_normal_of(p[0], p[1], apex, w->cuts->unit, n) || looks_away(w, end, n)) return 1;
     }
@@ -220,7 +201,18 @@ static uint32_t fill_cell(const bvxi_sharp_work *w, const bvxi_cell_walk *c, bvx
     for (int32_t l = 0; l < loops.count; l++) {
         bvxi_sharp_loop *const s = &out[count];
         if (!is_sharp(w, &loops.loop[l])) continue;
-        if (count++ == 0) open_box(w, c, &box);
+        if (count++ == 0) {
+            const bvxi_march *const m = w->march;
+            int32_t const at[3] = {c->x, c->j, c->k};
+            /* As the mesh will hold them: an apex that is strictly between the rounded faces cannot touch a
+             * neighbouring cell's triangles. */
+            for (int32_t a = 0; a < 3; a++) {
+                box.low[a] = as_written(m, bvxi_place_along(m, a, at[a], 0.0));
+                box.high[a] = as_written(m, bvxi_place_along(m, a, at[a] + 1, 0.0));
+                box.middle[a] = bvxi_place_along(m, a, at[a], 0.5);
+                box.half[a] = (0.5 - BVXI_EDGE_MARGIN) * m->spacing[a] / w->cuts->unit;
+            }
+        }
         memset(s, 0, sizeof *s);
         s->x = c->x;
         s->loop = (uint8_t)l;
@@ -240,7 +232,6 @@ static uint32_t fill_cell(const bvxi_sharp_work *w, const bvxi_cell_walk *c, bvx
 void bvxi_sharp_fill_piece(void *work, uint64_t begin, uint64_t end)
 {
     bvxi_sharp_work *const w = work;
-
     for (uint64_t s = begin; s < end; s++) {
         bvxi_sharp_loop *out = w->loops + w->first[s];
         bvxi_cell_walk c;

@@ -53,15 +53,6 @@ static void free_label_slots(label_table *t)
     t->slots = NULL;
 }
 
-static bvx_status plant_labels(label_table *t)
-{
-    /* The table is not used again: a tree's cost is bound whatever the values are. */
-    free_label_slots(t);
-    BVXI_TRY(bvxi_key_tree_open(t->ctx, &t->tree, label_key, t, t->room));
-    for (uint64_t i = 0; i < t->count; i++) bvxi_key_tree_find(&t->tree, i);
-    return BVX_OK;
-}
-
 static bvx_status grow_labels(label_table *t)
 {
     uint64_t const room = t->room == 0 ? FIRST_LABELS : 2 * t->room;
@@ -98,7 +89,12 @@ static bvx_status find_label(label_table *t, uint64_t value, uint64_t *entry)
 {
     if (t->count == t->room) BVXI_TRY(grow_labels(t));
     /* Far more probes than a good hash needs: someone made these values against it. */
-    if (t->tree.key == NULL && t->probes > bvxi_probe_limit(t->searches)) BVXI_TRY(plant_labels(t));
+    if (t->tree.key == NULL && t->probes > bvxi_probe_limit(t->searches)) {
+        /* The table is not used again: a tree's cost is bound whatever the values are. */
+        free_label_slots(t);
+        BVXI_TRY(bvxi_key_tree_open(t->ctx, &t->tree, label_key, t, t->room));
+        for (uint64_t i = 0; i < t->count; i++) bvxi_key_tree_find(&t->tree, i);
+    }
     *entry = number_of_label(t, value);
     if (*entry == t->count) {
         label_entry *const e = &t->entries[t->count++];
@@ -126,7 +122,6 @@ static bvx_status list_row(label_table *t, const bvx_volume_view *v, const uint8
                            int32_t y, int32_t z, uint64_t *last)
 {
     int32_t const n = v->size[0];
-
     for (int32_t x = 0; x < n;) {
         uint64_t const value = bvxi_whole_sample(row + (ptrdiff_t)(x * step), v->sample_type);
         int32_t const begin = x;
@@ -144,7 +139,6 @@ static bvx_status list_volume(label_table *t, const bvx_volume_view *v, const in
 {
     const uint8_t *const first = v->samples;
     uint64_t last = 0;
-
     for (int32_t z = 0; z < v->size[2]; z++) {
         BVXI_TRY(bvxi_progress(t->ctx, "labels", (double)z / (double)v->size[2]));
         for (int32_t y = 0; y < v->size[1]; y++)
@@ -186,7 +180,6 @@ bvx_status bvxi_make_label_list(bvx_context *ctx, const bvx_volume_view *volume,
                                 uint64_t skip, bvx_label **labels, uint64_t *count)
 {
     label_table t = {.ctx = ctx, .skip = skip};
-
     BVXI_TRY(list_volume(&t, volume, stride));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, t.count * sizeof **labels, "the labels", labels));
     *count = t.count;

@@ -52,7 +52,6 @@ static bvx_status open_point_planes(bvx_context *ctx, int32_t minimum, points_wo
 static void count_point(points_work *w, size_t word, uint64_t bit)
 {
     uint64_t *const set = &w->grid->words[word];
-
     /* Full already: no counter is changed any more. */
     if ((*set & bit) != 0) return;
     /* One is added: a carry goes on from digit to digit. */
@@ -101,15 +100,6 @@ static bvx_status take_points(bvx_context *ctx, points_work *w)
     return bvx_grid_count(ctx, w->grid, &w->report.occupied);
 }
 
-static bvx_status make_points_body(bvx_context *ctx, int32_t close_gaps, points_work *w)
-{
-    uint64_t set = 0;
-    BVXI_TRY(bvxi_close_gaps(ctx, points_name, w->grid, close_gaps, &w->report.pockets));
-    BVXI_TRY(bvx_grid_count(ctx, w->grid, &set));
-    w->report.filled = set - w->report.occupied;
-    return BVX_OK;
-}
-
 static const bvxi_option points_rows[] = {
     BVXI_OR(bvx_points_options, minimum, WHOLE, 1, 1, INT32_MAX),
     BVXI_SWITCH(bvx_points_options, body),
@@ -121,7 +111,6 @@ static bvx_status check_points_options(bvx_context *ctx, const bvx_lattice *latt
                                        bvx_window *window)
 {
     BVXI_TRY(bvxi_check_options(ctx, points_name, o, BVXI_OPTIONS(points_rows)));
-
     if (o->close_gaps != 0 && !o->body)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION, "%s: close_gaps requires body",
                              points_name);
@@ -143,7 +132,12 @@ static bvx_status voxelize_cloud(bvx_context *ctx, const bvx_points_options *o, 
     memset(w->grid->words, 0, (size_t)w->words * 8);
     if (w->plane_count != 0) BVXI_TRY(open_point_planes(ctx, o->minimum, w));
     BVXI_TRY(take_points(ctx, w));
-    if (o->body) BVXI_TRY(make_points_body(ctx, o->close_gaps, w));
+    if (o->body) {
+        uint64_t set = 0;
+        BVXI_TRY(bvxi_close_gaps(ctx, points_name, w->grid, o->close_gaps, &w->report.pockets));
+        BVXI_TRY(bvx_grid_count(ctx, w->grid, &set));
+        w->report.filled = set - w->report.occupied;
+    }
     return BVX_OK;
 }
 
@@ -154,8 +148,6 @@ static bvx_status run_voxelize_points(bvx_context *context, const bvx_mesh_view 
     bvx_points_options o;
     points_work work;
     bvx_window window;
-    bvx_grid made;
-    bvx_status status;
 
     memset(&work, 0, sizeof work);
     if (grid == NULL) return bvxi_fail_null(context, points_name, "grid");
@@ -166,11 +158,10 @@ static bvx_status run_voxelize_points(bvx_context *context, const bvx_mesh_view 
     BVXI_TRY(check_points_options(context, lattice, &o, &window));
     BVXI_TRY(bvxi_snap_scale(context, points_name, lattice, work.scale));
     bvxi_grid_renew(context, lattice, &window, grid);
-    made = *grid;
+    bvx_grid made = *grid;
     BVXI_TRY(bvxi_grid_open(context, points_name, lattice, &window, &made));
     work.grid = &made;
-    status = voxelize_cloud(context, &o, &work);
-    BVXI_TRY(bvxi_grid_put(context, status, &made, grid));
+    BVXI_TRY(bvxi_grid_put(context, voxelize_cloud(context, &o, &work), &made, grid));
     if (o.report != NULL) *o.report = work.report;
     return BVX_OK;
 }

@@ -30,16 +30,14 @@ static int32_t tiles_along(const bvxi_sample_walk *w)
 void bvxi_sample_walk_plan(bvxi_sample_walk *w)
 {
     const int32_t *const n = w->grid->size;
-    uint64_t run, runs;
-
     /* The axis with the shortest way between samples; those of one sample do not count. */
     w->axis = 0;
     for (int32_t a = 1; a < 3; a++)
         if (n[a] > 1 && stride_size(w->stride[a]) < stride_size(w->stride[w->axis])) w->axis = a;
     /* With one column of x there is nothing to turn. */
     if (n[0] == 1) w->axis = 0;
-    run = (uint64_t)n[w->axis];
-    runs = w->axis == 0 ? bvxi_grid_rows(w->grid) : (uint64_t)n[0] * (uint64_t)n[3 - w->axis];
+    uint64_t const run = (uint64_t)n[w->axis];
+    uint64_t const runs = w->axis == 0 ? bvxi_grid_rows(w->grid) : (uint64_t)n[0] * (uint64_t)n[3 - w->axis];
     w->pieces = bvxi_piece_count(runs, 1 + PACK_GRAIN / run);
 }
 
@@ -57,14 +55,12 @@ static const uint8_t *sample_at(const bvxi_sample_walk *w, int64_t x, int64_t y,
 static void fetch(const uint8_t *first, int64_t stride, int32_t n)
 {
     int64_t const end = stride * n < FETCH_BYTES ? stride * n : FETCH_BYTES;
-
     for (int64_t at = 0; at < end; at += 64) BVXI_PREFETCH(first + at);
 }
 
 static const uint8_t *row_at(const bvxi_sample_walk *w, uint64_t row)
 {
     uint64_t const ny = (uint64_t)w->grid->size[1];
-
     return sample_at(w, 0, (int64_t)(row % ny), (int64_t)(row / ny));
 }
 
@@ -73,10 +69,8 @@ static void walk_rows(void *user, int32_t piece, uint64_t row, uint64_t end)
     const bvxi_sample_walk *const w = user;
     bvx_grid *const g = w->grid;
     void *const tally = piece_tally(w, piece);
-
     for (; row < end; row++) {
         const uint8_t *const first = row_at(w, row);
-
         if (row + 1 < end) fetch(row_at(w, row + 1), w->stride[0], g->size[0]);
         /* The next row is fetched while this one is worked on. */
         w->run(w->rule, tally, first, w->stride[0], g->size[0], g->words + row * (uint64_t)g->words_per_row);
@@ -102,7 +96,6 @@ static void read_runs(const bvxi_sample_walk *w, void *tally, const sample_tile 
         for (int32_t k = 0; k < t->nt; k++) {
             int32_t const y = w->axis == 2 ? t->third + k : t->f;
             int32_t const z = w->axis == 2 ? t->f : t->third + k;
-
             /* The next column's run, as the processor does not expect it. */
             if (x + i + 1 < w->grid->size[0])
                 fetch(sample_at(w, (int64_t)x + i + 1, y, z), w->stride[w->axis], t->nf);
@@ -136,11 +129,9 @@ static void write_squares(const bvxi_sample_walk *w, const sample_tile *t, int32
 static int64_t next_columns(const bvxi_sample_walk *w, const sample_tile *t, int32_t x)
 {
     int64_t const plane = w->stride[3 - w->axis];
-
     /* The next columns, from the first plane on. */
     if (x + 64 < w->grid->size[0])
         return at_most(w->grid->size[0] - x - 64, 64) * w->stride[0] - (t->nt - 1) * plane;
-
     /* The first columns of the next tile. */
     if (t->third + t->nt < w->grid->size[3 - w->axis]) return plane - x * w->stride[0];
     return 0;
@@ -154,11 +145,9 @@ static void write_columns(const bvxi_sample_walk *w, const sample_tile *t, int32
     uint64_t const wide = (uint64_t)g->words_per_row, deep = (uint64_t)g->size[1] * wide;
     uint64_t const along = w->axis == 2 ? deep : wide, across = w->axis == 2 ? wide : deep;
     uint64_t *to = g->words + (uint64_t)t->third * across + (uint64_t)t->f * along + (x >> 6);
-
     for (int32_t k = 0; k < t->nt; k++) {
         int32_t const y = w->axis == 2 ? t->third + k : t->f;
         int32_t const z = w->axis == 2 ? t->f : t->third + k;
-
         w->columns(w->rule, sample_at(w, x, y, z), w->stride[0], n, t->nf,
                    k + 1 < t->nt ? w->stride[3 - w->axis] : next_columns(w, t, x), row[k]);
     }
@@ -176,7 +165,6 @@ static void walk_tile(const bvxi_sample_walk *w, void *tally, const sample_tile 
 
     for (int32_t x = 0; x < w->grid->size[0]; x += 64) {
         int32_t const n = at_most(w->grid->size[0] - x, 64);
-
         if (columns) {
             write_columns(w, t, x, n, at.row);
             continue;
@@ -193,11 +181,9 @@ static void walk_tiles(void *user, int32_t piece, uint64_t tile, uint64_t end)
     void *const tally = piece_tally(w, piece);
     int32_t const third = size[3 - w->axis];
     uint64_t const tiles = (uint64_t)tiles_along(w);
-
     for (; tile < end; tile++) {
         sample_tile t = {.f = (int32_t)(tile % tiles) * 64 * TILE_F_WORDS,
                          .third = (int32_t)(tile / tiles) * TILE_THIRD};
-
         t.nf = at_most(size[w->axis] - t.f, 64 * TILE_F_WORDS);
         t.nt = at_most(third - t.third, TILE_THIRD);
         walk_tile(w, tally, &t);
@@ -208,7 +194,6 @@ bvx_status bvxi_samples_to_bits(bvx_context *ctx, const char *stage, double from
                                 bvxi_sample_walk *walk)
 {
     uint64_t const third = (uint64_t)walk->grid->size[walk->axis == 0 ? 0 : 3 - walk->axis];
-
     if (walk->axis == 0)
         return bvxi_for_pieces(ctx, stage, from, to, walk->pieces, bvxi_grid_rows(walk->grid), walk_rows,
                                walk);

@@ -386,9 +386,7 @@ static void range_of_whole(int32_t type, int64_t low, int64_t high, bvxi_range *
 static void report_range(const bvxi_range_tally *tally, int32_t pieces, bvx_volume_report *report)
 {
     double least = THRESHOLD_F64_MAX, greatest = -THRESHOLD_F64_MAX;
-
     memset(report, 0, sizeof *report);
-
     for (int32_t p = 0; p < pieces; p++) {
         report->nan += tally[p].nan;
         report->infinite += tally[p].infinite;
@@ -438,9 +436,7 @@ static bvx_status run_threshold(bvx_context *context, const char *name, const bv
     bvxi_range range;
     bvx_volume_report counts;
     bvx_window window;
-    bvx_grid made;
     int64_t stride[3];
-    bvx_status status;
 
     if (grid == NULL) return bvxi_fail_null(context, name, "grid");
     BVXI_TRY(bvxi_volume_check(context, name, volume, stride));
@@ -456,10 +452,10 @@ static bvx_status run_threshold(bvx_context *context, const char *name, const bv
     memcpy(window.low, volume->low, sizeof window.low);
     memcpy(window.size, volume->size, sizeof window.size);
     bvxi_grid_renew(context, &volume->lattice, &window, grid);
-    made = *grid;
+    bvx_grid made = *grid;
     BVXI_TRY(bvxi_grid_open(context, name, &volume->lattice, &window, &made));
-    status = bvxi_threshold(bvxi_call_of(context, NULL, "threshold", 0, 1), volume, stride, &range,
-                            report != NULL ? &counts : NULL, &made);
+    bvx_status const status = bvxi_threshold(bvxi_call_of(context, NULL, "threshold", 0, 1), volume, stride,
+                                             &range, report != NULL ? &counts : NULL, &made);
     BVXI_TRY(bvxi_grid_put(context, status, &made, grid));
     if (report != NULL) *report = counts;
     return BVX_OK;

@@ -9,7 +9,6 @@ static bvx_status check_reach(bvx_context *ctx, const char *function, const bvx_
 {
     uint64_t reach = bvxi_type_size(v->sample_type);
     int fits = 1;
-
     for (int a = 0; a < 3; a++) {
         /* Taken apart for negative strides: the lowest number has no opposite. */
         uint64_t const step = stride[a] < 0 ? 0 - (uint64_t)stride[a] : (uint64_t)stride[a];

@@ -55,9 +55,8 @@ static bvx_status grow_edge_table(bvx_context *ctx, edge_table *t)
 
     BVXI_TRY(open_edge_table(ctx, 2 * t->size, &larger));
     for (uint64_t i = 0; i < t->size; i++) {
-        uint64_t slot;
         if (t->key[i] == HOLE_EMPTY) continue;
-        slot = slot_of_edge(&larger, t->key[i]);
+        uint64_t slot = slot_of_edge(&larger, t->key[i]);
         for (; larger.key[slot] != HOLE_EMPTY; larger.probes++) slot = (slot + 1) & (larger.size - 1);
         larger.key[slot] = t->key[i];
         larger.net[slot] = t->net[i];
@@ -84,13 +83,11 @@ static void waiting_edge_key(const void *user, uint64_t number, uint32_t key[BVX
 
 static void put_edge_in_tree(edge_table *t, uint64_t key, int64_t direction)
 {
-    uint64_t at;
-
     /* Written at the end first, as the tree compares keys
      * that stand in the list; kept only when it is new. */
     t->key[t->listed] = key;
     t->net[t->listed] = 0;
-    at = bvxi_key_tree_find(&t->tree, t->listed);
+    uint64_t const at = bvxi_key_tree_find(&t->tree, t->listed);
     t->listed += at == t->listed;
     /* used counts the edges that still wait, whatever remains in the list. */
     t->used -= t->net[at] != 0;
@@ -153,7 +150,6 @@ static inline bvx_status make_room_for_edges(bvx_context *ctx, edge_table *t)
 static void empty_slot(edge_table *t, uint64_t free)
 {
     uint64_t const mask = t->size - 1;
-
     for (uint64_t i = (free + 1) & mask; t->key[i] != HOLE_EMPTY; i = (i + 1) & mask, t->probes++) {
         /* An entry whose own slot lies after the free one stays: it could not be found from there. */
         if (((i - slot_of_edge(t, t->key[i])) & mask) < ((i - free) & mask)) continue;
@@ -280,9 +276,8 @@ static bvx_status cancel_triangles(bvx_context *ctx, const bvx_mesh_view *view, 
 {
     uint64_t const bytes = view->vertex_count * HOLE_BESIDE * 4;
     uint32_t *beside;
-    bvx_status status;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the vertices' edges", &beside));
-    status = put_triangles(ctx, view, same, limit, beside, t);
+    bvx_status const status = put_triangles(ctx, view, same, limit, beside, t);
     bvxi_drop(ctx, beside);
     return status;
 }
@@ -331,7 +326,6 @@ static void place_key(const void *user, uint64_t vertex, uint32_t key[BVXI_KEY_W
 static bvx_status plant_place_tree(bvx_context *ctx, place_table *p)
 {
     BVXI_TRY(bvxi_key_tree_open(ctx, &p->tree, place_key, p->snapped, p->snapped->vertex_count));
-
     /* Vertices enter in the order of slots; which one stands for a place does not matter to the edges. */
     for (uint64_t i = 0; i < p->size; i++)
         if (p->table[i] != 0) bvxi_key_tree_find(&p->tree, p->table[i] - 1);
@@ -366,9 +360,7 @@ static bvx_status cancel_list(bvx_context *ctx, const bvxi_snapped *s, const uin
 {
     place_table p;
     uint32_t from = 0, to = 0;
-
     BVXI_TRY(open_place_table(ctx, s, 2 * count < s->vertex_count ? 2 * count : s->vertex_count, &p));
-
     /* Edges that did not meet by number may meet by place, where vertices are not welded. */
     for (uint64_t i = 0; i < count; i++) {
         BVXI_TRY(vertex_at_place(ctx, &p, (uint32_t)(list[i] >> 32), &from));
@@ -387,9 +379,7 @@ static bvx_status cancel_places(bvx_context *ctx, const bvx_mesh_view *view, con
     uint64_t const bytes = s->vertex_count * 4;
     uint32_t *same = NULL;
     place_table p;
-
     BVXI_TRY(open_place_table(ctx, s, s->vertex_count, &p));
-
     /* Every vertex gets the one that stands for its place; then triangles cancel as they do by number. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices at one place", &same));
     for (uint64_t v = 0; v < s->vertex_count; v++) BVXI_TRY(vertex_at_place(ctx, &p, (uint32_t)v, &same[v]));
@@ -407,7 +397,6 @@ bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bv
     uint64_t *list = NULL, left = 0;
     uint64_t const limit = HOLE_TABLE + view->triangle_count / 2;
     edge_table t;
-    int full = 0;
 
     *edges = NULL;
     *count = 0;
@@ -415,7 +404,7 @@ bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bv
 
     /* By numbers first: in a welded mesh that is all, without a look at a place. */
     BVXI_TRY(cancel_triangles(ctx, view, NULL, limit, &t));
-    full = t.used > limit;
+    int const full = t.used > limit;
     if (!full) BVXI_TRY(list_open_edges(ctx, &t, 0, &list, &left));
     close_edge_table(ctx, &t);
     BVXI_TRY(open_edge_table(ctx, HOLE_TABLE, &t));

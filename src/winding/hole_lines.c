@@ -13,6 +13,7 @@
  * Guarantee: exact; never more edges than before, which follow from the given ones' places only. */
 #include "mesh/mesh.h"
 #include "winding/holes.h"
+#include "bits/sort.h"
 
 enum { HOLE_LINE_FEW = 32 };
 
@@ -79,7 +80,6 @@ static void find_line(const bvxi_snapped *s, uint64_t edge, hole_line *l)
 static uint64_t hash_line(const hole_line *l)
 {
     uint64_t h = 0;
-
     for (int a = 0; a < 3; a++) {
         h = (h ^ (uint64_t)(a < 2 ? l->moment[a] : 0)) * UINT64_C(0x9e3779b97f4a7c15);
         h = (h ^ h >> 29 ^ (uint32_t)l->direction[a]) * UINT64_C(0xbf58476d1ce4e5b9);
@@ -98,36 +98,20 @@ static int compare_lines(const hole_line *l, const hole_line *m)
     return 0;
 }
 
-/* Move the item at `at` down until no child is larger. */
-static void sift_lines(const hole_line *line, uint32_t *order, uint64_t at, uint64_t n)
+static int line_before(const void *lines, uint32_t a, uint32_t b)
 {
-    uint32_t const item = order[at];
-
-    for (uint64_t child; (child = 2 * at + 1) < n; at = child) {
-        if (child + 1 < n && compare_lines(&line[order[child]], &line[order[child + 1]]) < 0) child++;
-        if (compare_lines(&line[order[child]], &line[item]) <= 0) break;
-        order[at] = order[child];
-    }
-    order[at] = item;
+    const hole_line *const line = lines;
+    return compare_lines(&line[a], &line[b]) < 0;
 }
 
 /* Edges with one hash: those of several lines are sorted by line. */
 static void part_lines(const hole_line *line, uint32_t *order, uint64_t n)
 {
     uint64_t same = 1;
-
     /* Nearly always one hash is one line. */
     while (same < n && compare_lines(&line[order[0]], &line[order[same]]) == 0) same++;
     if (same == n) return;
-
-    /* A heap sort, so that lines made to share a hash cost no more than their logarithm. */
-    for (uint64_t i = n / 2; i-- > 0;) sift_lines(line, order, i, n);
-    for (uint64_t end = n; end-- > 1;) {
-        uint32_t const top = order[0];
-        order[0] = order[end];
-        order[end] = top;
-        sift_lines(line, order, 0, end);
-    }
+    bvxi_sort_items(order, n, line_before, line);
 }
 
 static bvx_status order_lines(bvx_context *ctx, line_work *w, uint64_t count)
@@ -139,7 +123,6 @@ static bvx_status order_lines(bvx_context *ctx, line_work *w, uint64_t count)
     }
     /* Sorted by hash, edges of a line come together, save that several lines may share a hash. */
     BVXI_TRY(bvxi_radix_sort(ctx, w->key, w->order, count));
-
     for (uint64_t i = 0, n; i < count; i += n) {
         for (n = 1; i + n < count && w->key[i + n] == w->key[i];) n++;
         part_lines(w->line, w->order + i, n);
@@ -153,7 +136,6 @@ static bvx_status order_lines(bvx_context *ctx, line_work *w, uint64_t count)
 static uint32_t line_vertex(const line_work *w, uint32_t edge, uint32_t higher)
 {
     int const is_to = (w->line[edge].along > 0) == (higher != 0);
-
     return (uint32_t)(is_to ? w->edges[edge] : w->edges[edge] >> 32);
 }
 
@@ -185,7 +167,6 @@ static bvx_status order_ends(bvx_context *ctx, line_work *w, const uint32_t *edg
 static int line_cancels(const line_work *w, uint64_t ends)
 {
     int64_t up = 0, down = 0;
-
     for (uint64_t i = 0, next; i < ends; i = next) {
         for (next = i; next < ends && w->place[next] == w->place[i]; next++) {
             /* Lower ends begin an edge and higher ones end it; edges up and down are counted apart. */
@@ -235,7 +216,6 @@ static void sweep_line(line_work *w, uint64_t ends)
 static bvx_status cancel_lines(bvx_context *ctx, line_work *w, uint64_t count)
 {
     BVXI_TRY(order_lines(ctx, w, count));
-
     for (uint64_t i = 0, n; i < count; i += n) {
         const uint32_t *const edges = w->order + i;
         int cancels = 0;

@@ -31,7 +31,6 @@ static double ends_apart(const strip_work *w, uint64_t a, uint64_t b)
 {
     const int32_t *const p = w->snapped->xyz + 3 * a, *const q = w->snapped->xyz + 3 * b;
     double sum = 0;
-
     for (int i = 0; i < 3; i++) {
         double const d = ((double)p[i] - q[i]) * w->scale[i];
         sum += d * d;
@@ -130,7 +129,6 @@ bvx_status bvxi_holes_strips(bvx_context *ctx, const bvxi_holes *holes, const bv
                              const double scale[3], bvxi_holes *strips)
 {
     strip_work w = {.snapped = snapped, .scale = scale, .count = holes->points};
-
     memset(strips, 0, sizeof *strips);
     /* Strips have up to three times as many points, which are counted in 32 bits. */
     if (holes->points < STRIP_EDGES || holes->points > UINT32_MAX / 8) return BVX_OK;

@@ -5,65 +5,19 @@
  * Guarantee: corners are numbered by their places, edges by their corners, and the walk takes the least
  * number that the triangles' own direction allows: the loops follow from the geometry only. */
 #include "winding/holes.h"
+#include "bits/sort.h"
 
-enum { HOLE_INSERTION_LIMIT = 32 };
 #define HOLE_NONE UINT32_MAX
-
-/* ---- Edges in order ---- */
-
-static void sift_edges(uint64_t *e, uint64_t at, uint64_t n)
-{
-    uint64_t const value = e[at];
-    for (uint64_t child; (child = 2 * at + 1) < n; at = child) {
-        if (child + 1 < n && e[child + 1] > e[child]) child++;
-        if (e[child] <= value) break;
-        e[at] = e[child];
-    }
-    e[at] = value;
-}
-
-/* In place and without recursion: insertion for the few edges of most meshes, a heap for many. */
-static void sort_edges(uint64_t *e, uint64_t n)
-{
-    if (n <= HOLE_INSERTION_LIMIT) {
-        for (uint64_t i = 1; i < n; i++) {
-            uint64_t const value = e[i];
-            uint64_t k = i;
-            for (; k > 0 && e[k - 1] > value; k--) e[k] = e[k - 1];
-            e[k] = value;
-        }
-        return;
-    }
-
-    for (uint64_t i = n / 2; i-- > 0;) sift_edges(e, i, n);
-    for (uint64_t end = n - 1; end > 0; end--) {
-        uint64_t const top = e[0];
-        e[0] = e[end];
-        e[end] = top;
-        sift_edges(e, 0, end);
-    }
-}
 
 /* ---- Corners numbered by their positions ---- */
 
 /* The order of positions, z first. */
-static int place_before(const int32_t *a, const int32_t *b)
+static int place_before(const void *of, uint32_t v, uint32_t w)
 {
+    const int32_t *const xyz = of, *const a = xyz + 3 * (uint64_t)v, *const b = xyz + 3 * (uint64_t)w;
     if (a[2] != b[2]) return a[2] < b[2];
     if (a[1] != b[1]) return a[1] < b[1];
     return a[0] < b[0];
-}
-
-static void sift_places(const int32_t *xyz, uint32_t *v, uint64_t at, uint64_t n)
-{
-    uint32_t const x = v[at];
-    for (uint64_t child; (child = 2 * at + 1) < n; at = child) {
-        if (child + 1 < n && place_before(xyz + 3 * (uint64_t)v[child], xyz + 3 * (uint64_t)v[child + 1]))
-            child++;
-        if (!place_before(xyz + 3 * (uint64_t)x, xyz + 3 * (uint64_t)v[child])) break;
-        v[at] = v[child];
-    }
-    v[at] = x;
 }
 
 /* place[n] becomes the vertex of the n-th corner by position; edges change to these numbers and are sorted.
@@ -80,20 +34,12 @@ static uint64_t number_places(const bvxi_snapped *s, uint64_t *edges, uint64_t c
         if (number[v]++ == 0) place[n++] = v;
     }
 
-    /* A heap, as sort_edges has it. */
-    for (uint64_t i = n / 2; i-- > 0;) sift_places(s->xyz, place, i, n);
-    for (uint64_t end = n; end-- > 1;) {
-        uint32_t const top = place[0];
-        place[0] = place[end];
-        place[end] = top;
-        sift_places(s->xyz, place, 0, end);
-    }
-
+    bvxi_sort_items(place, n, place_before, s->xyz);
     /* Numbers by position: the same geometry gives the same numbers, whatever the vertices were called. */
     for (uint64_t i = 0; i < n; i++) number[place[i]] = (uint32_t)i;
     for (uint64_t i = 0; i < count; i++)
         edges[i] = (uint64_t)number[edges[i] >> 32] << 32 | number[(uint32_t)edges[i]];
-    sort_edges(edges, count);
+    bvxi_sort_u64(edges, count);
     return n;
 }
 
@@ -183,7 +129,6 @@ static bvx_status join_loops(bvx_context *ctx, const uint64_t *edges, uint64_t c
 {
     uint64_t const bytes = (corners + 1) * 8, mark = bvxi_scratch_begin(ctx);
     hole_walk w = {edges, count, NULL, NULL, NULL, NULL, NULL, NULL};
-
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the open edges that leave", &w.out));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the open edges that arrive", &w.in));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the open edges by end", &w.incoming));
@@ -238,7 +183,6 @@ bvx_status bvxi_holes_append(bvx_context *ctx, const bvxi_snapped *s, uint64_t *
 {
     uint64_t const bytes = s->vertex_count * 4;
     uint32_t *place = NULL, *number = NULL;
-
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the open edges' corners", &place));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the corners' numbers", &number));
     uint64_t const corners = number_places(s, edges, count, number, place);
@@ -248,30 +192,23 @@ bvx_status bvxi_holes_append(bvx_context *ctx, const bvxi_snapped *s, uint64_t *
     return BVX_OK;
 }
 
-static bvx_status make_loops(bvx_context *ctx, const bvxi_snapped *s, uint64_t *edges, uint64_t count,
-                             bvxi_holes *holes)
-{
-    /* A loop has as many points as edges, so these arrays hold all of them. */
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the loops' points", &holes->vertex));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the loops' ends", &holes->loop_end));
-    BVXI_TRY(bvxi_holes_append(ctx, s, edges, count, holes));
-    holes->repeated = has_repeated_edge(edges, count);
-    return BVX_OK;
-}
-
 static bvx_status open_holes(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped,
                              int odd_once, bvxi_holes *holes)
 {
     uint64_t *edges = NULL, count = 0;
-
     memset(holes, 0, sizeof *holes);
-
     /* The edges first; most meshes have none, and need nothing more. */
     BVXI_TRY(bvxi_open_edges(ctx, view, snapped, odd_once, &edges, &count));
     if (count >= HOLE_NONE)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "the mesh has %u open edges; fewer than 2^32 - 1 can be closed", count);
-    if (count > 0) BVXI_TRY(make_loops(ctx, snapped, edges, count, holes));
+    if (count > 0) {
+        /* A loop has as many points as edges, so these arrays hold all of them. */
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the loops' points", &holes->vertex));
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the loops' ends", &holes->loop_end));
+        BVXI_TRY(bvxi_holes_append(ctx, snapped, edges, count, holes));
+        holes->repeated = has_repeated_edge(edges, count);
+    }
     bvxi_drop(ctx, edges);
     return BVX_OK;
 }
@@ -302,9 +239,7 @@ bvx_status bvxi_holes_open_rule(bvx_context *ctx, const char *function, const bv
 {
     bvxi_snapped snapped;
     bvx_status status;
-
     memset(holes, 0, sizeof *holes);
-
     /* Corners are checked here, as snapping trusts them. */
     BVXI_TRY(bvxi_holes_check_corners(ctx, function, view));
     BVXI_TRY(bvxi_snap(ctx, function, view, lattice, &snapped));

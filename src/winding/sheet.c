@@ -286,7 +286,6 @@ static void start_look(double reach, double edge_rest, bvxi_sheet_look *look, sh
 static void end_look(const sheet_sum *sum)
 {
     bvxi_sheet_look *const look = sum->look;
-
     look->turns = sum->turns;
     look->rest = BVXI_SHEET_ROUNDING + sum->rest;
     look->bend = sum->bend;
@@ -297,7 +296,6 @@ void bvxi_sheet_around(const bvxi_sheet *s, const int64_t p[3], double reach, do
                        bvxi_sheet_look *look)
 {
     sheet_sum sum;
-
     start_look(reach, edge_rest, look, &sum);
     add_sheet(s, p, near, &sum);
     end_look(&sum);
@@ -317,7 +315,6 @@ int bvxi_sheet_conclude(double turns, double error, int32_t want_clear, bvxi_she
 bvxi_sheet_answer bvxi_sheet_turns(const bvxi_sheet *s, const int64_t p[3], int32_t want_clear)
 {
     bvxi_sheet_answer answer = {0, 0, 0};
-
     /* Each level opens more parts; the first that leaves no doubt answers. */
     for (int level = 0; level < BVXI_SHEET_LEVELS; level++) {
         sheet_sum sum;
@@ -354,7 +351,6 @@ static void add_cells(const bvxi_sheet *s, const int64_t p[3], const uint32_t *c
 double bvxi_sheet_cells_angle(const bvxi_sheet *s, const int64_t p[3], const uint32_t *cells, uint64_t count)
 {
     sheet_sum sum;
-
     sum.reach = 0;
     add_cells(s, p, cells, count, &sum);
     return sum.turns;
@@ -364,7 +360,6 @@ void bvxi_sheet_cells_around(const bvxi_sheet *s, const int64_t p[3], const uint
                              double reach, double edge_rest, bvxi_sheet_look *look)
 {
     sheet_sum sum;
-
     start_look(reach, edge_rest, look, &sum);
     add_cells(s, p, cells, count, &sum);
     end_look(&sum);

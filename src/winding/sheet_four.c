@@ -6,7 +6,6 @@
  * done lane by lane.
  * Guarantee: that of sheet.c. Without vectors its own functions are evaluated four times. */
 #include "winding/sheet.h"
-#include "core/vec3.h"
 #include "core/simd.h"
 
 #define four_point BVXI_SIMD(bvxi_four_point)

@@ -127,7 +127,6 @@ int bvxi_turns_settled(const bvxi_turns_block *block, const turns_brick *b, cons
                        int32_t *whole, int *clear)
 {
     double spread = look->rest + look->bend + look->edge_bend, n;
-
     /* The gradient's greatest change along each axis, from the middle to the last centre. */
     for (int32_t a = 0; a < 3; a++) {
         double const way = 0.5 * (b->size[a] - 1) * block->sheet->step[a] *
@@ -144,7 +143,6 @@ double bvxi_turns_middle(const bvxi_turns_block *block, const turns_brick *b, in
     const bvxi_sheet *const s = block->sheet;
     int64_t const half = ((int64_t)1 << s->fraction_bits) / 2;
     double reach = 0;
-
     /* The middle of an even number of centres lies between two: halves of a step. */
     for (int32_t a = 0; a < 3; a++) {
         double const way = 0.5 * (b->size[a] - 1) * s->step[a];

@@ -69,7 +69,6 @@ static void join_nodes(const bvxi_sheet_node *a, const bvxi_sheet_node *b, bvxi_
     double const d = bvxi_sheet_distance(a->centre, b->centre), radius = 0.5 * (a->radius + b->radius + d);
     /* The ball around two balls touches both at their far sides; one may hold the other. */
     double const t = d > 0 ? (radius - a->radius) / d : 0; /* on the way from a to b */
-
     memset(both, 0, sizeof *both);
     for (int i = 0; i < 3; i++) {
         both->normal[i] = a->normal[i] + b->normal[i];

@@ -54,12 +54,11 @@ static uint64_t start_column(const bvxi_turns_job *job, bvxi_turns_worker *w, in
 static void start_block(const bvxi_turns_job *job, bvxi_turns_block *b, int32_t x)
 {
     const bvx_grid *const g = job->grid;
-    uint32_t all;
 
     b->low[0] = g->low[0] + x;
     b->size[0] = g->size[0] - x < BVXI_TURNS_SIDE ? g->size[0] - x : BVXI_TURNS_SIDE;
     /* Bits of the block that exist; what is known already need not be evaluated. */
-    all = b->size[0] == 32 ? UINT32_MAX : ((uint32_t)1 << b->size[0]) - 1;
+    uint32_t const all = b->size[0] == 32 ? UINT32_MAX : ((uint32_t)1 << b->size[0]) - 1;
     for (int32_t k = 0; k < b->size[2]; k++)
         for (int32_t j = 0; j < b->size[1]; j++) {
             uint32_t const row = bvxi_turns_row(j, k);
@@ -137,8 +136,6 @@ bvx_status bvxi_turns_run(bvx_context *ctx, bvxi_turns_job *job, double from, do
     for (int32_t c = 0; c < job->columns; c++) *odd += job->odd_rows[c];
     return BVX_OK;
 }
-
-/* ---- The sheet as a mesh ---- */
 
 bvx_status bvxi_sheet_mesh_open(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_holes *holes,
                                 bvx_mesh_view *sheet)

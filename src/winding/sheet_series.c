@@ -69,7 +69,6 @@ void bvxi_series_move_moments(const bvxi_series_table *t, const double *m, const
 void bvxi_series_move_local(const bvxi_series_table *t, const double *c, const double v[3], double *moved)
 {
     double power[BVXI_SERIES_LOCAL];
-
     bvxi_series_powers(t, v, BVXI_SERIES_LOCAL, power);
     /* Terms above the order are left out, as everywhere. */
     for (int k = 0; k < BVXI_SERIES_LOCAL; k++) {
@@ -115,7 +114,6 @@ void bvxi_series_add(const bvxi_series_table *t, const double *m, const double r
 {
     int const locals = first_only ? 1 : BVXI_SERIES_LOCAL;
     double d[BVXI_SERIES_TERMS];
-
     series_derivatives(t, r, d);
     for (int k = 0; k < locals; k++) {
         /* The terms of moments and of the local series go together up to the order. */

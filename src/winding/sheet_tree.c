@@ -25,7 +25,6 @@ enum { TREE_LOOPS = 256, TREE_LOOP_POINTS = 16 };
 static uint64_t triangle_place(const bvxi_sheet *s, const uint32_t *corner)
 {
     uint64_t key = 0;
-
     for (int a = 0; a < 3; a++) {
         /* Corners are within 2^30 of 0; the sum is moved up so that it is not negative. */
         int64_t sum = (int64_t)3 << 30;
@@ -38,7 +37,6 @@ static uint64_t triangle_place(const bvxi_sheet *s, const uint32_t *corner)
 static void shape_triangle(const bvxi_sheet *s, const uint32_t *corner, bvxi_sheet_shape *shape)
 {
     double longest = -1, n[3];
-
     for (uint32_t k = 0; k < 3; k++) {
         double const length = bvxi_sheet_distance(bvxi_sheet_point(s, corner[k]),
                                                   bvxi_sheet_point(s, corner[(k + 1) % 3]));
@@ -82,7 +80,6 @@ static uint32_t cut_keys(const uint64_t *keys, uint32_t first, uint32_t end)
 {
     uint64_t differ = keys[first] ^ keys[end - 1];
     uint32_t low = first, high = end - 1; /* 0 at low, 1 at high */
-
     if (differ == 0) return first + (end - first) / 2;
     /* Only the highest bit that differs is kept; keys are sorted, so it is 0 first and then 1. */
     while ((differ & (differ - 1)) != 0) differ &= differ - 1;

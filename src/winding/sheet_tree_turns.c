@@ -137,16 +137,13 @@ static void view_sheet_cell(const bvxi_sheet *s, uint32_t number, uint32_t *pend
 static int is_one_number(const bvxi_turns_block *block, const tree_view *v, int32_t *whole, int *clear)
 {
     double power[BVXI_SERIES_LOCAL], spread = v->error + v->near, n;
-
     /* What is near may be half a turn by itself: no polynomial can be certain. */
     if (v->near >= 0.5) return 0;
-
     bvxi_series_powers(&block->sheet->tree->table, v->half, BVXI_SERIES_LOCAL, power);
     /* The greatest change within the brick: every term at its largest. */
     for (int i = 1; i < BVXI_SERIES_LOCAL; i++)
         spread += power[i] * (v->local[i] < 0 ? -v->local[i] : v->local[i]);
     if (!is_certain(block, v->local[0], spread, &n, clear)) return 0;
-
     *whole = (int32_t)n;
     return 1;
 }

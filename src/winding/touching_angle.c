@@ -38,12 +38,11 @@ static void to_unit(double v[3])
 static void lune_angle(const double edge[3], int along_x, const double c[3], double *re, double *im)
 {
     double u[3] = {edge[0], edge[1], edge[2]}, across[3], back[3] = {0, 0, 0};
-    double cu, bu;
 
     to_unit(u);
     back[along_x ? 1 : 0] = -1;
-    cu = bvxi_vec_dot(c, u);
-    bu = bvxi_vec_dot(back, u);
+    double const cu = bvxi_vec_dot(c, u);
+    double const bu = bvxi_vec_dot(back, u);
     for (int i = 0; i < 3; i++) {
         across[i] = c[i] - cu * u[i];
         back[i] -= bu * u[i];
@@ -80,8 +79,6 @@ int bvxi_touching_angle(const int32_t *const q[3], const int64_t p[3], const dou
                         double *re, double *im)
 {
     int64_t d[3][3], u[3], w[3], n[3], turn[3];
-    bvxi_wide s;
-    int32_t side;
     int inside = 1, up, largest = 0;
 
     for (int i = 0; i < 3; i++) {
@@ -90,8 +87,8 @@ int bvxi_touching_angle(const int32_t *const q[3], const int64_t p[3], const dou
         w[i] = (int64_t)q[2][i] - q[0][i];
     }
     exact_cross(u, w, n);
-    s = bvxi_wide_add(bvxi_wide_mul(n[0], d[0][0]), bvxi_wide_mul(n[1], d[0][1]));
-    side = bvxi_wide_sign(bvxi_wide_add(s, bvxi_wide_mul(n[2], d[0][2])));
+    bvxi_wide const s = bvxi_wide_add(bvxi_wide_mul(n[0], d[0][0]), bvxi_wide_mul(n[1], d[0][1]));
+    int32_t side = bvxi_wide_sign(bvxi_wide_add(s, bvxi_wide_mul(n[2], d[0][2])));
     if (side != 0) { /* not in its plane: doubles tell all but the side */
         *im = (det < 0 ? -det : det) * side;
         return side > 0;

@@ -81,11 +81,10 @@ static bvx_status wind_block(bvx_context *ctx, bvxi_solid_job *job, const bvxi_r
     double const part = from + (to - from) / 8;
     bvxi_row_lists crossed;
     bvxi_turns_job turns = {0};
-    bvx_status status;
 
     /* The same gathering, of the sheet's triangles: its crossings are taken off the mesh's. */
     job->view = w->sheet_view;
-    status = bvxi_solid_gather(ctx, job, from, part, &crossed);
+    bvx_status status = bvxi_solid_gather(ctx, job, from, part, &crossed);
     job->view = mesh;
     if (status != BVX_OK) return status;
     turns.sheet = w->sheet;
@@ -137,14 +136,12 @@ bvx_status bvxi_wind(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *soli
 {
     double const part = from + (to - from) / 8;
     bvxi_holes holes;
-    bvx_status status;
-
     /* Axis x: rows of centres along it. */
     BVXI_TRY(bvxi_snap_turn(ctx, 0, from, &job->snapped));
     if (job->holes != NULL) return wind_with_holes(ctx, job, job->holes, solid, part, to, report);
     BVXI_TRY(bvxi_holes_check_corners(ctx, job->function, job->view));
     BVXI_TRY(BVXI_SHARE(ctx, from, part, bvxi_holes_open_signed(ctx, job->view, &job->snapped, &holes)));
-    status = wind_with_holes(ctx, job, &holes, solid, part, to, report);
+    bvx_status const status = wind_with_holes(ctx, job, &holes, solid, part, to, report);
     bvxi_holes_close(ctx, &holes);
     return status;
 }
@@ -176,7 +173,6 @@ bvx_status bvxi_winding_open(bvx_context *ctx, const char *function, const bvx_m
                              bvxi_winding **winding)
 {
     bvxi_winding *w;
-
     *winding = NULL;
     if (holes->loops == 0) return BVX_OK;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *w, "the winding number's holes", &w));
@@ -193,8 +189,6 @@ bvx_status bvxi_winding_open(bvx_context *ctx, const char *function, const bvx_m
  * goes between those that lie nearest to each other on either side of a half. */
 static double ratio_between(double from, double to, int32_t rule)
 {
-    double half, t;
-
     /* Only the fractions count: whole turns are the mesh's, which does not change without a triangle. */
     from -= floor(from);
     to -= floor(to);
@@ -208,8 +202,8 @@ static double ratio_between(double from, double to, int32_t rule)
         to += to > from ? -1 : 1;
     }
     /* The half that lies between both, and where the straight line meets it. */
-    half = floor(from + 0.5) + (to > from ? 0.5 : -0.5);
-    t = (half - from) / (to - from);
+    double const half = floor(from + 0.5) + (to > from ? 0.5 : -0.5);
+    double const t = (half - from) / (to - from);
     return !(t > 0 && t < 1)       ? 0.5
            : t < WINDING_LEAST     ? WINDING_LEAST
            : t > 1 - WINDING_LEAST ? 1 - WINDING_LEAST

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-enum { ARENA_BYTES = 272 * 1024, TEXT_BYTES = 256 };
+enum { ARENA_BYTES = 120 * 1024, TEXT_BYTES = 256 };
 
 static _Alignas(64) unsigned char arena[ARENA_BYTES];
 static shape torus;

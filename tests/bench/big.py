@@ -1,6 +1,6 @@
-"""big.py [SIDE [CHUNK [WORKERS]]] - surfaces larger than memory: SIDE^3 voxels [512] in chunks of CHUNK [256] on WORKERS processes [2].
+"""big.py [SIDE [CHUNK [WORKERS [labels]]]] - surfaces larger than memory: SIDE^3 voxels [512] in chunks of CHUNK [256] on WORKERS processes [2].
 
-The body is a formula, tubes and cells of known volume, so that nothing is read. Prints Markdown: what each stage took of all processes
+The body is a formula, tubes and cells of known volume, so that nothing is read; with labels each of them is a body of its own. Prints Markdown: what each stage took of all processes
 together (processor seconds; voxels a second of them), bytes written, and the most memory that a worker and this process ever held. Then
 levels are joined where they fit: closed, without crossings, and their volume against the formula's.
 """
@@ -34,6 +34,37 @@ def bodies(block_info=None):
     return made
 
 
+def numbers(block_info=None):
+    """Labels [x, y, z]: each tube and each cell has its own."""
+    (x, y, z), end = (np.arange(*place) // PERIOD for place in block_info[None]["array-location"]), block_info[None]["shape"][0] // PERIOD
+    tube = 1 + y[:, None] * end + z
+    wave = (np.arange(*block_info[None]["array-location"][1]) + 0.5) % PERIOD, (np.arange(*block_info[None]["array-location"][2]) + 0.5) % PERIOD
+    cell = ((wave[0] - 20) ** 2)[:, None] + (wave[1] - 20) ** 2 < (CELL + 1) ** 2
+    made = bodies(block_info).astype("u8")
+    for i, at in enumerate(x):
+        made[i] *= np.where(cell, (at + 1) * (end * end) + tube, tube).astype("u8")
+    return made
+
+
+def label_stages(stage, folder, formula):
+    """Labels in Zarr to pieces, levels and a shard; then a few bodies are joined."""
+    at = [os.path.join(folder, name) for name in ("labels.zarr", "bodies", "precomputed")]
+    stage("formula to Zarr", lambda: dask.array.to_zarr(formula.transpose(2, 1, 0), at[0]), at[0])
+    labels = big.Labels(big.samples_from_zarr(at[0]))
+    counts = stage("voxels of each label", labels.counts)
+    pieces = stage("bodies and 3 levels in pieces", lambda: big.run(labels, at[1], levels=4, show=None), at[1])
+    stage("sharded Draco", lambda: pieces.to_neuroglancer(at[2], sharded=True), at[2])
+    return pieces, counts
+
+
+def judge_labels(pieces, counts):
+    chosen = list(counts)[:: max(1, len(counts) // 16)]
+    for level in range(4):
+        found = [(pieces.merge(level, label=label).check(), counts[label]) for label in chosen]
+        print(f"- level {level}: {pieces.n_faces(level)} triangles of {len(counts)} bodies; of {len(chosen)} that were joined {sum(one.closed and one.vertex_manifold for one, _ in found)} are "
+              f"closed, volumes {100 * min(one.volume / n - 1 for one, n in found):+.2f} to {100 * max(one.volume / n - 1 for one, n in found):+.2f} % of their voxels")
+
+
 def spent():
     used = resource.getrusage(resource.RUSAGE_SELF)
     return used.ru_utime + used.ru_stime, used.ru_maxrss / 2**20
@@ -44,7 +75,8 @@ def written(folder):
 
 
 def main():
-    side, chunk, workers = (int(given) for given in (*sys.argv[1:], *(512, 256, 2)[len(sys.argv) - 1 :]))
+    given = sys.argv[1:4]
+    side, chunk, workers = (int(one) for one in (*given, *(512, 256, 2)[len(given) :]))
     with tempfile.TemporaryDirectory() as folder, distributed.LocalCluster(
             n_workers=workers, threads_per_worker=1, dashboard_address=None, memory_limit=0, local_directory=folder) as cluster, distributed.Client(cluster) as client:
 
@@ -60,6 +92,11 @@ def main():
             print(f"| {name} | {used:.1f} | {clock:.1f} | {side**3 / used / 1e6:.1f} | {written(output) / 2**20 if output else 0:.1f} |", flush=True)
             return made
 
+        if "labels" in sys.argv:
+            formula = dask.array.map_blocks(numbers, chunks=dask.array.core.normalize_chunks(chunk, (side,) * 3), dtype="u8", meta=np.zeros((0, 0, 0), "u8"))
+            pieces, counts = label_stages(stage, folder, formula)
+            print(f"\nmost memory: {max(each[1] for each in client.run(spent).values()):.2f} GiB a worker, {spent()[1]:.2f} GiB here\n")
+            return judge_labels(pieces, counts)
         at = [os.path.join(folder, name) for name in ("bits.zarr", "pieces", "precomputed")]
         formula = dask.array.map_blocks(bodies, chunks=dask.array.core.normalize_chunks(chunk, (side,) * 3), dtype=bool, meta=np.zeros((0, 0, 0), bool))
         stage("formula to Zarr", lambda: big.to_zarr(big.from_dask(formula), at[0]), at[0])

@@ -88,6 +88,7 @@ make_files() {
         sed 's/waves.raw/head.raw/' fixtures/waves.nhdr >head.nhdr
         cp fixtures/waves.raw head.raw
         cp fixtures/ball.xyz cloud.xyz
+        quiet convert body.bvx -o atlas.nrrd
 
         # A mesh with colours.
         quiet convert small.ply -o plain.obj

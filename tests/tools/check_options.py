@@ -139,7 +139,7 @@ for found in re.finditer(r"typedef struct bvx_(\w+?)(_options|(?<=fit)|(?<=placi
         words = " ".join(line.group(1).split())
         type, names = re.fullmatch(r"((?:const )?\w+)(.*)", words).groups()
         for at, name in enumerate(names.split(",")):
-            stars, plain, length = re.fullmatch(r"([ *]*)(\w+)(?:\[(\d+)\])?", name.strip()).groups()
+            stars, plain, length = re.fullmatch(r"((?:[ *]|const )*)(\w+)(?:\[(\d+)\])?", name.strip()).groups()
             for inner in SHARED.get(type.removeprefix("bvx_"), {}).values():
                 fields[inner.name] = Field(kind, inner.type, inner.name, inner.length, inner.comment)
                 fields[inner.name].at, fields[inner.name].path = inner.at, f"{plain}.{inner.name}"
@@ -263,6 +263,7 @@ FILLED = {
     "fill": ["simplify", "context"],
     "morph": ["morph", "hollow", "distance", "lattice", "voxelize", "simplify", "field_surface", "context"],
     "components": ["keep", "simplify", "context"],
+    "labels": ["labels", "read_volume", "write", "context"],
     "convert": ["write", "read_volume", "keep", "context"],
     "render": ["render", "voxelize", "read_volume", "keep", "context"],
     "compare": ["context"],

@@ -31,7 +31,7 @@ OWN = {
     ("lod", "--normals"): "bvx_write_options.normals", ("repair", "--normals"): "bvx_write_options.normals", ("simplify", "--normals"): "bvx_write_options.normals",
     ("hull", "--normals"): "bvx_write_options.normals", ("hull", "--up"): "bvx_write_options.turn",
     ("*", "--quantize"): "bvx_write_options.quantize", ("*", "--input-up"): "bvx_write_options.turn",
-    ("components", "--up"): "bvx_write_options.turn", ("convert", "--up"): "bvx_write_options.turn", ("lod", "--up"): "bvx_write_options.turn",
+    ("labels", "--only"): "which meshes are written", ("labels", "--up"): "bvx_write_options.turn", ("components", "--up"): "bvx_write_options.turn", ("convert", "--up"): "bvx_write_options.turn", ("lod", "--up"): "bvx_write_options.turn",
     ("sections", "--up"): "bvx_write_options.turn", ("boolean", "--up"): "bvx_write_options.turn", ("morph", "--up"): "bvx_write_options.turn",
     ("simplify", "--up"): "bvx_write_options.turn", ("refine", "--up"): "bvx_write_options.turn", ("fill", "--up"): "bvx_write_options.turn",
     ("faces", "--up"): "bvx_write_options.turn", ("repair", "--up"): "bvx_write_options.turn",

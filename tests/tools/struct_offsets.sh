@@ -34,6 +34,7 @@ trap 'rm -rf "$work"' EXIT
             n = split(line, field, ",")
             for (i = 1; i <= n; i++) {
                 sub(/\[.*/, "", field[i])
+                gsub(/\* *const /, "", field[i])
                 gsub(/[* ]/, "", field[i])
                 print "printf(\"  %s.%s %u\\n\", \"" name "\", \"" field[i] "\", (unsigned)offsetof(" name ", " field[i] "));"
             }

@@ -1,6 +1,7 @@
 /* test_memory.c - limit, counts and the two-ended arena. */
 #include "core/core.h"
 #include "tools/fault.h"
+#include "tools/mesh_maker.h"
 
 #include "unity.h"
 
@@ -369,7 +370,83 @@ static void test_arena_counts_against_the_limit(void)
     ctx = context_with(&o);
     bvxi_free(ctx, get(ctx, BVXI_SCRATCH, 256), 256);
     TEST_ASSERT_EQUAL_INT64(BVX_ERR_BUDGET, bvxi_alloc(ctx, BVXI_SCRATCH, 257, "a block", &none));
-    TEST_ASSERT_EQUAL_INT64(256, bvx_memory_peak(ctx));
+}
+
+/* ---- What is enough ---- */
+
+enum { LARGE_ARENA = 8 << 20 };
+
+/* Calls that a game makes of a mesh, with results that live on. */
+static bvx_status make_all(bvx_context *ctx, const bvx_mesh_view *view, int32_t fill)
+{
+    bvx_voxelize_options const o = {.struct_size = sizeof o, .fill = fill};
+    bvx_lattice lattice;
+    bvx_grid solid = {0}, filled = {0};
+    bvx_mesh surface = {0}, level[2] = {{0}};
+
+    BVXI_TRY(bvx_lattice_fit(ctx, view, 64, &lattice));
+    BVXI_TRY(bvx_voxelize_solid(ctx, view, &lattice, &o, &solid));
+    if (fill != BVX_FILL_AUTO) return BVX_OK;
+    BVXI_TRY(bvx_grid_fill_cavities(ctx, &solid, 6, 0, &filled, NULL));
+    BVXI_TRY(bvx_extract_surface(ctx, &filled, NULL, &surface));
+    return bvx_build_levels(ctx, view, NULL, 2, level);
+}
+
+/* The peak in an arena of so many bytes, 0 where they are too few. */
+static uint64_t peak_within(const bvx_mesh_view *view, int32_t fill, uint64_t size)
+{
+    static unsigned char memory[LARGE_ARENA + 64];
+    bvx_context_options o = default_options();
+    bvx_context *ctx;
+    bvx_status status;
+    uint64_t peak;
+
+    o.threads = 1;
+    /* Of the worst alignment. */
+    o.arena.memory = memory + (BVXI_ALIGN + 1 - (uintptr_t)memory % BVXI_ALIGN) % BVXI_ALIGN;
+    o.arena.size = size;
+    ctx = context_with(&o);
+    status = make_all(ctx, view, fill);
+    TEST_ASSERT_TRUE(status == BVX_OK || status == BVX_ERR_MEMORY);
+    peak = bvx_memory_peak(ctx);
+    TEST_ASSERT_TRUE(peak <= size);
+    bvx_context_destroy(ctx);
+    return status == BVX_OK ? peak : 0;
+}
+
+static bvx_mesh_view ball_of(maker_mesh *mesh, int32_t rings, int32_t segments)
+{
+    static const double centre[3] = {0, 0, 0}, radius[3] = {1, 1, 1};
+    uint64_t seed = 1;
+
+    maker_clear(mesh);
+    maker_star(mesh, &seed, centre, radius, 0, rings, segments, 1 << 20);
+    return maker_view(mesh);
+}
+
+static void test_the_peak_of_an_arena_is_enough(void)
+{
+    static const int32_t fills[] = {BVX_FILL_AUTO,  BVX_FILL_NONZERO, BVX_FILL_VOTE,
+                                    BVX_FILL_FLOOD, BVX_FILL_REGIONS, BVX_FILL_WINDING};
+    maker_mesh mesh = {0};
+    bvx_mesh_view const view = ball_of(&mesh, 40, 40);
+
+    for (size_t i = 0; i < sizeof fills / sizeof *fills; i++) {
+        uint64_t const peak = peak_within(&view, fills[i], LARGE_ARENA);
+        TEST_ASSERT_EQUAL_UINT64(peak, peak_within(&view, fills[i], peak));
+        TEST_ASSERT_EQUAL_UINT64(0, peak_within(&view, fills[i], peak - BVXI_ALIGN));
+    }
+    maker_free(&mesh);
+}
+
+static void test_a_small_solid_takes_a_small_arena(void)
+{
+    maker_mesh mesh = {0};
+    bvx_mesh_view const view = ball_of(&mesh, 26, 25);
+
+    TEST_ASSERT_EQUAL_UINT64(1250, view.triangle_count);
+    TEST_ASSERT_NOT_EQUAL_UINT64(0, peak_within(&view, BVX_FILL_PARITY, 128 << 10));
+    maker_free(&mesh);
 }
 
 /* ---- Marks ---- */
@@ -478,6 +555,8 @@ int main(void)
     RUN_TEST(test_arena_of_any_alignment);
     RUN_TEST(test_arena_of_any_size);
     RUN_TEST(test_arena_counts_against_the_limit);
+    RUN_TEST(test_the_peak_of_an_arena_is_enough);
+    RUN_TEST(test_a_small_solid_takes_a_small_arena);
     RUN_TEST(test_a_mark_frees_what_came_after_it);
     RUN_TEST(test_a_mark_keeps_what_succeeded_and_what_is_adopted);
     RUN_TEST(test_the_end_of_a_call_frees_its_scratch);

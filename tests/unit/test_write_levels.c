@@ -272,10 +272,58 @@ static void test_write_levels_refuses_what_floats_cannot_hold(void)
     check_no_levels(far, 2, BVX_FORMAT_GLB, BVX_ERR_RANGE, "GLB: level 0: vertex 0 is");
 }
 
+/* Meshes that are no levels: all nodes in the scene, names escaped, a material each in linear light. */
+static void test_write_levels_by_names(void)
+{
+    static const char *const names[3] = {"left \"lung\"", "\\\n", "\xce\xb1"};
+    static const char *const texts[3] = {"\"left \\u0022lung\\u0022\"", "\"\\u005c\\u000a\"", "\"\xce\xb1\""};
+    static const uint8_t colours[12] = {255, 0, 0, 255, 0, 188, 0, 51, 1, 2, 3, 255};
+    bvx_write_options o = {.struct_size = sizeof o, .names = names, .colours = colours};
+    bvx_buffer b = {0};
+
+    make_levels();
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh(ctx, level, 3, &o, BVX_FORMAT_GLB, &b));
+    glb_file f = take_file(b);
+    const char *const nodes = json_member(f.json, "nodes"), *const materials = json_member(f.json,
+                                                                                           "materials");
+    check_text(json_member(json_item(json_member(f.json, "scenes"), 0), "nodes"), "[0,1,2]}");
+    TEST_ASSERT_NULL(json_member(f.json, "extensionsUsed"));
+    for (int i = 0; i < 3; i++) {
+        check_text(json_member(json_item(nodes, i), "name"), texts[i]);
+        check_text(json_member(json_item(json_member(f.json, "meshes"), i), "name"), texts[i]);
+        check_text(json_member(json_item(materials, i), "name"), texts[i]);
+        TEST_ASSERT_NULL(json_member(json_item(nodes, i), "extensions"));
+        TEST_ASSERT_EQUAL_INT(i, atoi(json_member(json_item(nodes, i), "mesh")));
+        TEST_ASSERT_EQUAL_INT(i, atoi(json_member(primitive_of(&f, i, 0), "material")));
+        TEST_ASSERT_EQUAL_INT(i == 1, json_member(json_item(materials, i), "alphaMode") != NULL);
+    }
+    const char *const factor = json_member(json_member(json_item(materials, 1), "pbrMetallicRoughness"),
+                                           "baseColorFactor");
+    TEST_ASSERT_TRUE(json_number_in(factor, 0) == 0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.5029, json_number_in(factor, 1));
+    TEST_ASSERT_TRUE(json_number_in(factor, 3) == 0.2);
+    free_file(&f);
+    free_levels();
+}
+
+static void test_write_levels_names_are_for_glb(void)
+{
+    static const char *const names[1] = {"one"};
+    bvx_write_options const o = {.struct_size = sizeof o, .names = names};
+    bvx_mesh const m = octahedron(BVX_F32);
+    bvx_buffer b = {0};
+
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_UNSUPPORTED, bvx_write_mesh(ctx, &m, 1, &o, BVX_FORMAT_PLY, &b));
+    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "options.names is for GLB"));
+    TEST_ASSERT_NULL(b.bytes);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_write_levels_description);
+    RUN_TEST(test_write_levels_by_names);
+    RUN_TEST(test_write_levels_names_are_for_glb);
     RUN_TEST(test_write_levels_coverage_never_grows);
     RUN_TEST(test_write_levels_stand_where_they_are);
     RUN_TEST(test_write_levels_have_the_arrays_of_single_files);

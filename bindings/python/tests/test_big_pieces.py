@@ -113,6 +113,17 @@ def test_a_run_that_was_stopped_continues(tmp_path):
         assert f"18 pieces, {there} of them there" in said[-3 if there else -4]
 
 
+def test_folders_of_others_are_kept(tmp_path):
+    for name, text in (("index.json", '{"layers": []}'), ("notes.txt", "mine")):
+        folder = tmp_path / name.partition(".")[0]
+        folder.mkdir()
+        (folder / name).write_text(text)
+        for overwrite in (False, True):
+            with pytest.raises(FileExistsError, match="other files"):
+                big.run(volume(500, 16), folder, overwrite=overwrite, show=None)
+        assert (folder / name).read_text() == text
+
+
 def test_a_disk_that_is_full(tmp_path, monkeypatch):
     cut, written, replace = volume((40, 90, 20)), [], os.replace
 

@@ -81,3 +81,33 @@ def test_arrays_that_are_laid_out():
     for take in (big.from_dask, big.Samples):
         with pytest.raises(bitvox.ArgumentError, match="compute_chunk_sizes"):
             take(unknown)
+
+
+def test_names_of_stored_samples_last_until_files_change(tmp_path):
+    array = zarr.open_array(str(tmp_path / "s.zarr"), mode="w", shape=(8, 8, 8), chunks=(4, 4, 4), dtype="float32")
+    array[...] = 1
+    first, again = (big.samples_from_zarr(tmp_path / "s.zarr").threshold(0.5) for _ in range(2))
+    assert first.__dask_keys__() == again.__dask_keys__()
+    said = []
+    for _ in range(2):
+        big.run(big.samples_from_zarr(tmp_path / "s.zarr").threshold(0.5), tmp_path / "pieces", show=said.append)
+    assert "0 of them there" in said[0] and "8 of them there" in next(line for line in said[1:] if "of them there" in line)
+    array[0, 0, 0] = 0
+    assert big.samples_from_zarr(tmp_path / "s.zarr").threshold(0.5).__dask_keys__() != first.__dask_keys__()
+
+
+def test_stores_are_whole_or_not_read(tmp_path):
+    volume = big.from_dask(da.ones((8, 8, 8), chunks=4))
+    path = tmp_path / "v.zarr"
+    broken = volume.map(lambda grid: 1 // 0)
+    with pytest.raises(ZeroDivisionError):
+        big.to_zarr(broken, path, inner=4)
+    with pytest.raises(bitvox.Error):  # it has no metadata before all chunks are there
+        big.from_zarr(path)
+    big.to_zarr(volume, path, inner=4, overwrite=True)
+    big.to_zarr(big.from_zarr(path).erode(), path, inner=4, overwrite=True)
+    big.to_zarr(~big.samples_from_zarr(path).threshold(0.5), path, inner=4, overwrite=True)
+    assert big.from_zarr(path).count() == 512 - 216
+    with pytest.raises(ZeroDivisionError):
+        big.to_zarr(broken, path, inner=4, overwrite=True)
+    assert big.from_zarr(path).count() == 512 - 216 and [one.name for one in tmp_path.iterdir()] == ["v.zarr"]

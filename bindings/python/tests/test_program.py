@@ -41,6 +41,8 @@ NAMES = {
     "fill": ([bitvox.Grid.fill, bitvox.find_seed, bitvox.find_pockets, bitvox.simplify], {"seed": "seeds", "add-shell": bitvox.Grid.__or__, **OF_MESHES}),
     "components": ([bitvox.Grid.components, bitvox.Grid.keep, bitvox.simplify], {**OF_MESHES, "seed": "seeds", "keep-largest": "largest", "fill-cavities": bitvox.Grid.fill_cavities,
                                                                "labels": bitvox.Grid.label}),
+    "labels": ([bitvox.Volume.surfaces, bitvox.read_volume], {"staircase": "smooth", "only": bitvox.Surfaces, "window": bitvox.Volume.window, "normals": bitvox.write, "sample-type": "dtype", "big-endian": "dtype",
+                                                              "skip": "offset", "voxel-size": "spacing", **OF_MESHES}),
     "compare": ([bitvox.compare], {}),
     "morph": ([bitvox.Grid.dilate, bitvox.Grid.hollow, bitvox.Grid.distance, bitvox.voxelize, bitvox.surface, bitvox.simplify],
               {"origin": "corner", "value-type": "dtype", "no-sharp": "sharp", "neighbourhood": "connectivity", **OF_MESHES}),

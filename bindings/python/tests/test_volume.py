@@ -1,6 +1,8 @@
 """Scalar volumes beside numpy, scikit-image and the files of other writers."""
 
 import gzip
+import json
+import pickle
 import struct
 
 import numpy as np
@@ -350,6 +352,69 @@ def test_surfaces_take_background_type_and_direction():
     big = bitvox.Volume(np.full((2, 1, 1), 2**64 - 1, np.uint64))
     assert list(big.surfaces()) == [2**64 - 1] and big.surfaces().complex.sides.tolist() == [[2**64 - 1, 0]] * 20
     assert len(bitvox.Volume(np.zeros((2, 2, 2), np.uint8)).surfaces()) == 0
+
+
+def segmentation(path, turned=False, names=("left lung/\u03b1", "2")):
+    """A file as 3D Slicer writes it; its second name is the value of no label of its own."""
+    samples = np.zeros((6, 5, 4), np.uint8)
+    samples[1:3, 1:4, 1:3], samples[3:5, 1:4, 1:3] = 3, 5
+    head = ("NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\nsizes: 6 5 4\n"
+            f"space directions: {'(0,1,0) (1,0,0)' if turned else '(1,0,0) (0,1,0)'} (0,0,2)\nkinds: domain domain domain\nencoding: raw\nspace origin: (0,0,0)\n")
+    for i, (value, name, color) in enumerate([(3, names[0], "1 0 0.5"), (5, names[1], "broken"), (9, "absent", "0 0 0")]):
+        head += f"Segment{i}_LabelValue:={value}\nSegment{i}_Name:={name}\nSegment{i}_Color:={color}\n"
+    path.write_bytes((head + "\n").encode() + samples.tobytes(order="F"))
+    return path
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_segments_have_the_names_and_colors_of_the_file(tmp_path, turned):
+    if turned:
+        pytest.importorskip("SimpleITK")
+    volume = bitvox.read_volume(segmentation(tmp_path / "s.seg.nrrd", turned))
+    assert volume.segments == {3: ("left lung/\u03b1", (255, 0, 128)), 5: ("2", None), 9: ("absent", (0, 0, 0))}
+    for same in (volume.window((0, 0, 0, 5, 5, 4)), volume.turned("ras"), pickle.loads(pickle.dumps(volume))):
+        assert same.segments == volume.segments
+    bodies = volume.surfaces()
+    assert {value: one.name for value, one in bodies.segments.items()} == {3: "left lung/\u03b1", 5: "2"}
+    assert bodies.segments[3].color == (255, 0, 128) and len(bodies.segments[5].color) == 3
+    bodies.save(tmp_path / "all.glb")
+    head = glb_head(tmp_path / "all.glb")
+    assert [node["name"] for node in head["nodes"]] == ["left lung/\u03b1", "2"] == [one["name"] for one in head["materials"]]
+    assert head["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] == pytest.approx([1, 0, 0.2158, 1], abs=1e-3)
+    bodies.save(tmp_path / "%s.ply")
+    assert bitvox.read(tmp_path / "left lung_\u03b1.ply") == bodies[3] and bitvox.read(tmp_path / "2.ply") == bodies[5]
+    with pytest.raises(bitvox.ArgumentError, match="%s"):
+        bodies.save(tmp_path / "all.ply")
+
+
+def glb_head(path):
+    data = path.read_bytes()
+    return json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+
+
+def test_segments_of_one_name_are_saved_by_their_values(tmp_path):
+    bodies = bitvox.read_volume(segmentation(tmp_path / "s.nrrd", names=("same", "Same"))).surfaces()
+    bodies.save(tmp_path / "%s.stl")
+    assert (tmp_path / "3.stl").is_file() and (tmp_path / "5.stl").is_file()
+
+
+def test_surfaces_as_blocks_of_pyvista():
+    pytest.importorskip("pyvista")
+    bodies = bitvox.Volume(thirds()).surfaces()
+    blocks = bodies.to_pyvista()
+    assert blocks.keys() == ["-3", "5", "7", "9"] and blocks["7"].n_points == bodies[7].n_vertices
+    assert blocks["9"].field_data["value"].tolist() == [9] and blocks["9"].field_data["color"].tolist() == list(bodies.segments[9].color)
+
+
+def test_a_label_cropped_to_its_box():
+    volume = bitvox.Volume(thirds(), spacing=(1, 2, 0.5), corner=(10, 20, -30)).window((2, 1, 0, 22, 20, 18))
+    for value in (5, 7, 9):
+        whole, part = volume.label(value), volume.label(value, crop=True)
+        box = next(one for one in volume.labels() if one.value == value)
+        assert part.shape == box.size and part.low == tuple(a + b for a, b in zip(box.low, volume.low)) and part.count == whole.count == box.voxels
+        assert part.surface() == whole.surface()
+    assert volume.label(77, crop=True).count == 0
+    assert bitvox.Volume(np.array([[[2**64 - 1, 2**53, 2**53 + 1]]], np.uint64)).label(2**53 + 1, crop=True).low == (0, 0, 2)
 
 
 @pytest.mark.parametrize("dtype", ["i8", "u8"])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from typing import TYPE_CHECKING, Any, BinaryIO, Iterable, Union
+from typing import TYPE_CHECKING, Any, BinaryIO, Iterable, Sequence, Union
 
 from ._bytes import by_file, bytes_of_open, format_of, new_beside, read_bytes, umask, write_bytes
 from ._calls import call, entered
@@ -13,6 +13,7 @@ from ._field import Field
 from ._grid import Grid, new_grid
 from ._image import Image
 from ._lattice import WindowLike, set_window
+from ._labels import Segment
 from ._mended import mended
 from ._mesh import Mesh, new_mesh, subtract
 from ._nrrd import unpacked
@@ -372,16 +373,31 @@ def write_levels(path: str | os.PathLike[str], levels: Iterable[Any], *, up: str
         raise UnsupportedError(f"{path}: levels of detail are not written as {kind!r}; take .glb, or write one file a level")
     if isinstance(levels, Mesh):
         raise TypeError("levels are several meshes, not one; Mesh.save writes one")
-    meshes = [Mesh.of(level) for level in levels]
-    out = ffi.gc(ffi.new("bvx_buffer *"), lib.bvxpy_free_buffer)
     with Run(threads, memory_limit, progress) as run:
-        borrowed = [mesh._struct(run) for mesh in meshes]
-        array = ffi.new("bvx_mesh[]", max(len(borrowed), 1))
-        for i, one in enumerate(borrowed):
-            array[i] = one[0]
-        options = _write_options(up=up, quantize=quantize)
-        run.check(lib.bvx_write_mesh(run.context, array, len(borrowed), options, number_of(kind), out))
+        _write_meshes(run, path, [Mesh.of(level) for level in levels], _write_options(up=up, quantize=quantize))
+
+
+def _write_meshes(run: Run, path: str, meshes: Sequence[Mesh], options: Any) -> None:
+    """One .glb of several meshes."""
+    out = ffi.gc(ffi.new("bvx_buffer *"), lib.bvxpy_free_buffer)
+    borrowed = [mesh._struct(run) for mesh in meshes]
+    array = ffi.new("bvx_mesh[]", max(len(borrowed), 1))
+    for i, one in enumerate(borrowed):
+        array[i] = one[0]
+    run.check(lib.bvx_write_mesh(run.context, array, len(borrowed), options, lib.BVX_FORMAT_GLB, out))
     write_bytes(path, bytes(ffi.buffer(out.bytes, out.size)))
+
+
+@entered
+def write_named(path: str, bodies: Sequence[tuple[Segment, Mesh]]) -> None:
+    """Nodes of one .glb, each with its name and color."""
+    options = _write_options()
+    texts = [ffi.new("char[]", one.name.encode(errors="replace").replace(b"\0", b"?")) for one, _ in bodies]
+    options.names = names = ffi.new("char *[]", texts)
+    options.colours = colors = ffi.new("uint8_t[]", [part for one, _ in bodies for part in (*(one.color or (255,) * 3), 255)])
+    with Run() as run:
+        _write_meshes(run, path, [mesh for _, mesh in bodies], options)
+    del names, colors  # held until now
 
 
 @entered

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import colorsys
+import os
+import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Callable, Iterator, NamedTuple
 
 from . import _arrays as arrays
+from ._bytes import format_of
+from ._calls import call
+from ._errors import ArgumentError, need
 from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
 from ._run import Progress, Run, ffi, lib, options_of
@@ -13,6 +19,46 @@ from ._words import Array
 
 if TYPE_CHECKING:
     from .reports import Label
+
+
+class Segment(NamedTuple):
+    """What a label of a segmentation is called, in `Volume.segments` and `Surfaces.segments`.
+
+    Attributes
+    ----------
+    name
+        as files and nodes are named.
+    color
+        red, green and blue from 0 to 255; None: `Surfaces` gives one.
+
+    Examples
+    --------
+    >>> halves = bitvox.Volume(np.arange(16).reshape(4, 2, 2) // 8 + 1)
+    >>> halves.segments[2] = bitvox.Segment('liver', (200, 80, 60))
+    >>> [one.name for one in halves.surfaces().segments.values()]
+    ['1', 'liver']
+    """
+
+    name: str
+    color: tuple[int, int, int] | None = None
+
+
+def segments_of(data: Any) -> dict[int, Segment]:
+    """The names and colors that 3D Slicer writes into an NRRD's head."""
+    head = re.split(rb"\r?\n\r?\n", bytes(data[: 1 << 20]), maxsplit=1)[0].decode(errors="replace")
+    told: dict[str, dict[str, str]] = {}
+    for number, key, text in re.findall(r"^Segment(\d+)_(LabelValue|Name|Color):=(.*?)\r?$", head, flags=re.M):
+        told.setdefault(number, {})[key] = text
+    found: dict[int, Segment] = {}
+    for one in told.values():
+        try:
+            red, green, blue = (min(255, max(0, round(255 * float(part)))) for part in one.get("Color", "").split())
+            color = red, green, blue
+        except ValueError:
+            color = None
+        if re.fullmatch(r"-?\d{1,20}", value := one.get("LabelValue", "")):
+            found.setdefault(int(value), Segment(one.get("Name") or value, color))
+    return found
 
 
 class Complex(NamedTuple):
@@ -44,6 +90,13 @@ class Surfaces(Mapping[int, Mesh]):
 
     A body is made when it is requested: closed, manifold and oriented, with the positions and faces of its neighbors where they touch.
 
+    Attributes
+    ----------
+    labels
+        the values with their voxels and boxes.
+    segments
+        name and color of each value: those of `Volume.segments`, else the number and a color that differs from its neighbors'.
+
     Examples
     --------
     >>> bodies = bitvox.Volume(np.arange(27).reshape(3, 3, 3) % 3).surfaces()
@@ -51,22 +104,28 @@ class Surfaces(Mapping[int, Mesh]):
     [(1, 60), (2, 60)]
     """
 
-    __slots__ = ("_at", "_background", "_c", "_place", "_type", "labels")
+    __slots__ = ("_at", "_background", "_c", "_place", "_type", "labels", "segments")
     _at: dict[int, int]
     _background: int
     _c: Any
     _place: Callable[[Mesh], Mesh]
     _type: str
     labels: list[Label]
+    segments: dict[int, Segment]
 
     @classmethod
-    def _made(cls, made: Any, background: int, unsigned: bool, place: Callable[[Mesh], Mesh]) -> Surfaces:
+    def _made(cls, made: Any, background: int, unsigned: bool, place: Callable[[Mesh], Mesh], segments: Mapping[int, Segment]) -> Surfaces:
         self = cls.__new__(cls)
         found = [record(made.labels[i]) for i in range(made.label_count)]
         self.labels = [one._replace(value=one.value % 2**64) for one in found] if unsigned else found
         self._at = {one.value: i for i, one in enumerate(self.labels)}
         self._c, self._place, self._background = made, place, background
         self._type = "uint64" if unsigned else "int64"
+        self.segments = {}
+        for i, value in enumerate(self._at):
+            red, green, blue = (round(255 * part) for part in colorsys.hsv_to_rgb(i * 0.618034 % 1, 0.5, 0.9))
+            told = Segment(*segments.get(value, (str(value),)))
+            self.segments[value] = Segment(str(told.name), told.color or (red, green, blue))
         return self
 
     def __getitem__(self, value: int) -> Mesh:
@@ -91,12 +150,54 @@ class Surfaces(Mapping[int, Mesh]):
         sides = arrays.array_at(self._c.sides, "uint32", (self._c.face_count, 2), self._c)
         return Complex(mesh.vertices, mesh.faces, np.repeat(values[sides], 2, axis=0))
 
+    def to_pyvista(self) -> Any:
+        """A pyvista.MultiBlock with a block for each label, by its name; each has its value and color as field data.
+
+        Examples
+        --------
+        >>> bitvox.Volume(np.ones((2, 2, 2), int)).surfaces().to_pyvista().keys()
+        ['1']
+        """
+        blocks = need("pyvista", "view").MultiBlock()
+        for value, mesh in self.items():
+            made = mesh.to_pyvista()
+            made.field_data["value"], made.field_data["color"] = arrays.numpy("to_pyvista").array([value], self._type), self.segments[value].color
+            blocks.append(made, self.segments[value].name)
+        return blocks
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write all bodies.
+
+        Parameters
+        ----------
+        path
+            a name that ends in .glb, which gets a node for each with its name and color; or one with ``%s``, for a file each: the label's name
+            stands there, or its value where two have one name.
+
+        Examples
+        --------
+        >>> bitvox.Volume(np.ones((2, 2, 2), int)).surfaces().save('body_%s.ply')
+        >>> bitvox.read('body_1.ply').is_closed
+        True
+        """
+        before, place, after = os.fsdecode(path).partition("%s")
+        names = [one.name.lower() for one in self.segments.values()]
+        if not place and format_of(before, None) != "glb":
+            raise ArgumentError(f"{before}: several bodies need %s in the name, for the name of each; only .glb holds several")
+        if not place:
+            call("write_named", before, [(self.segments[value], mesh) for value, mesh in self.items()])
+            return
+        for value, mesh in self.items():
+            name = self.segments[value].name
+            name = str(value) if names.count(name.lower()) > 1 else re.sub(r'[/\\:*?"<>|\x00-\x1f]', "_", name)
+            mesh.save(before + name + after)
+
     def __repr__(self) -> str:
         return f"Surfaces({len(self)} labels, {self._c.mesh.triangle_count} faces)"
 
 
-def label_surfaces(view: Any, background: int, smooth: bool, dtype: Any, unsigned: bool, place: Callable[[Mesh], Mesh], *,
-                   threads: int | None, memory_limit: int | None, progress: Progress) -> Surfaces:
+def label_surfaces(view: Any, background: int, smooth: bool, dtype: Any, unsigned: bool, place: Callable[[Mesh], Mesh],
+                   segments: Mapping[int, Segment], *, threads: int | None, memory_limit: int | None, progress: Progress) -> Surfaces:
     """The surfaces of a checked view."""
     options = options_of("labels_options")
     options.background = background - 2**64 if background >= 2**63 else background
@@ -105,4 +206,4 @@ def label_surfaces(view: Any, background: int, smooth: bool, dtype: Any, unsigne
     made = ffi.gc(ffi.new("bvx_complex *"), lib.bvxpy_free_complex)
     with Run(threads, memory_limit, progress) as run:
         run.check(lib.bvx_label_surfaces(run.context, view, options, made))
-    return Surfaces._made(made, background, unsigned, place)
+    return Surfaces._made(made, background, unsigned, place, segments)

@@ -15,7 +15,7 @@ from ._calls import call, entered
 from ._errors import ArgumentError, FormatError, MissingExtraError, UnsupportedError, need
 from ._grid import Grid, new_grid
 from ._html import shown
-from ._labels import Surfaces, label_surfaces
+from ._labels import Segment, Surfaces, label_surfaces, segments_of
 from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, with_positions
 from ._nrrd import unpacked
@@ -71,6 +71,8 @@ class Volume:
     report
         what the last of `threshold` and `surface` counted, a named tuple with the samples that are NaN or infinite, those
         inside, the least and the greatest; None before.
+    segments
+        names and colors of labels by their value, `Segment`: what an NRRD of 3D Slicer says, and what is put there.
 
     Examples
     --------
@@ -79,9 +81,10 @@ class Volume:
     (30, (10.0, 20.0, 30.0))
     """
 
-    __slots__ = ("_array", "_c", "_turn", "frame", "report", "__weakref__")
+    __slots__ = ("_array", "_c", "_turn", "frame", "report", "segments", "__weakref__")
     frame: Frame | None
     report: Any
+    segments: dict[int, Segment]
 
     def __init__(self, array: Any, *, order: Order = "xyz", spacing: Any = 1.0, corner: Sequence[float] | None = None,
                  center0: Sequence[float] | None = None, direction: Any = None, lattice: Lattice | None = None,
@@ -131,8 +134,8 @@ class Volume:
             own = tuple(c - 0.5 * s for c, s in zip(middle, steps))
         return Lattice(shape, spacing, own)
 
-    def _set(self, array: Any, lattice: Lattice, low: Any, turn: Any = None, frame: Frame | None = None) -> None:
-        self._turn, self.frame = turn, frame
+    def _set(self, array: Any, lattice: Lattice, low: Any, turn: Any = None, frame: Frame | None = None, segments: dict[int, Segment] | None = None) -> None:
+        self._turn, self.frame, self.segments = turn, frame, dict(segments or {})
         view = ffi.new("bvx_volume_view *")
         view.samples = arrays.address(array)
         view.sample_type = _type_number(array.dtype.kind + str(array.dtype.itemsize))
@@ -265,7 +268,7 @@ class Volume:
             return self
         made, change = Volume.__new__(Volume), np.diag([-1.0, -1.0, 1.0])
         turn = change @ self.direction
-        made._set(self._array, self.lattice, self.low, None if (turn == np.eye(3)).all() else turn, wanted)
+        made._set(self._array, self.lattice, self.low, None if (turn == np.eye(3)).all() else turn, wanted, self.segments)
         return made
 
     def aligned(self, *, spacing: Any = None, method: Resampling = "linear", outside: Any = None) -> Volume:
@@ -342,7 +345,7 @@ class Volume:
         if any(s.start < 0 or s.stop > n for s, n in zip(part, self.shape)):
             raise ArgumentError(f"window: not inside the volume's {self.shape}")
         made = Volume.__new__(Volume)
-        made._set(self._array[part], self.lattice, tuple(a + s.start for a, s in zip(self.low, part)), self._turn, self.frame)
+        made._set(self._array[part], self.lattice, tuple(a + s.start for a, s in zip(self.low, part)), self._turn, self.frame, self.segments)
         return made
 
     def to_numpy(self, order: Order = "xyz") -> Array:
@@ -382,7 +385,7 @@ class Volume:
 
     def __reduce__(self) -> Any:
         np = arrays.numpy("pickling")
-        return _volume_from, (np.array(self._array), self.lattice, self.low, self._turn, self.frame, self.report)
+        return _volume_from, (np.array(self._array), self.lattice, self.low, self._turn, self.frame, self.report, self.segments)
 
     def _repr_html_(self) -> str:
         middle = [n // 2 for n in self.shape]
@@ -491,15 +494,19 @@ class Volume:
                                 "which samples it anew, or volume.surface(level), which does not (of a pyvista.ImageData: image.bitvox.volume())")
         return self.aligned()
 
-    def label(self, value: int, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
-        """The voxels of a label: those whose sample is ``value``.
+    def label(self, value: int, *, crop: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
+        """The voxels of a label: those whose sample is ``value``; with ``crop`` in their box alone, which keeps its place.
 
         Examples
         --------
-        >>> bitvox.Volume(np.arange(8).reshape(2, 2, 2)).label(3).count
-        1
+        >>> volume = bitvox.Volume(np.arange(8).reshape(2, 2, 2))
+        >>> volume.label(3).count, volume.label(3, crop=True).shape
+        (1, (1, 1, 1))
         """
         value = in_range("value", value, -(2**63), 2**64 - 1)
+        if crop:
+            box = next((one for one in self.labels(threads=threads, memory_limit=memory_limit) if one.value == value), None)
+            return (self.window((box.low, box.size)) if box else self).label(value, threads=threads, memory_limit=memory_limit, progress=progress)
         return self.threshold(value, value, threads=threads, memory_limit=memory_limit, progress=progress)
 
     def labels(self, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> list[Label]:
@@ -547,7 +554,7 @@ class Volume:
         background = in_range("background", background, -(2**63), 2**64 - 1)
         if self._turn is not None and dtype is None:
             dtype = "float64"  # turned positions need more digits than the lattice's own
-        return label_surfaces(self._c, background, smooth, dtype, unsigned, self._in_world,
+        return label_surfaces(self._c, background, smooth, dtype, unsigned, self._in_world, self.segments,
                               threads=threads, memory_limit=memory_limit, progress=progress)
 
     def surface(self, level: float = 0.0, *, below: bool = False, dtype: Any = None, open_sides: str | Iterable[str] = (), keys: bool = False,
@@ -698,9 +705,10 @@ def _bounds(dtype: Any, low: int | float, high: int | float) -> tuple[tuple[Any,
     return tuple(end - 2**64 if end >= 2**63 else end for end in (first, last)), lib.bvx_threshold_whole  # type: ignore[return-value]
 
 
-def _volume_from(array: Any, lattice: Lattice, low: Any, turn: Any, frame: Frame | None, report: Any) -> Volume:
+def _volume_from(array: Any, lattice: Lattice, low: Any, turn: Any, frame: Frame | None, report: Any,
+                 segments: dict[int, Segment] | None = None) -> Volume:
     made = Volume.__new__(Volume)
-    made._set(array, lattice, low, turn, frame)
+    made._set(array, lattice, low, turn, frame, segments)
     made.report = report
     return made
 
@@ -826,7 +834,9 @@ def read_volume(path: str | os.PathLike[str] | BinaryIO, *, format: str | None =
         if kind not in ("nrrd", "nhdr", "vti"):
             raise
         try:
-            return _in_frame(call("read_by_library", path, kind), frame, path)  # axes that are turned, bzip2 and the like
+            found: Volume = call("read_by_library", path, kind)  # axes that are turned, bzip2 and the like
+            found.segments = segments_of(data) if kind in ("nrrd", "nhdr") else {}
+            return _in_frame(found, frame, path)
         except MissingExtraError:
             pass
         raise
@@ -841,7 +851,9 @@ def read_volume(path: str | os.PathLike[str] | BinaryIO, *, format: str | None =
         raise ArgumentError(f"{path}: the file says its lattice itself")
     lattice = Lattice._of(view.lattice) if spacing is None and corner is None else Lattice(size, 1.0 if spacing is None else spacing,
                                                                                         corner or (0.0, 0.0, 0.0))
-    return _in_frame(Volume(array, lattice=lattice, frame=_frame_told(data) if kind in ("nrrd", "nhdr") else None), frame, path)
+    made = Volume(array, lattice=lattice, frame=_frame_told(data) if kind in ("nrrd", "nhdr") else None)
+    made.segments = segments_of(data) if kind in ("nrrd", "nhdr") else {}
+    return _in_frame(made, frame, path)
 
 
 def _fill(volume: Any, held: Any, path: str, kind: str, options: Any, threads: Any, memory_limit: Any, progress: Progress) -> bytes | None:

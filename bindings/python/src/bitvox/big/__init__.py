@@ -10,6 +10,7 @@
     coarse = volume.downsample(4, "majority")
     body = volume.keep(largest=1).fill_cavities()
     pieces = bitvox.big.run(body, "dragon", levels=4)                           # the surface and coarser levels of it, in pieces on disk
+    bodies = bitvox.big.run(bitvox.big.Labels(samples), "bodies", levels=4)     # of each label
 
 Chunks are windows of one lattice, and a window holds the bits of the whole there; so nothing depends on how the work was cut,
 on who did it or on how often it was tried. What looks at neighbors gets a halo of their voxels, as wide as it looks. `plan` gives the same work as a list of picklable tasks, for Ray or a batch queue.
@@ -18,6 +19,7 @@ Needs ``bitvox[big]`` (dask, zarr, and DracoPy for `Pieces.to_neuroglancer`); `p
 
 from .chunks import Chunks
 from .disk import Record
+from .labels import Labels
 from .parts import label
 from .pieces import Pieces, run
 from .plan import Plan, Task, plan
@@ -25,4 +27,4 @@ from .samples import Samples, samples_from_zarr
 from .store import from_zarr, to_zarr
 from .volume import Volume, from_dask, surface, voxelize
 
-__all__ = ["Chunks", "Pieces", "Plan", "Record", "Samples", "Task", "Volume", "from_dask", "from_zarr", "label", "plan", "run", "samples_from_zarr", "surface", "to_zarr", "voxelize"]
+__all__ = ["Chunks", "Labels", "Pieces", "Plan", "Record", "Samples", "Task", "Volume", "from_dask", "from_zarr", "label", "plan", "run", "samples_from_zarr", "surface", "to_zarr", "voxelize"]

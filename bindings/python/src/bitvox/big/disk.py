@@ -10,7 +10,7 @@ from contextlib import contextmanager, nullcontext, suppress
 from typing import Any, Iterator, NamedTuple, Sequence
 
 from .. import _arrays as arrays
-from .._errors import need
+from .._errors import RangeError, need
 from .._mesh import Mesh
 from .chunks import Index
 
@@ -28,6 +28,8 @@ class Record(NamedTuple):
         largest distance from the finest level: sampled from level to level, and added [world].
     hash
         of its mesh: `Mesh.content_hash`.
+    labels
+        of the bodies in it, ascending; none of a volume without labels.
 
     Examples
     --------
@@ -41,6 +43,10 @@ class Record(NamedTuple):
     high: Sequence[float]
     error: float
     hash: int
+    labels: Sequence[int] = ()
+
+
+Bodies = dict["int | None", Mesh]  # what a piece has of each label; of a volume without labels one under None
 
 
 def files(place: str) -> tuple[Any, str]:
@@ -81,33 +87,54 @@ def put(place: str, name: str, data: bytes) -> None:
         file.write(data)
 
 
-def empty() -> Mesh:
-    """No triangles."""
+def beside(meshes: Sequence[Mesh]) -> Mesh:
+    """All as one mesh, none of their vertices joined, with keys where all have them."""
     np = arrays.numpy("bitvox.big")
-    return Mesh(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.uint32))
+    begin = np.cumsum([0, *(mesh.n_vertices for mesh in meshes)])
+    if begin[-1] >= 2**32:
+        raise RangeError(f"{begin[-1]} vertices are more than one mesh holds; take a box, or a coarser level")
+    if not meshes:
+        return Mesh(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.uint32))
+    made = Mesh(np.concatenate([mesh.vertices for mesh in meshes]),
+                np.concatenate([np.asarray(mesh.faces) + np.uint32(n) for mesh, n in zip(meshes, begin)]))
+    keys = [mesh.keys for mesh in meshes]
+    made._keys = tuple(map(np.concatenate, zip(*keys))) if all(keys) else None
+    return made
 
 
-def write_piece(place: str, level: int, index: Index, mesh: Mesh | None, error: float) -> Record:
+def write_piece(place: str, level: int, index: Index, bodies: Bodies, error: float) -> Record:
     np = arrays.numpy("bitvox.big")
-    if mesh is None or not mesh.n_faces:
-        mesh, record = empty(), Record(0, 0, (0, 0, 0), (0, 0, 0), 0.0, 0)
-    else:
-        record = Record(mesh.n_vertices, mesh.n_faces, *mesh.bounds, error, mesh.content_hash())
+    bodies = {label: mesh for label, mesh in bodies.items() if mesh.n_faces}
+    mesh, labels = beside(list(bodies.values())), [label for label in bodies if label is not None]
+    record = Record(mesh.n_vertices, mesh.n_faces, *mesh.bounds, error, mesh.content_hash(), labels) if bodies else Record(0, 0, (0, 0, 0), (0, 0, 0), 0.0, 0)
     keys = mesh.keys or (np.zeros(0, np.uint64),) * 2
+    ends = np.cumsum([(one.n_vertices, one.n_faces) for one in bodies.values()] or [(0, 0)], axis=0)
     data = io.BytesIO()
-    np.savez(data, vertices=mesh.vertices, faces=mesh.faces, vertex_keys=keys[0], face_keys=keys[1], record=json.dumps(record))
+    np.savez(data, vertices=mesh.vertices, faces=mesh.faces, vertex_keys=keys[0], face_keys=keys[1], ends=ends, record=json.dumps(record))
     put(place, name_of(level, index), data.getbuffer())  # type: ignore[arg-type]
     return record
 
 
-def read_piece(place: str, level: int, index: Index) -> tuple[Mesh, Record]:
-    np = arrays.numpy("bitvox.big")
+def read_bodies(place: str, level: int, index: Index) -> tuple[Bodies, Record]:
+    np, made = arrays.numpy("bitvox.big"), dict[Any, Mesh]()
     system, root = files(place)
     with system.open(f"{root}/{name_of(level, index)}", "rb") as file, np.load(file) as held:
-        mesh = Mesh(held["vertices"], held["faces"])
-        if len(held["vertex_keys"]):
-            mesh._keys = held["vertex_keys"], held["face_keys"]
-        return mesh, Record(*json.loads(str(held["record"])))
+        record, begin = Record(*json.loads(str(held["record"]))), (0, 0)
+        at, faces, keys = held["vertices"], held["faces"], (held["vertex_keys"], held["face_keys"])
+        labels: list[int | None] = [*record.labels] or [None]
+        for label, end in zip(labels, held["ends"]):
+            (v, f), (w, g) = begin, end
+            made[label] = Mesh(at[v:w], faces[f:g] - np.uint32(v))
+            if len(keys[0]):
+                made[label]._keys = keys[0][v:w], keys[1][f:g]
+            begin = end
+    return made, record
+
+
+def read_piece(place: str, level: int, index: Index, label: int | None = None) -> Mesh:
+    """A piece, or what it has of a label."""
+    bodies, _ = read_bodies(place, level, index)
+    return beside([mesh for one, mesh in bodies.items() if label in (None, one)])
 
 
 def compute(tasks: Any, client: Any, bar: bool = False) -> Any:

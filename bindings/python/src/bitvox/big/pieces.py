@@ -15,7 +15,7 @@ import zipfile
 from typing import Any, Callable, Iterator, Sequence
 
 from .. import _arrays as arrays
-from .._errors import ArgumentError, FormatError, RangeError, ResultWarning, need
+from .._errors import ArgumentError, FormatError, ResultWarning, need
 from .._lattice import Lattice, Placed, Window, _lattice_from
 from .._levels import simplify
 from .._mesh import Mesh
@@ -24,7 +24,8 @@ from .._stages import merge
 from .._words import FaceRule
 from . import written
 from .chunks import Chunks, Index, indices, joins, planes
-from .disk import PART, Record, compute, empty, files, index_of, listed, name_of, put, read_piece, write_piece
+from .disk import PART, Record, beside, compute, files, index_of, listed, name_of, put, read_bodies, read_piece, write_piece
+from .labels import Labels
 from .plan import one_type
 from .store import path_of
 from .volume import Volume, surface_parts
@@ -80,6 +81,18 @@ class Pieces(Placed):
     def _of(self, level: int) -> dict[Index, Record]:
         return self.records[in_range("level", level, 0, len(self.records) - 1)]
 
+    @property
+    def labels(self) -> list[int]:
+        """Labels of all bodies, ascending; none of a volume without labels.
+
+        Examples
+        --------
+        >>> labels = bitvox.big.Labels(np.arange(27).reshape(3, 3, 3) // 9)
+        >>> bitvox.big.run(labels, 'bodies', show=None).labels
+        [1, 2]
+        """
+        return sorted({label for record in self.records[0].values() for label in record.labels})
+
     def n_faces(self, level: int = 0) -> int:
         """Triangles of a level.
 
@@ -102,7 +115,7 @@ class Pieces(Placed):
         """
         return max((record.error for record in self._of(level).values()), default=0.0)
 
-    def read(self, index: Index, level: int = 0) -> Mesh:
+    def read(self, index: Index, level: int = 0, label: int | None = None) -> Mesh:
         """One piece.
 
         Parameters
@@ -111,6 +124,8 @@ class Pieces(Placed):
             (x, y, z) of a piece of the level.
         level
             0 is the finest.
+        label
+            of the body; None: all of them.
 
         Examples
         --------
@@ -120,9 +135,9 @@ class Pieces(Placed):
         """
         if tuple(index) not in self._of(level):
             raise ArgumentError(f"level {level} has no triangles in piece {tuple(index)}")
-        return read_piece(self.path, level, index)[0]
+        return read_piece(self.path, level, index, label)
 
-    def meshes(self, level: int = 0, box: Sequence[Any] | None = None) -> Iterator[Mesh]:
+    def meshes(self, level: int = 0, box: Sequence[Any] | None = None, label: int | None = None) -> Iterator[Mesh]:
         """The pieces of a level, one after another.
 
         Parameters
@@ -131,6 +146,8 @@ class Pieces(Placed):
             0 is the finest.
         box
             ((x, y, z), (x, y, z)): only pieces whose bounds meet it [world].
+        label
+            of the body; None: all of them.
 
         Examples
         --------
@@ -138,17 +155,28 @@ class Pieces(Placed):
         >>> sum(mesh.n_faces for mesh in pieces.meshes()) == pieces.n_faces()
         True
         """
-        for index, (_, _, low, high, *_) in self._of(level).items():
+        for index in self._held(level, label):
+            low, high = self.records[level][index][2:4]
             if box is None or all(a <= q and p <= b for a, b, p, q in zip(low, high, *box)):
-                yield self.read(index, level)
+                yield self.read(index, level, label)
 
-    def merge(self, level: int = 0, box: Sequence[Any] | None = None) -> Mesh:
+    def _held(self, level: int, label: int | None) -> list[Index]:
+        """Pieces that have triangles of a label."""
+        return [index for index, record in self._of(level).items() if label is None or label in record.labels]
+
+    def _one(self, label: int | None) -> None:
+        if (label is None) == bool(self.labels):
+            raise ArgumentError("bodies that touch are not joined into one mesh; give label=" if label is None else "these pieces have no labels")
+
+    def merge(self, level: int = 0, box: Sequence[Any] | None = None, label: int | None = None) -> Mesh:
         """Pieces as one mesh, where they fit into memory. All of level 0 are the bytes of `surface`.
 
         Parameters
         ----------
         level, box
             as for `meshes`; of a part the sides where it was cut are open.
+        label
+            of the body: needed where there are labels.
 
         Examples
         --------
@@ -156,10 +184,11 @@ class Pieces(Placed):
         >>> bitvox.big.run(volume, 'a', show=None).merge() == bitvox.big.surface(volume)
         True
         """
-        found = list(self.meshes(level, box))
+        self._one(label)
+        found = list(self.meshes(level, box, label))
         return _welded(found) if level or not found else merge(found)
 
-    def save(self, path: str | os.PathLike[str], level: int = 0) -> None:
+    def save(self, path: str | os.PathLike[str], level: int = 0, label: int | None = None) -> None:
         """Write a level as one file, piece after piece.
 
         Parameters
@@ -168,6 +197,8 @@ class Pieces(Placed):
             ends in .ply or .stl.
         level
             0 is the finest.
+        label
+            of the body: needed where there are labels.
 
         Examples
         --------
@@ -176,7 +207,8 @@ class Pieces(Placed):
         >>> bitvox.read('a.ply').check().closed
         True
         """
-        written.save(self, path, level)
+        self._one(label)
+        written.save(self, path, level, label)
 
     def save_regions(self, folder: str | os.PathLike[str], level: int = 0, *, format: str = "glb", client: Any = None) -> None:
         """Write each piece of a level as a file of its own, named by its index: ``1_0_2.glb``.
@@ -214,11 +246,11 @@ class Pieces(Placed):
         folder
             or a URL, that all workers reach.
         segment
-            id of the body.
+            id of the body, where there are no labels.
         bits
             of a position in its fragment, 10 or 16.
         sharded
-            one file, ``0.shard``, in place of ``1`` and ``1.index``.
+            one file, ``0.shard``, in place of two of each body, ``1`` and ``1.index``.
         nanometers
             of one unit of the world.
         client
@@ -238,7 +270,7 @@ class Pieces(Placed):
         return f"Pieces({', '.join(str(self.n_faces(level)) for level in range(len(self.records)))} faces in {self.chunks!r})"
 
 
-def run(volume: Volume, path: str | os.PathLike[str], *, levels: int = 1, face_rule: FaceRule = "separate", dtype: Any = None,
+def run(volume: Volume | Labels, path: str | os.PathLike[str], *, levels: int = 1, face_rule: FaceRule = "separate", dtype: Any = None,
         overwrite: bool = False, client: Any = None, show: Callable[[str], Any] | None = print) -> Pieces:
     """Write the surface of a volume in pieces, and coarser levels of it, each of a fourth of the triangles.
 
@@ -247,6 +279,8 @@ def run(volume: Volume, path: str | os.PathLike[str], *, levels: int = 1, face_r
 
     Parameters
     ----------
+    volume
+        its surface, or of `Labels` that of each body: alone, so that where three meet, gaps of less than a voxel stay between them.
     path
         a folder or a URL that all workers reach.
     levels
@@ -290,7 +324,7 @@ def run(volume: Volume, path: str | os.PathLike[str], *, levels: int = 1, face_r
     there = [at for at in wanted if name_of(*at) in files_there]
     made: dict[Any, Any] = {at: record for at, record in zip(there, compute([look(place, *at) for at in there], client)) if record}
     old = len(made)
-    for index, part in zip(cut, surface_parts(volume, **options)):
+    for index, part in zip(cut, volume._bodies(options) if isinstance(volume, Labels) else surface_parts(volume, **options)):
         if (0, index) not in made:
             made[0, index] = make(place, index, part)
     if show:
@@ -361,45 +395,38 @@ def _collapsed(mesh: Mesh, low: Sequence[float], high: Sequence[float], near: Se
 
 def _welded(meshes: Sequence[Mesh]) -> Mesh:
     """One mesh, its vertices at equal positions one."""
-    mesh = _beside(meshes or [empty()])
+    mesh = beside(meshes)
     np = arrays.numpy("bitvox.big")
     at = np.ascontiguousarray(mesh.vertices)
     _, first, number = np.unique(at.view(f"V{at.itemsize * 3}").ravel(), return_index=True, return_inverse=True)
     return Mesh(at[first], number.astype(np.uint32)[mesh.faces])
 
 
-def _beside(meshes: Sequence[Mesh]) -> Mesh:
-    np = arrays.numpy("bitvox.big")
-    begin = np.cumsum([0, *(mesh.n_vertices for mesh in meshes)])
-    if begin[-1] >= 2**32:
-        raise RangeError(f"{begin[-1]} vertices are more than one mesh holds; take a box, or a coarser level")
-    return Mesh(np.concatenate([mesh.vertices for mesh in meshes]),
-                np.concatenate([np.asarray(mesh.faces) + np.uint32(n) for mesh, n in zip(meshes, begin)]))
-
-
 # ---- what tasks do ----
 
 
-def _made(place: str, index: Index, mesh: Mesh) -> Record:
-    return write_piece(place, 0, index, mesh, 0.0)
+def _made(place: str, index: Index, part: Mesh | Sequence[tuple[int, Mesh]]) -> Record:
+    return write_piece(place, 0, index, {None: part} if isinstance(part, Mesh) else dict(part), 0.0)  # type: ignore[arg-type]
 
 
 def _joined(place: str, cut: Chunks, level: int, index: Index, parts: Sequence[tuple[Index, Record]]) -> Record:
-    parts = [(i, record) for i, record in parts if record.triangles]
-    if not parts:
-        return write_piece(place, level, index, None, 0.0)
-    fine = _beside([read_piece(place, level - 1, i)[0] for i, _ in parts])
-    mesh = _collapsed(fine, *planes(cut, level, index), [edge / 8 for edge in cut.lattice.spacing])
-    return write_piece(place, level, index, mesh, max(record.error for _, record in parts) + mesh.report.distance.max)
+    fine: dict[Any, list[Mesh]] = {}
+    for i, record in parts:
+        for label, mesh in read_bodies(place, level - 1, i)[0].items() if record.triangles else ():
+            fine.setdefault(label, []).append(mesh)
+    near, ends = [edge / 8 for edge in cut.lattice.spacing], planes(cut, level, index)
+    made: dict[Any, Mesh] = {label: _collapsed(beside(fine.pop(label)), *ends, near) for label in sorted(fine)}
+    error = max((record.error for _, record in parts), default=0.0) + max((mesh.report.distance.max for mesh in made.values()), default=0.0)
+    return write_piece(place, level, index, made, error)
 
 
 def _known(place: str, level: int, index: Index) -> Record | None:
     """The record of a piece that is there, or None when it is not the mesh that the record says."""
     try:
-        mesh, record = read_piece(place, level, index)
+        bodies, record = read_bodies(place, level, index)
     except (OSError, EOFError, ValueError, TypeError, KeyError, zipfile.BadZipFile):
         return None
-    return record if not record.triangles or mesh.content_hash() == record.hash else None
+    return record if not record.triangles or beside(list(bodies.values())).content_hash() == record.hash else None
 
 
 def _begin(place: str, head: dict[str, Any], overwrite: bool) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import shutil
+import uuid
 from typing import Any, Sequence
 
 from .._errors import ArgumentError, FormatError, need
@@ -10,6 +12,7 @@ from .._grid import Grid
 from .._lattice import Lattice, Window, _lattice_from
 from .._run import in_range
 from .chunks import Chunks, Index
+from .disk import PART
 from .volume import Volume
 
 
@@ -34,7 +37,7 @@ def to_zarr(volume: Volume, path: str | os.PathLike[str], *, inner: int = 64, un
     unit
         of the world, such as "millimeter" (OME-Zarr's names).
     overwrite
-        replace what is there.
+        replace what is there; on disks it stays until the new one is whole, so that it may be what the volume is read from.
     compute
         False returns the delayed tasks.
 
@@ -52,17 +55,26 @@ def to_zarr(volume: Volume, path: str | os.PathLike[str], *, inner: int = 64, un
         raise ArgumentError(f"chunks of {cut.size} are not multiples of inner={inner}; give other chunks or another inner")
     if not os.fspath(path):
         raise ArgumentError("path is empty; it must name a folder or a URL")
+    local = overwrite and compute and "://" not in name and os.path.isdir(name)
+    target = f"{name}.{uuid.uuid4().hex}{PART}" if local else name
     try:
-        group = zarr.open_group(name, mode="w" if overwrite else "w-", zarr_format=3)
+        group = zarr.open_group(target, mode="w" if overwrite else "w-", zarr_format=3)
     except FileExistsError as why:
         raise FileExistsError(f"{name} exists and is not empty; overwrite=True replaces it") from why
     group.create_array("0", shape=volume.shape[::-1], chunks=pieces, shards=shards, dtype="uint8", fill_value=0,
                        compressors=zarr.codecs.ZstdCodec(level=3), dimension_names=("z", "y", "x"))
     write = dask.delayed(_write, pure=False)  # what is on the disk may have changed since
-    tasks = [write(name, cut, index, block) for index, block in volume.blocks.items()]
-    if compute:
-        dask.compute(*tasks)
-    group.attrs.update(_metadata(volume, unit, os.path.basename(name.rstrip("/"))))  # last: without it the group is not read
+    tasks = [write(target, cut, index, block) for index, block in volume.blocks.items()]
+    try:
+        if compute:
+            dask.compute(*tasks)
+        group.attrs.update(_metadata(volume, unit, os.path.basename(name.rstrip("/"))))  # last: without it the group is not read
+        if local:
+            shutil.rmtree(name)
+            os.replace(target, name)
+    finally:
+        if local:
+            shutil.rmtree(target, ignore_errors=True)
     return None if compute else tasks
 
 

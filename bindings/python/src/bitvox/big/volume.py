@@ -19,6 +19,7 @@ from .._stages import surface as whole_surface
 from .chunks import Chunks, Index, join, laid_out, overlap, window_of
 from .parts import Found, found
 from .plan import check_options, load, one_type, place_chunks, source_of, split_place, voxelize_window
+from .stream import Triangles, by_rows, column, kind_of, sort_triangles
 from .._words import Beyond, DistanceSide, FaceRule, FloatName, Reduce
 
 
@@ -642,7 +643,8 @@ def _part(chunks: Chunks, index: Index, options: dict[str, Any], *grids: Grid) -
     return whole_surface(join(chunks.lattice, window, grids), keys=True, open_sides=sides, **{"threads": 1, **options})
 
 
-def voxelize(mesh: Any, lattice: Lattice | None = None, *, chunks: int | Sequence[int] = 512, **options: Any) -> Volume:
+def voxelize(mesh: Any, lattice: Lattice | None = None, *, chunks: int | Sequence[int] = 512, spill: str | os.PathLike[str] | None = None,
+             **options: Any) -> Volume:
     """The voxels of a mesh in chunks.
 
     Parameters
@@ -653,6 +655,9 @@ def voxelize(mesh: Any, lattice: Lattice | None = None, *, chunks: int | Sequenc
         a `bitvox.Lattice`, or resolution, spacing, padding, corner as for `bitvox.voxelize`.
     chunks
         voxels of a chunk along each axis; multiples of 64 along x are fastest.
+    spill
+        for a mesh that does not fit into memory, a binary PLY or STL of triangles: a folder, that all workers reach, where its triangles are
+        sorted to columns of chunks before this returns; about 36 bytes a triangle. Rows are filled by "parity" or "nonzero" there.
     options
         rules of `bitvox.voxelize`; not fill "flood" or "regions", which look at the whole.
 
@@ -665,11 +670,15 @@ def voxelize(mesh: Any, lattice: Lattice | None = None, *, chunks: int | Sequenc
     --------
     >>> bitvox.big.voxelize('knot.ply', resolution=32, chunks=16).count() == bitvox.voxelize('knot.ply', resolution=32).count
     True
+    >>> bitvox.big.voxelize('knot.ply', resolution=32, chunks=(32, 16, 16), spill='columns').count() == bitvox.voxelize('knot.ply', resolution=32).count
+    True
     """
     dask = need("dask", "big")
     source = source_of(mesh)
     where = split_place(options)
     check_options(options)
+    if spill is not None:
+        return _streamed(source, lattice, chunks, where, os.path.abspath(os.fspath(spill)), by_rows(options))
     cut = place_chunks(source, lattice, chunks, where)
     held = source if isinstance(source, str) else dask.delayed(source, pure=True)
     make = dask.delayed(_voxelized, pure=True)
@@ -678,6 +687,21 @@ def voxelize(mesh: Any, lattice: Lattice | None = None, *, chunks: int | Sequenc
         known = os.stat(source)
         state = known.st_size, known.st_mtime_ns
     return Volume(cut, {index: make(held, cut, index, options, state) for index in cut})
+
+
+def _streamed(source: Any, lattice: Lattice | None, chunks: Any, where: dict[str, Any], folder: str, options: dict[str, Any]) -> Volume:
+    if not isinstance(source, str):
+        raise ArgumentError("spill is for a mesh in a file")
+    triangles = Triangles(source)
+    cut = place_chunks(None, Lattice.fit_box(*triangles.bounds(), **where) if lattice is None else lattice, chunks, {} if lattice is None else where)
+    sort_triangles(triangles, cut, folder)
+    make, known = need("dask", "big").delayed(_column_voxels, pure=True), os.stat(source)
+    return Volume(cut, {i: make(folder, kind_of(triangles), cut, i, options, (source, known.st_size, known.st_mtime_ns)) for i in cut})
+
+
+def _column_voxels(folder: str, kind: str, cut: Chunks, index: Index, options: dict[str, Any], state: Any) -> Grid:
+    mesh, window = column(folder, index, kind), cut.window(index)
+    return voxelize_window(mesh, cut.lattice, window, options) if mesh.n_faces else Grid(cut.lattice, window)
 
 
 def _voxelized(source: Any, cut: Chunks, index: Index, options: dict[str, Any], state: Any) -> Grid:

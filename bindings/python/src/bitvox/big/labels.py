@@ -1,0 +1,145 @@
+"""Labels in chunks on Dask: segmentations that do not fit into memory."""
+
+from __future__ import annotations
+
+import operator
+from typing import Any, Sequence
+
+from .. import _arrays as arrays
+from .._errors import ArgumentError, need
+from .._grid import Grid
+from .._lattice import Lattice, Placed
+from .._mesh import Mesh
+from .._run import SIDES, in_range
+from .._stages import surface
+from .chunks import Chunks, Index
+from .samples import Samples
+from .volume import Volume, from_dask
+
+
+class Labels(Placed):
+    """A volume of whole numbers in chunks, one a body, nothing of it computed before it is requested. `run` writes all bodies in pieces.
+
+    Parameters
+    ----------
+    array
+        a Dask array [x, y, z] of integers to 64 bits, or `Samples` of such.
+    lattice
+        where it lies. Default: corner 0, spacing 1.
+    background
+        the number that is no body.
+    chunks
+        voxels of a task along each axis; None: the array's own.
+
+    Attributes
+    ----------
+    array
+        the Dask array.
+    chunks
+        the `Chunks` of its lattice.
+    background
+        as given.
+
+    Examples
+    --------
+    >>> import dask.array
+    >>> labels = bitvox.big.Labels(dask.array.arange(27, chunks=27).reshape(3, 3, 3) // 9, chunks=2)
+    >>> labels.counts()
+    {1: 9, 2: 9}
+    >>> bitvox.big.run(labels, 'bodies', show=None).merge(label=2).check().closed
+    True
+    """
+
+    __slots__ = ("array", "chunks", "background")
+    array: Any
+    chunks: Chunks
+    background: int
+
+    def __init__(self, array: Any, lattice: Lattice | None = None, *, background: int = 0, chunks: int | Sequence[int] | None = None) -> None:
+        samples = array if isinstance(array, Samples) and lattice is None else Samples(getattr(array, "array", array), lattice)
+        if samples.array.dtype.kind not in "iub":
+            raise ArgumentError(f"array has samples of {samples.array.dtype}; labels are integers")
+        self.array, self.chunks, self.background = samples.array, samples._cut(chunks), in_range("background", background, -(2**63), 2**64 - 1)
+
+    @property
+    def lattice(self) -> Lattice:
+        """The lattice whose voxels have the labels."""
+        return self.chunks.lattice
+
+    def counts(self) -> dict[int, int]:
+        """Voxels of each label, ascending, without the background; computes.
+
+        Examples
+        --------
+        >>> import dask.array
+        >>> bitvox.big.Labels(dask.array.ones((4, 4, 4), chunks=2, dtype='uint64')).counts()
+        {1: 64}
+        """
+        dask, total = need("dask", "big"), dict[int, int]()
+        look = dask.delayed(_counts, pure=True)
+        for found in dask.compute(*[look(part) for part in self.array.to_delayed().ravel()]):
+            for label, count in found:
+                total[label] = total.get(label, 0) + count
+        total.pop(self.background, None)
+        return dict(sorted(total.items()))
+
+    def volume(self, label: int) -> Volume:
+        """The voxels of one label.
+
+        Examples
+        --------
+        >>> import dask.array
+        >>> bitvox.big.Labels(dask.array.ones((4, 4, 4), chunks=2, dtype='uint64')).volume(1).count()
+        64
+        """
+        return from_dask(self.array == in_range("label", label, -(2**63), 2**64 - 1), self.lattice, chunks=self.chunks.size)
+
+    def _bodies(self, options: dict[str, Any]) -> list[Any]:
+        """For each chunk its part of the surface of each label in it."""
+        made = need("dask", "big").delayed(_bodies_of, pure=True)
+        cut = self.chunks
+        return [made(Samples(self.array, self.lattice)._window(*cut.cells(i)[0]), cut, i, self.background, options) for i in cut]
+
+    def __dask_tokenize__(self) -> Any:
+        return type(self).__name__, self.array.name, self.lattice._key(), self.chunks.size, self.background
+
+    def __repr__(self) -> str:
+        return f"Labels({self.array.dtype}, {self.chunks!r})"
+
+
+def _counts(array: Any) -> list[tuple[int, int]]:
+    labels, counts = arrays.numpy("bitvox.big").unique(array, return_counts=True)
+    return list(zip(labels.tolist(), counts.tolist()))
+
+
+def _boxes(array: Any, background: int) -> list[tuple[Any, Any, Any]]:
+    """Each label of an array [z, y, x] with its lowest and highest voxel (x, y, z), by runs along rows."""
+    np, (nz, ny, nx) = arrays.numpy("bitvox.big"), array.shape
+    flat = array.ravel()
+    begins = np.ones(flat.size, bool)
+    np.not_equal(flat[1:], flat[:-1], out=begins[1:])
+    begins[::nx] = True
+    first = np.flatnonzero(begins)
+    last = np.append(first[1:], flat.size) - 1
+    order = np.argsort(flat[first], kind="stable")
+    labels, first, last = flat[first][order], first[order], last[order]
+    group = np.flatnonzero(np.append(True, labels[1:] != labels[:-1]))
+    y, z = first // nx % ny, first // (nx * ny)
+    low = np.stack([np.minimum.reduceat(values, group) for values in (first % nx, y, z)], axis=1)
+    high = np.stack([np.maximum.reduceat(values, group) for values in (last % nx, y, z)], axis=1)
+    return [one for one in zip(labels[group], low, high) if int(one[0]) != background]
+
+
+def _bodies_of(array: Any, cut: Chunks, index: Index, background: int, options: dict[str, Any]) -> list[tuple[int, Mesh]]:
+    """Of each label that is in a chunk its surface there, from a window about its voxels."""
+    np, (window, sides) = arrays.numpy("bitvox.big"), cut.cells(index)
+    values, made = np.ascontiguousarray(array.transpose(2, 1, 0)), []
+    for label, low, high in _boxes(values, background):
+        low, high = np.maximum(low - 1, 0), np.minimum(high + 2, window.size)
+        part = values[tuple(slice(a, b) for a, b in zip(low[::-1], high[::-1]))] == label
+        grid = Grid.from_numpy(part, order="zyx", lattice=cut.lattice, low=tuple(map(operator.add, window.low, low.tolist())))
+        ends = [side for axis in range(3) for side, there in zip(SIDES[2 * axis :], (low[axis] == 0, high[axis] == window.size[axis])) if there]
+        mesh = surface(grid, keys=True, open_sides=[side for side in ends if side in sides], threads=1, **options)
+        if mesh.n_faces:
+            made.append((int(label), mesh))
+    return made

@@ -1,0 +1,119 @@
+"""Labels in chunks: each body is that of the whole, closed on each level, and what Neuroglancer reads."""
+
+import json
+import os
+import signal
+import threading
+
+import numpy as np
+import pytest
+
+import bitvox
+
+dask = pytest.importorskip("dask")
+da = pytest.importorskip("dask.array")
+zarr = pytest.importorskip("zarr")
+from bitvox import big  # noqa: E402
+
+pytestmark = pytest.mark.filterwarnings("ignore::bitvox.ResultWarning")
+PLACE = bitvox.Lattice((50, 44, 38), (0.5, 1.0, 0.75), (-3.0, 4.0, 5.0))
+HIGH = 2**63 + 5  # does not fit into a float
+
+
+def cells(dtype="uint64", shape=PLACE.shape, count=12):
+    """Voronoi cells in a ball, some beyond the sides; of one body two voxels lie apart."""
+    rng = np.random.default_rng(3)
+    at = np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), axis=-1)
+    seeds = rng.random((count, 3)) * shape
+    nearest = np.argmin([((at - seed) ** 2).sum(axis=-1) for seed in seeds], axis=0) + 1
+    values = np.where(((at - np.divide(shape, 2)) ** 2).sum(axis=-1) < (0.48 * max(shape)) ** 2, nearest, 0).astype(dtype)
+    values[values == 3] = HIGH if np.dtype(dtype) == np.uint64 else -7 if np.dtype(dtype).kind == "i" else 3
+    values[0, 0, :2] = 5
+    return values
+
+
+@pytest.mark.parametrize("chunks", [16, (50, 9, 20), 64])
+def test_bodies_are_those_of_the_whole(chunks, tmp_path):
+    values = cells()
+    labels = big.Labels(da.from_array(values, chunks=(20, 44, 17)), PLACE, chunks=chunks)
+    counts = dict(zip(*(part.tolist() for part in np.unique(values[values != 0], return_counts=True))))
+    assert labels.counts() == counts and labels.volume(HIGH).count() == counts[HIGH] and labels.lattice == PLACE and labels.shape == PLACE.shape
+    pieces = big.run(labels, tmp_path / "bodies", levels=3, show=None)
+    assert pieces.labels == sorted(counts) and big.Pieces(tmp_path / "bodies").records == pieces.records
+    total = 0
+    for label, count in counts.items():
+        whole = bitvox.surface(bitvox.Grid.from_numpy(values == label, lattice=PLACE), keys=True)
+        assert pieces.merge(label=label) == whole
+        total += whole.n_faces
+        for level in (1, 2):
+            mesh = pieces.merge(level, label=label)
+            assert mesh.check().closed and mesh.check().oriented and mesh.check().vertex_manifold and not len(mesh.crossings())
+            if count > 1000:
+                assert abs(mesh.volume / whole.volume - 1) < (0.03, 0.09)[level - 1]
+    assert pieces.n_faces() == total and pieces.n_faces(1) < total / 2
+    pieces.save(tmp_path / "a.ply", 1, label=HIGH)
+    assert bitvox.read(tmp_path / "a.ply").check().closed
+
+
+def test_same_bytes_from_other_chunks_and_kinds(tmp_path):
+    values = cells("int16")
+    made = [big.run(big.Labels(big.Samples(da.from_array(values.astype(kind), chunks=sides), PLACE), chunks=16), tmp_path / f"{k}", levels=3, show=None)
+            for k, (kind, sides) in enumerate((("int16", 11), ("int64", (50, 3, 38))))]
+    assert made[0].records == made[1].records and -7 in made[0].labels
+    other = big.run(big.Labels(values, PLACE, background=4, chunks=16), tmp_path / "other", show=None)
+    assert 0 in other.labels and 4 not in other.labels
+
+
+def test_what_is_refused(tmp_path):
+    pieces = big.run(big.Labels(cells(), PLACE, chunks=64), tmp_path / "a", show=None)
+    for wrong in (lambda: pieces.merge(), lambda: pieces.save(tmp_path / "a.ply"), lambda: big.Labels(np.ones((4, 4, 4))), lambda: big.Labels(np.ones((4, 4), int)),
+                  lambda: big.Labels(np.ones((4, 4, 4), int), background=0.5), lambda: big.run(big.from_dask(np.ones((3, 3, 3))), tmp_path / "b", show=None).merge(label=1)):
+        with pytest.raises((bitvox.Error, TypeError)):
+            wrong()
+    assert pieces.merge(label=77).n_faces == 0
+    pytest.importorskip("DracoPy")
+    with pytest.raises(bitvox.Error, match="label"):  # no segment below 1
+        big.run(big.Labels(cells("int16"), PLACE, chunks=64), tmp_path / "c", show=None).to_neuroglancer(tmp_path / "mesh")
+    assert not big.run(big.Labels(np.zeros((5, 5, 5), int)), tmp_path / "d", levels=2, show=None).labels
+    noise = np.random.default_rng(1).integers(0, 200, (9, 8, 7))
+    pieces = big.run(big.Labels(noise, chunks=1), tmp_path / "e", levels=2, show=None)
+    assert pieces.merge(label=7) == bitvox.surface(bitvox.Grid.from_numpy(noise == 7), keys=True) and pieces.merge(1, label=7).check().closed
+
+
+@pytest.mark.parametrize("sharded", [False, True])
+def test_neuroglancer_reads_each_body(tmp_path, sharded, monkeypatch):
+    pytest.importorskip("DracoPy")
+    monkeypatch.setattr(big.written, "OPEN", 2)
+    values = np.pad(cells(count=6), 2)  # what the low sides cut would end half a voxel further in
+    lattice = bitvox.Lattice(values.shape)
+    pieces = big.run(big.Labels(values, lattice, chunks=16), tmp_path / "bodies", levels=3, show=None)
+    pieces.to_neuroglancer(tmp_path / "mesh", sharded=sharded)
+    named = {"0.shard", "info"} if sharded else {"info", *(f"{label}{end}" for label in pieces.labels for end in ("", ".index"))}
+    assert set(os.listdir(tmp_path / "mesh")) == named
+    cloudvolume = pytest.importorskip("cloudvolume")
+    info = cloudvolume.CloudVolume.create_new_info(1, "segmentation", "uint64", "raw", [1, 1, 1], [0, 0, 0], lattice.shape, mesh="mesh")
+    (tmp_path / "info").write_text(json.dumps(info))
+    store = cloudvolume.CloudVolume(f"file://{tmp_path}", progress=False)
+    for label in pieces.labels:
+        for level in range(3):
+            read = store.mesh.get(label, lod=level)
+            read = read[label] if isinstance(read, dict) else read
+            whole = pieces.merge(level, label=label)
+            mesh = big.pieces._welded([bitvox.Mesh(read.vertices, read.faces)])
+            assert mesh.check().closed and abs(mesh.volume / whole.volume - 1) < 0.02, (label, level)
+
+
+def test_a_worker_that_is_killed(tmp_path):
+    distributed = pytest.importorskip("distributed")
+    array = zarr.open_array(str(tmp_path / "l.zarr"), mode="w", shape=(64, 64, 64), chunks=(32, 32, 32), dtype="uint64")
+    array[...] = cells(shape=(64, 64, 64))
+    labels = big.Labels(big.samples_from_zarr(tmp_path / "l.zarr"), chunks=16)
+    alone = big.run(labels, tmp_path / "alone", levels=3, show=None)
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None,
+                                  local_directory=str(tmp_path)) as cluster, distributed.Client(cluster) as client:
+        victim = list(client.run(os.getpid).values())[0]
+        timer = threading.Timer(0.7, os.kill, (victim, signal.SIGKILL))
+        timer.start()
+        made = big.run(labels, tmp_path / "two", levels=3, client=client, show=None)
+        timer.join()
+    assert made.records == alone.records
