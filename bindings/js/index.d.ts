@@ -6,8 +6,8 @@ export type Triple = [number, number, number];
 export type TripleIn = readonly [number, number, number] | Float64Array | Float32Array | Int32Array;
 
 /** Formats of meshes that are read, and those that are written. */
-export type MeshFormatIn = 'stl' | 'obj' | 'ply' | 'off' | 'glb' | 'gltf';
-export type MeshFormat = 'stl' | 'obj' | 'ply' | 'off' | 'glb';
+export type MeshFormatIn = 'stl' | 'obj' | 'ply' | 'off' | 'glb' | 'gltf' | '3mf';
+export type MeshFormat = 'stl' | 'obj' | 'ply' | 'off' | 'glb' | '3mf';
 
 export type Fill = 'auto' | 'parity' | 'nonzero' | 'vote' | 'flood' | 'regions' | 'below' | 'winding';
 export type FillReason = 'asked' | 'sound' | 'nested' | 'overlap' | 'open' | 'unorientable';

@@ -64,8 +64,7 @@ bvx_status bvxi_advise_for_volume(bvx_context *ctx, const bvx_mesh_view *mesh, c
 /* Warn of what a solid's report says, as its owner's whole result; of how a mesh was filled and of the walls that
  * are lost, as one of several inputs (-1: the only one). */
 void bvxi_warn_of_solid(bvx_context *ctx, const bvx_grid *solid, bvx_solid_report *report);
-void bvxi_warn_of_fill(bvx_context *ctx, const bvx_grid *solid, const bvx_solid_report *report,
-                       int32_t input);
+void bvxi_warn_of_fill(bvx_context *ctx, const bvx_solid_report *report, int32_t input);
 void bvxi_warn_of_walls(bvx_context *ctx, const bvx_lattice *lattice, const bvx_solid_report *report,
                         int32_t input);
 

@@ -61,7 +61,7 @@ class Bitvox {
             .toLowerCase()
             .replace(/\.gz$/, '')
             .match(/\.([a-z0-9]+)$/)?.[1];
-        return ['stl', 'obj', 'ply', 'off', 'glb', 'gltf'].includes(ending) ? ending : undefined;
+        return ['stl', 'obj', 'ply', 'off', 'glb', 'gltf', '3mf'].includes(ending) ? ending : undefined;
     }
 
     readMesh(bytes, format, options = {}) {
