@@ -276,9 +276,11 @@ BVX_API const bvx_error *bvx_last_error(const bvx_context *context);
     X(BVX_WARN_LOWERED, 16, "the memory limit lowered the resolution from %d to %d voxels along the longest axis; " \
       "a larger limit keeps more detail") \
     X(BVX_WARN_DOUBLES, 17, "left out since others equal them: %d triangle%s") \
-    X(BVX_WARN_TURNED, 18, "turned since they faced the other way than the rest of their patch: %d triangle%s") \
-    X(BVX_WARN_ROWS, 19, "%d of %d rows of centres do not balance, where the surface has holes or flipped " \
-      "triangles; a repair closes them, and the rule below fills under open terrain") \
+    X(BVX_WARN_TURNED, 18, "{turned since they faced the other way than the rest of their patch: %d triangle%s}{the " \
+      "faces of the open mesh look inward, around a volume of %g, which became solid; where they are walls of a " \
+      "room, levels of the mesh as it is keep it open}") \
+    X(BVX_WARN_ROWS, 19, "%d row%s of centres do not balance, where the surface has holes or flipped triangles; a " \
+      "repair closes them, and the rule below fills under open terrain") \
     X(BVX_WARN_NESTED, 20, "closed shells lie inside others, face the same way and do not cross: what lies in both " \
       "is hollow; the rule nonzero has it solid") \
     X(BVX_WARN_LEAKS, 21, "the flood came through a hole to %d voxels that are surely inside; a larger close_gaps " \
@@ -300,8 +302,8 @@ BVX_API const bvx_error *bvx_last_error(const bvx_context *context);
     X(BVX_WARN_WINDOWS, 31, "between %d pairs of sections walls are too thin for the cells and may have windows; a " \
       "finer grid closes them") \
     X(BVX_WARN_REPEATED, 32, "left out: %d repeated point%s") \
-    X(BVX_WARN_LIDS, 33, "lids over %d hole%s are about %g %% of the surface, the longest rim is %g: nothing in " \
-      "the input says how the body went on there; close such holes first where that matters") \
+    X(BVX_WARN_LIDS, 33, "lids over %d hole%s are about %g %% of the surface, the longest rim is %g, in %b: nothing " \
+      "in the input says how the body went on there; close such holes first where that matters") \
     X(BVX_WARN_OPEN_PARTS, 34, "parts that end towards another one with no plane between: %d, one at %b; whether " \
       "they are one the contours leave open, and a section there, or more cells, decides it") \
     X(BVX_WARN_UNJOINED, 35, "parts of sections share no area with the next section and do not join it") \
@@ -412,7 +414,7 @@ typedef struct bvx_mesh {
     float *normals; /**< x, y, z of each vertex, or NULL [Size: vertex_capacity * 3] */
     float *uvs2; /**< second texture coordinates of each vertex, or NULL [Size: vertex_capacity * 2] */
     uint32_t *materials; /**< index of each triangle's material, or NULL [Size: triangle_capacity] */
-    bvx_assets *assets; /**< materials, textures and images of a glTF file, or NULL: passed on to a .glb */
+    bvx_assets *assets; /**< materials, textures and images of a glTF or 3MF file, or NULL: passed on to a .glb */
     uint64_t reserved[2];
 } bvx_mesh;
 
@@ -629,7 +631,8 @@ typedef struct bvx_solid_report {
     int32_t fill; /**< BVX_FILL_...: the rule that filled; AUTO reports its choice */
     int32_t fill_reason; /**< BVX_FILL_REASON_... */
     uint64_t crossings; /**< of rows with the surface, also outside the window along the row */
-    uint64_t unbalanced_rows; /**< rows whose crossings do not balance: there is a hole */
+    uint64_t unbalanced_rows; /**< rows whose crossings do not balance: there is a hole. winding: along x, or where
+                                   these balance about as many along y and z as lids stand in */
     uint64_t leaks; /**< flood: voxels off the surface that it reached although they are surely inside */
     uint64_t regions; /**< regions: how many there are */
     uint64_t mixed_regions; /**< regions: those that hold sure centres of both sides, or none */
@@ -910,6 +913,47 @@ typedef struct bvx_simplify_options {
 BVX_API bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh,
                                      const bvx_simplify_options *options, uint64_t level_count, bvx_mesh *levels);
 
+/* ---- Smoothing ----------------------------------------------------------------------------------------- */
+
+/* SINC: no wave is swollen, and the pass band ends sharply; TAUBIN: two steps an iteration. */
+enum { BVX_SMOOTH_SINC = 0, BVX_SMOOTH_TAUBIN = 1 };
+
+typedef struct bvx_smooth_report {
+    double volume_before; /**< of a closed mesh [Units: world^3] */
+    double volume_after; /**< likewise */
+    double largest_move; /**< of a vertex [Units: world] */
+    uint64_t held; /**< positions that do not move */
+    uint64_t undone; /**< positions that went back because of crossings */
+    uint64_t reserved[3];
+} bvx_smooth_report;
+
+typedef struct bvx_smooth_options {
+    size_t struct_size;
+    int32_t method; /**< BVX_SMOOTH_... [Limit: 0..1] [Default: BVX_SMOOTH_SINC] */
+    int32_t iterations; /**< the more, the sharper the pass band ends [Limit: 1..1000] [Default: 20] */
+    double pass_band; /**< what varies more slowly is kept: eigenvalues of the Laplacian, 0 to 2; 0.1 are waves of
+                           about 14 edges [Limit: 0.001..1] [Default: 0.1] */
+    double sharp_angle; /**< vertices of edges whose triangles turn by more stay; 0: none
+                             [Limit: 0..180] [Units: degrees] [Default: 0] */
+    int32_t hold_border; /**< 1: vertices of borders stay, else they are smoothed along these
+                              [Limit: 0..1] [Default: 0] */
+    int32_t no_crossings; /**< 1: moves are undone where triangles would cross that did not
+                               [Limit: 0..1] [Default: 0] */
+    bvx_smooth_report *report; /**< filled when not NULL [Default: NULL] */
+    uint64_t reserved[2];
+} bvx_smooth_options;
+
+/** Smooth the positions of any mesh; its triangles and attributes stay. Vertices at one position move as one. On
+ *  borders and on edges of three triangles and more, vertices have the neighbours along these alone; where other than
+ *  two such edges meet they stay, bit for bit. What is slower than the pass band keeps its size: a ball its volume to
+ *  0.1 %, a staircase of voxels about 1 %; report says by how much.
+ *  positions  out, of the view's type, doubles where it has a transform [Size: vertex_count * 3]
+ *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (also more than (2^32 - 1) / 3 triangles).
+ *  Source: Taubin. A Signal Processing Approach to Fair Surface Design. 1995. Taubin, Zhang, Golub. Optimal Surface
+ *  Smoothing as Filter Design. 1996. */
+BVX_API bvx_status bvx_mesh_smooth(bvx_context *context, const bvx_mesh_view *mesh, const bvx_smooth_options *options,
+                                   void *positions);
+
 /* ---- Repair -------------------------------------------------------------------------------------------- */
 
 /** Why a mesh needs a repair: the first of these that holds. */
@@ -1027,6 +1071,44 @@ typedef struct bvx_levels_options {
  *  with solid, BVX_ERR_BUDGET (names a limit that suffices). */
 BVX_API bvx_status bvx_build_levels(bvx_context *context, const bvx_mesh_view *mesh, const bvx_levels_options *options,
                                     uint64_t level_count, bvx_mesh *levels);
+
+/* ---- Hulls --------------------------------------------------------------------------------------------- */
+
+typedef struct bvx_hull_report {
+    bvx_lattice lattice; /**< that the hull was made on */
+    uint64_t triangles; /**< of the hull before edges collapse */
+    uint64_t outer_triangles; /**< of the input, on which the hull lies */
+    uint64_t shelled_triangles; /**< of the input, with outside on both sides: they became shells */
+    uint64_t lids; /**< crossings of lattice edges where an opening was closed */
+    uint64_t parts_dropped; /**< connected parts of the body: least_part, keep_largest */
+    uint64_t warnings; /**< 1 << BVX_WARN_... for each that the call gives */
+    uint64_t reserved[3];
+} bvx_hull_report;
+
+typedef struct bvx_hull_options {
+    size_t struct_size;
+    bvx_fit fit; /**< [Default: 256 voxels, padded by 2 voxels and half a shell] */
+    bvx_placing placing; /**< of the surface [Default: all zero] */
+    bvx_targets targets; /**< what each level has; errors are measured from the hull [Default: the first level is the
+                              hull itself, each further one has half the triangles of the one before] */
+    bvx_parts parts; /**< that are kept: least_part and keep_largest; every cavity is filled [Default: all zero] */
+    double shell; /**< thickness that walls with outside on both sides get where no centre lies in them; BVX_NONE: they
+                       are lost [Units: largest spacings] [Limit: BVX_NONE, or 0, or 1.5..10^6] [Default: 2] */
+    int32_t close_gaps; /**< openings of up to this many voxels are closed, larger ones stay [Units: voxels]
+                             [Limit: 0..65535] [Default: 0: those that no empty voxel leads through] */
+    int32_t reserved;
+    bvx_hull_report *report; /**< receives what was found and done when not NULL [Default: NULL] */
+    bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
+} bvx_hull_options;
+
+/** What of a mesh can be reached from outside, as closed levels: inner walls, shells and parts are gone, and the
+ *  surface lies on the outer of double walls. The mesh may be anything: walls doubled, welded through holes, crossing,
+ *  flipped, loose parts inside. Every level is closed, manifold, oriented and free of crossings; it has no attributes,
+ *  but bvx_mesh_carry gives it some. How openings are closed: docs/rules.md.
+ *  levels  [Size: level_count] as for bvx_mesh_simplify
+ *  Returns as bvx_build_levels; BVX_ERR_EMPTY also where the mesh encloses no centre and shell is BVX_NONE. */
+BVX_API bvx_status bvx_hull(bvx_context *context, const bvx_mesh_view *mesh, const bvx_hull_options *options,
+                            uint64_t level_count, bvx_mesh *levels);
 
 /* ---- Booleans of meshes -------------------------------------------------------------------------------- */
 
@@ -1969,7 +2051,7 @@ typedef struct bvx_complex {
     uint64_t *cells; /**< of each vertex: the cell (i,j,k) around the low corner of the window's voxel (i,j,k)
                              that holds it, as (k * (size[1] + 1) + j) * (size[0] + 1) + i [Size: vertices] */
     uint8_t *junctions; /**< of each vertex: sides of its cell (bits -x, +x, -y ...) through which an edge runs
-                             that has three faces or four [Size: vertices] */
+                             that has more than two faces [Size: vertices] */
     uint64_t face_count, label_count;
     int32_t low[3], size[3]; /**< the volume's window */
     int32_t owned; /**< 1 when bvx_complex_free frees the arrays */
@@ -1992,11 +2074,15 @@ typedef struct bvx_labels_options {
  *  have different labels; its corners are vertices of the four cells around that side, a cell being the box
  *  between eight centres. Faces that meet in a side of a cell share the vertex in it. Vertices are in order of
  *  (z, y, x) of their cell, faces of (z, y, x, axis) of their lower voxel. Beyond the window is background.
+ *  On the staircase labels touch themselves where they do as voxels. Smoothed, one that has two voxels across an edge
+ *  leads through between the other two, of two that alternate there the higher one, background being the highest. Where
+ *  that takes a vertex more, a face of its two triangles more is among the last ones, in order of their cells.
  *
  *  Smoothed, vertices go towards the mean of their neighbours, on junctions of three labels or more along these,
  *  and stay in their cells, 0.49 voxels from the centre along each axis. What faces between two labels have swept by
  *  that is undone along their normals, so labels keep the volume of their voxels to 0.1 %, but where most faces are at
- *  junctions. Vertices of triangles that cross then go back towards the cell's centre until none does.
+ *  junctions. Vertices of triangles that cross then go back towards the cell's centre until none does; only there do
+ *  positions of vertices that share a cell become equal.
  *  complex  brings no arrays of the caller's. Empty where there is no label
  *  Returns BVX_ERR_UNSUPPORTED (samples that are floats), BVX_ERR_ARGUMENT (also a background that samples cannot
  *  have), BVX_ERR_RANGE (2^32 - 1 vertices or 2^30 faces; positions too coarse). */
