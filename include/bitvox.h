@@ -598,7 +598,7 @@ static inline void bvx_grid_set(bvx_grid *grid, int32_t x, int32_t y, int32_t z,
 /* clang-format on */
 enum {
     BVX_FILL_LIST(BVX_LIST_ENUM) BVX_FILL_COUNT = 11,
-    /** Rules that bvx_voxelize_solid, bvx_boolean, bvx_repair and bvx_build_levels, bvx_measure_field take: 1 << rule */
+    /** Rules that solids, booleans, repair and levels, and fields take: bit 1 << rule */
     BVX_FILLS_OF_SOLID = 255,
     BVX_FILLS_OF_BOOLEAN = 1 << BVX_FILL_PARITY | 1 << BVX_FILL_NONZERO | 1 << BVX_FILL_VOTE | 1 << BVX_FILL_WINDING |
                            1 << BVX_FILL_AUTO,
