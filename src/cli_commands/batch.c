@@ -42,8 +42,7 @@ static const char *last_part(const char *path)
     return part;
 }
 
-/* The name in the folder: with the format's ending where one is said, else with the input's own, .gz included;
- * number stands before it. */
+/* The name in the folder, with the format's ending or the input's own, .gz included; number before it. */
 static char *path_in_folder(const char *folder, const char *input, const char *number, const char *ending)
 {
     const char *const name = last_part(input), *dot;
@@ -79,7 +78,9 @@ static const char *number_of_outputs(const cli_run *run, const cli_options *aske
 {
     int const several = asked->triangles.count > 1 || asked->errors.count > 1 || asked->count > 1;
     if (asked->format == BVX_FORMAT_GLB) return "";
-    return run->command->bit == CLI_LOD || (run->command->bit == CLI_SIMPLIFY && several) ? "_%d" : "";
+    return run->command->bit == CLI_LOD || ((run->command->bit & (CLI_SIMPLIFY | CLI_HULL)) != 0 && several)
+               ? "_%d"
+               : "";
 }
 
 /* No input is replaced, by none of the files that an output may have. */
@@ -93,8 +94,7 @@ static int check_not_replaced(cli_run *run, const batch *b, int i)
         const char *const path = several ? numbered : b->path[i];
         int status = path == NULL ? cli_fail(run, "no memory for a file's name") : CLI_DONE;
 
-        /* What is not there, and so is not even itself, is no input. By the file and not by the name: a link or
-         * another spelling is the same file. */
+        /* By the file, not its name: a link is the same file. What does not exist is no input. */
         int const others = path != NULL && cli_are_one_file(path, path) ? b->asked.inputs : 0;
 
         for (int k = 0; status == CLI_DONE && k < others; k++)

@@ -171,8 +171,7 @@ static void propagate_start(void *user, int32_t piece)
     }
 }
 
-/* The centre at takes over the point of the one before it when that is
- * closer. Centres of the band keep their own. */
+/* The centre at takes over the point of the one before it when that is closer. The band keeps its own. */
 static inline void propagate_offer(const propagate_job *job, const int32_t at[3], uint64_t to, uint64_t from)
 {
     uint32_t const offered = job->source[from], has = job->source[to];
@@ -229,7 +228,6 @@ static bvx_status propagate_all(bvx_context *ctx, propagate_job *job)
     for (int32_t s = 0; s < sweeps; s++) {
         double const from = 0.2 + 0.5 * s / sweeps, to = 0.2 + 0.5 * (s + 1) / sweeps;
 
-        /* Up and down along each axis in turn. */
         job->axis = s / 2 % 3;
         job->down = s % 2;
         job->pieces = bvxi_piece_count((uint64_t)g->size[job->axis == 2 ? 1 : 2], 1);

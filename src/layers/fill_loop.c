@@ -59,8 +59,7 @@ static int fill_by_table(const bvxi_trace *l, fill_table *t)
         for (uint32_t i = 0; i + gap < n; i++) {
             uint32_t const j = i + gap;
             double best = FILL_NEVER;
-            /* A chord within one face might be an edge of the
-             * neighbour's; the loop's own last side is no chord. */
+            /* A chord within one face might be an edge of the neighbour's; the last side is none. */
             if ((l->faces[i] & l->faces[j]) == 0 || gap == n - 1) {
                 for (uint32_t k = i + 1; k < j; k++) {
                     double const c = t->cost[i][k] + t->cost[k][j];
@@ -85,8 +84,7 @@ static int fill_four(const bvxi_trace *l, uint32_t *first)
 
 /* ---- a strip ---- */
 
-/* A loop of one stretch below and one above: below and above hold their
- * corners, side by side. Returns how many lie below, 0 for another loop. */
+/* A loop of one stretch below and one above: their corners. Returns how many lie below, or 0. */
 static uint32_t find_stretches(const bvxi_trace *l, uint32_t *below, uint32_t *above)
 {
     uint32_t const n = l->count;

@@ -4,14 +4,12 @@
  * These are nearly all cells, and what trace.c finds for them fits twelve places: the sides below, the sides
  * above, the heights over the corners. A side with two crossings joins them by a table of which of its four
  * corners are inside; one with four is left to trace.c, as all that is not plain is, and cells whose
- * triangles cross. Contours join crossings below and above. Loops, their first vertices and their order are
- * those of trace.c. */
+ * triangles cross. Contours join crossings below and above. */
 #include "layers/trace.h"
 
 enum { PLAIN_ABOVE = 4, PLAIN_OVER = 8, PLAIN_PLACES = 12, PLAIN_NONE = 0xff, PLAIN_OPEN = 0xfe };
 
-/* From one crossing (low four bits) to the other: 0 below, 1 right, 2 above, 3 left. Bits of the number:
- * inside at the left and right corner below, then above. */
+/* From crossing (low four bits) to crossing: 0 below, 1 right, 2 above, 3 left. Index: corners inside. */
 static const uint8_t plain_strip[16] = {PLAIN_NONE, 0x03, 0x10, 0x13, 0x32, 0x02, PLAIN_OPEN, 0x12, 0x21,
                                         PLAIN_OPEN, 0x20, 0x23, 0x31, 0x01, 0x30, PLAIN_NONE};
 

@@ -44,8 +44,7 @@ static int is_nothing(const bvxi_field *f, int k)
     return bvxi_plane_is_nothing(f->slab->plane[k]);
 }
 
-/* Where the part of plane k that is nearest to a place ends before the
- * other plane: its depth, and the distance to it; else 0. */
+/* Depth of the part of plane k nearest to a place, if it ends before the other plane, and distance; or 0. */
 static double ending_part(bvxi_field *f, int k, double u, double v, double *distance)
 {
     const bvxi_plane *const p = f->slab->plane[k];
@@ -140,8 +139,7 @@ static int ending_line(bvxi_field *f, int from, double u, double v, double d[2])
     return 1;
 }
 
-/* Where the blend is 0, as a share of the way: distances on both planes, with signs on those beyond. from:
- * the plane on which the place is inside. */
+/* Where the blend is 0, as a share of the way. Beyond distances have signs. from: the plane inside. */
 static double line_zero(const bvxi_field *f, int from, const double d[BVXI_BLEND_SECTIONS])
 {
     double value[BVXI_BLEND_SECTIONS];
@@ -224,8 +222,7 @@ static void measure_lines(bvxi_field *f, int k, int ends)
                  bits &= bits - 1, n++) {
                 int32_t const i = 64 * word + bvxi_lowest(bits);
                 if (ends && d[n] >= 0.0) continue;
-                /* Beside the last place its hint is still near; after
-                 * a gap a neighbour in the row below is better. */
+                /* Beside the last place its hint is still near; after a gap a neighbour below is better. */
                 if (i - last > 1) start_near(p, i);
                 d[n] = grid_distance(f, p, i, j);
                 if (k >= BVXI_BLEND_FAR_BELOW && !bvxi_grid_bit(s, p->plane, i, j)) d[n] = -d[n];
@@ -349,8 +346,7 @@ bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab)
     f->slab = slab;
     /* A plane without loops has nothing that levels could blend. */
     f->layers = is_nothing(f, 0) || is_nothing(f, 1) ? 1 : f->s->options.slabs.layers;
-    /* What was above is below now: its distances and hints
-     * stay valid, so both are swapped, not measured again. */
+    /* What was above is below now: its distances and hints stay valid, so both are swapped. */
     if (f->s->options.slabs.crossings != BVX_CROSSINGS_EXACT && f->plane[1].plane == slab->plane[0]) {
         bvxi_plane_field const up = f->plane[1];
         f->plane[1] = f->plane[0];

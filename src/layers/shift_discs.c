@@ -2,9 +2,8 @@
  *
  * A disc is what a loop encloses, holes filled: outlines, holes and islands are discs of depth 0, 1 and 2,
  * and discs of one depth never overlap. Discs of one depth that overlap a disc of the other section form a
- * group with it. Those that overlap none are paired by their centres, the nearest first; of equally near ones
- * that of the lowest number below, then above. So the pairs do not depend on the order of anything but the
- * loops.
+ * group with it. Those that overlap none are paired by their centres, the nearest first; of equally near
+ * ones that of the lowest number below, then above.
  *
  * A group of one disc on either plane moves from one centre to the other; where a part splits or joins, no
  * single shift is right and it stays where it is. A disc that is left alone ends half way. */
@@ -128,8 +127,7 @@ static int has_point_in(const bvxi_disc *a, const bvxi_disc *b)
     return 0;
 }
 
-/* By their points. Two that cross like a plus have none in each other; their centres pair them all the
- * same. */
+/* By their points. Two that cross like a plus have none in each other; their centres pair them. */
 static int discs_overlap(const bvxi_disc *a, const bvxi_disc *b)
 {
     for (int k = 0; k < 2; k++)
@@ -165,8 +163,7 @@ static shift_near find_near_disc(bvxi_discs on[2], const uint8_t *met, uint32_t 
     return near;
 }
 
-/* The nearest pair of all is joined, until none is left. What was nearest to each disc is looked for again
- * only when another has taken it. */
+/* The nearest pair is joined, until none is left. A disc's nearest is found anew when it was taken. */
 static void join_nearest(bvxi_discs on[2], uint8_t *met, uint32_t *joined, shift_near *near, double reach)
 {
     for (uint32_t i = 0; i < on[0].count; i++)
@@ -217,8 +214,7 @@ static void number_groups(bvxi_disc_groups *g, bvxi_discs on[2], uint32_t *joine
         for (uint32_t i = 0; i < on[k].count; i++) add_to_group(g, on, k, i);
 }
 
-/* One disc on either plane: by how much it moves, and in how many steps, so that what follows each other
- * overlaps by most of its width. */
+/* One disc on either plane: how far it moves, in how many steps so that neighbours overlap by most of it. */
 static void set_shift(bvxi_disc_groups *g, bvxi_discs on[2], bvxi_disc_group *group, double reach)
 {
     const bvxi_disc *const a = &on[0].disc[group->first[0]], *const b = &on[1].disc[group->first[1]];

@@ -10,8 +10,7 @@ static uint64_t row_word_up(const uint64_t *row, int32_t i, int32_t words)
     return row[i] >> 1 | (i + 1 < words ? row[i + 1] << 63 : 0);
 }
 
-/* Cells of a row that the surface may cross: corners whose line is crossed,
- * contours, corners unlike each other where the field decides. */
+/* Cells of a row that the surface may cross: crossed lines, contours, unlike corners. */
 static void find_active(bvxi_slab_work *w, int32_t j)
 {
     bvxi_stack *const s = w->s;
@@ -19,8 +18,7 @@ static void find_active(bvxi_slab_work *w, int32_t j)
     size_t const low = (size_t)j * (size_t)words, high = low + (size_t)words;
     const uint64_t *const c = w->field.crossed;
 
-    /* A word for 64 cells: a cell is active when any of its four corner lines is, two of which are its
-     * neighbour's bits shifted by one. */
+    /* A word for 64 cells: active when any of four corner lines is, two of them the neighbour's bits. */
     for (int32_t i = 0; i < words; i++)
         w->row[i] = c[low + (size_t)i] | c[high + (size_t)i] | row_word_up(c + low, i, words) |
                     row_word_up(c + high, i, words);
@@ -143,8 +141,7 @@ static bvx_status fill_grid_cell(bvxi_slab_work *w, int32_t i, int32_t j)
         while (w->arc[k] + arcs[k] < p->arc_count && p->arc_cell[w->arc[k] + arcs[k]] == t->key) arcs[k]++;
     }
 
-    /* The usual cell has one arc or one crossed line and a table of its own; what that refuses is traced in
-     * full. */
+    /* The usual cell has one arc or one crossed line and a table of its own; the rest is traced in full. */
     if (w->plain) {
         uint32_t line[4];
         uint32_t const inside[2] = {inside_corners(w->s, w->field.slab->plane[0], i, j),
@@ -212,8 +209,7 @@ bvx_status bvxi_slab_fill(bvxi_slab_work *w, bvxi_slab *slab)
     BVXI_TRY(bvxi_field_set(&w->field, slab));
     w->plain = !w->only_traced && w->s->options.slabs.crossings == BVX_CROSSINGS_EXACT &&
                w->field.layers == 1;
-    /* Bits that are set for this slab and cleared after it cost less than clearing the whole plane each
-     * time. */
+    /* Bits set for this slab and cleared after it cost less than clearing the plane. */
     mark_split(w, 1);
     bvx_status const status = fill_layers(w);
     mark_split(w, 0);

@@ -52,8 +52,7 @@ static bvx_status add_hanging_nodes(bvxi_trace *t, int side)
     return BVX_OK;
 }
 
-/* What a corner is on the cell's own levels, from the planes' and from the
- * layer in which its height is crossed (in inside[0]). */
+/* What a corner is on the cell's own levels, from the planes and the layer of its crossing (in inside[0]). */
 static void level_node(bvxi_trace_node *n, int32_t layer)
 {
     int32_t const crossed = n->inside[0];
@@ -64,8 +63,7 @@ static void level_node(bvxi_trace_node *n, int32_t layer)
     }
     n->inside[0] = layer <= crossed ? n->on[0] : n->on[1];
     n->inside[1] = layer + 1 <= crossed ? n->on[0] : n->on[1];
-    /* The crossing belongs to one layer's cells. */
-    if (layer != crossed) n->vertex = BVXI_NONE;
+    if (layer != crossed) n->vertex = BVXI_NONE; /* The crossing belongs to one layer's cells. */
 }
 
 static bvx_status add_corner(bvxi_trace *t, int i)

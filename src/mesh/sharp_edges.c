@@ -14,8 +14,7 @@ enum { SHARP_MOST = 500000 }; /* meshes of more triangles are scans */
 #define SHARP_COSINE 0.766
 #define BENT_COSINE  0.966
 
-/* Of the length of all edges: enough where few are bent, and enough anyhow
- * (machine parts of coarse cylinders). To one of bent ones. */
+/* Of the length of all edges: where few are bent, and anyhow (coarse cylinders). To one of bent ones. */
 #define SHARP_SHARE        0.01
 #define SHARP_SHARE_ANYHOW 0.1
 #define SHARP_TO_BENT      2.0
@@ -32,8 +31,7 @@ static void welded_triangle(const bvx_mesh_view *mesh, const uint32_t *represent
     for (int k = 0; k < 3; k++) v[k] = representative[v[k]];
 }
 
-/* Corners and the normal of length 1 of a triangle, and twice its area, which is 0 where there is no
- * normal. */
+/* Corners and the normal of length 1 of a triangle, and twice its area: 0 without a normal. */
 static double facet_of(const bvx_mesh_view *mesh, const uint32_t v[3], double p[3][3], double n[3])
 {
     for (int k = 0; k < 3; k++) bvxi_view_position(mesh, v[k], p[k]);

@@ -183,8 +183,7 @@ static int is_of_range(const topology *c, uint32_t h, uint64_t from)
     return c->corners[half_edge_before(h)] >= from;
 }
 
-/* The triangles of an edge, along its ring. Those of the range are nobody else's; pairs with others are kept
- * where entries were that have been read. */
+/* The triangles of an edge, along its ring; pairs with others take the place of entries already read. */
 static void join_around_edge(const topology *c, uint32_t first, uint64_t from, uint64_t *waiting,
                              topology_counts *counts)
 {
@@ -272,7 +271,6 @@ static int walk_fan(const topology *c, uint32_t v, uint32_t h, uint32_t from, ui
     for (;;) {
         uint32_t const over = c->ring[h];
         uint32_t corner;
-        /* The edge has one triangle only: the fan ends here. */
         if (over == h) return 0;
         if (c->corners[over] == v) { /* the neighbour leaves v over this edge: its other edge at v comes in */
             corner = over;
@@ -287,8 +285,7 @@ static int walk_fan(const topology *c, uint32_t v, uint32_t h, uint32_t from, ui
     }
 }
 
-/* The fan that holds the corner; one with a border is walked from its middle to both ends. Returns its
- * corners. */
+/* The fan that holds the corner; with a border both ways from its middle. Returns its corners. */
 static uint64_t walk_whole_fan(const topology *c, uint32_t corner)
 {
     uint32_t const v = c->corners[corner];
@@ -329,8 +326,7 @@ static void count_second_fans(topology *c)
         c->result->nonmanifold_vertices += corners[v] != 0 && corners[v] != c->corner_of[v];
 }
 
-/* Where edges have more triangles. A vertex of three broken edges is counted once, as is one of several
- * fans. */
+/* Where edges have more triangles. A vertex of several broken edges or fans counts once. */
 static bvx_status search_broken_fans(topology *c)
 {
     bvx_certificate *const r = c->result;

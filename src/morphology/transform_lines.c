@@ -37,7 +37,6 @@ static int32_t first_target(const bvxi_target_row *row, int32_t x)
     int32_t const words = bvxi_row_words(row->size);
     int32_t k = x >> 6;
     if (k >= words) return -1;
-    /* Targets before x are not looked at. */
     uint64_t w = target_word(row, k) & ~UINT64_C(0) << (x & 63);
     while (w == 0) {
         if (++k == words) return -1;
@@ -176,8 +175,7 @@ static int try_search(const bvxi_columns *c)
     return BVXI_PATH(c->cpu == BVX_CPU_AVX2, search_columns(c), search_columns_avx2(c));
 }
 
-/* The parabolas of one column that are least somewhere: site[i] from
- * start[i] on. Returns the last one's number. */
+/* Parabolas of a column that are least somewhere: site[i] from start[i] on. Returns the last index. */
 static inline int32_t build_envelope(const bvxi_columns *c, const uint32_t *in)
 {
     double *const height = c->height, *const start = c->start;

@@ -94,8 +94,7 @@ static uint64_t contradicted_cells(const bvxi_oblique *o, const oblique_block *b
             int32_t at[3];
             double place[3];
             bvxi_oblique_in_block(b->first, c, at);
-            /* Corners that agree may have a bit of the surface between them all the same, on the plane
-             * alone. */
+            /* Corners that agree may have a bit of the surface between them, on the plane only. */
             if (bvxi_oblique_in_cube(&o->plane[b->plane[i]], at, 1.0, place) &&
                 bvxi_oblique_kind_on(o, b->plane[i], place) != bvxi_oblique_kind_of(o, value[c]))
                 found |= UINT64_C(1) << c;
@@ -358,8 +357,7 @@ static int straight_side(const bvxi_oblique *o, uint32_t v, uint32_t plane, doub
     return *height > BVXI_OBLIQUE_NEAR ? 1 : *height < -BVXI_OBLIQUE_NEAR ? -1 : 0;
 }
 
-/* A vertex is taken onto a plane by its nearness only where its edge crosses the plane: so no tetrahedron
- * ever lies in a plane with all its corners. */
+/* A near vertex is taken onto a plane only where its edge crosses it: no tetrahedron lies in a plane. */
 static int side_of_plane(bvxi_oblique *o, uint32_t v, uint32_t plane, double *height)
 {
     const bvxi_tetra_vertex *const x = &o->vertex[v];

@@ -2,16 +2,13 @@
  * through the contours.
  *
  * A vertex on a plane has the sign of its region there, on the left or right of its contours; one on a
- * contour has none. The surface is to run through
- * a contour's edges and nothing else of a plane, once, and through a contour's vertex once. So:
- * - an edge between two contour vertices that is no contour's, and a face between three, gets a vertex;
- * - a vertex on two planes whose contours contradict each other there, or on none next to the surface, has the
- *   sign that makes no bridge and no hole of what lies round it, where there is one;
- * - round a contour's edge, inside and outside must each be one stretch: a vertex in between that is not gets
- *   one of the other sign between itself and the edge;
- * - round a contour's vertex inside and outside must each hang together: what does not is parted from it in
- *   the same way.
- * Each step leaves what the ones before it made. */
+ * contour has none. The surface is to run through a contour's edges and nothing else of a plane, once, and
+ * through a contour's vertex once. So: - an edge between two contour vertices that is no contour's, and a
+ * face between three, gets a vertex; - a vertex on two planes whose contours contradict each other there, or
+ * on none next to the surface, has the sign that makes no bridge and no hole of what lies round it, where
+ * there is one; - round a contour's edge, inside and outside must each be one stretch: a vertex in between
+ * that is not gets one of the other sign between itself and the edge; - round a contour's vertex inside and
+ * outside must each hang together: what does not is parted from it in the same way. */
 #include "oblique/oblique.h"
 
 #define FREE_VALUE 0.1F /* cells: a vertex of the lattice no farther from the surface may be on either side */
@@ -124,8 +121,7 @@ static void open_link(link_work *w)
     w->large.most = 0;
 }
 
-/* 1: the vertex's sign makes a bridge or a hole, and the other one does not. Inside around the vertex has the
- * Euler number 1 where its sign changes nothing. */
+/* 1: only this sign makes a bridge or hole. The Euler number inside is 1 where its sign changes nothing. */
 static int is_wrong_sign(const bvxi_oblique *o, const bvxi_look *look, uint32_t v)
 {
     int any, all, inside;
@@ -336,8 +332,7 @@ static uint32_t main_root(const bvxi_oblique *o, const bvxi_look *l, int sign, u
     return found;
 }
 
-/* A vertex that is not connected with those of its sign that are kept, or BVXI_NONE. Those inside come first: to
- * split them off opens and closes nothing. */
+/* A vertex not connected with the kept ones of its sign, or BVXI_NONE. Those inside come first. */
 static uint32_t find_torn(const bvxi_oblique *o, bvxi_look *l, uint32_t v)
 {
     uint32_t const plane = bvxi_first_plane(o, v);

@@ -122,8 +122,7 @@ static int32_t slice_pixels(double size, double scale, int32_t room)
     return n < 1.0 ? 1 : n > room ? room : (int32_t)n;
 }
 
-/* The number of columns that shows slices largest; the fewest where several do. Sizes are divided by the
- * larger one: they may lie anywhere in what doubles hold. */
+/* The fewest columns that show slices largest. Sizes are divided by the larger one. */
 static void lay_out_sheet(slice_sheet *s)
 {
     const double *const spacing = s->grid->lattice.spacing;
@@ -244,8 +243,7 @@ static void draw_sheet_row(const slice_sheet *s, int32_t y, uint8_t *row)
 {
     int32_t cell = 0, inside;
 
-    /* The row of cells in which the pixel lies, and where it
-     * lies inside the slice; the slice stands in the middle. */
+    /* The row of cells in which the pixel lies, and where it lies inside the slice; the slice is centred. */
     while (cell + 1 < s->up.cells && cell_begin(&s->up, cell + 1) <= y) cell++;
     inside = y - cell_begin(&s->up, cell);
     inside -= (cell_begin(&s->up, cell + 1) - cell_begin(&s->up, cell) + (cell > 0) - s->up.pixels) / 2;

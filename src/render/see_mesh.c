@@ -36,8 +36,7 @@ bvx_status bvxi_mesh_scene_normals(bvx_context *ctx, bvxi_mesh_scene *s)
     return BVX_OK;
 }
 
-/* Twice the area of the triangle that the edge across from corner k makes with a sample, in the frame; it has
- * the sign of the whole where the sample lies inside. */
+/* Twice the area of a sample with the edge across from corner k; its sign is the whole's inside. */
 static double area_across(const double p[3][3], int k, double x, double y)
 {
     const double *const a = p[(k + 1) % 3], *const b = p[(k + 2) % 3];
@@ -55,8 +54,7 @@ static void blend_vertex_normals(const bvxi_mesh_scene *s, const uint32_t c[3], 
         double const area = area_across(p, k, x, y);
         double m[3];
         for (int i = 0; i < 3; i++) m[i] = (double)s->normal[(size_t)c[k] * 3 + (size_t)i];
-        /* A corner whose mean is far from the facet is a
-         * sharp edge's: its own normal keeps the edge sharp. */
+        /* A corner whose mean is far from the facet is a sharp edge's: its own normal keeps it sharp. */
         int const sharp = scene_unit(m) == 0.0 || bvxi_vec_dot(m, flat) < SCENE_SHARP;
         for (int i = 0; i < 3; i++) blend[i] += area * (sharp ? flat[i] : m[i]);
         whole += area; /* negative where the facet is seen from behind: so are all three */

@@ -8,8 +8,7 @@
 
 /* ---- positions ---- */
 
-/* One axis's vertices of a block, at the middle of their edges. Bits of
- * x-edges lie between centres bit-1 and bit. */
+/* One axis's vertices of a block, at middles of edges. Bits of x-edges lie between bit-1 and bit. */
 BVXI_VECTOR_INLINE void emit_middles(const bvxi_march *m, int32_t axis, int32_t j, int32_t k,
                                      const bvxi_cell_list *list, int32_t first, uint64_t vertex)
 {
@@ -62,8 +61,7 @@ BVXI_VECTOR_INLINE void emit_levels(const bvxi_march *m, int32_t axis, int32_t j
                           (axis != 2 || k + 1 < size[2]);
     int32_t const x_end = size[0] - (axis == 0); /* low ends from 0 to here have both ends in the window */
 
-    /* Edges that leave the window have no second sample. Their vertices stay in the middle, where the closing
-     * cap of a grid would have them. */
+    /* Edges that leave the window have no second sample: their vertices stay in the middle, as a cap's. */
     for (uint32_t n = 0; n < list->count; n++) {
         int32_t const i = first * 64 + list->at[n] - (axis == 0);
         double t = 0.5;
@@ -80,8 +78,7 @@ BVXI_VECTOR_INLINE void emit_levels(const bvxi_march *m, int32_t axis, int32_t j
 
 /* ---- triangles ---- */
 
-/* First numbers of the eight counters of a row of cells; rows outside the
- * window have no x-edges, any number serves. */
+/* First numbers of the eight counters of a row of cells; rows outside the window have no x-edges. */
 static void start_counters(const bvxi_march *m, uint64_t slot, int32_t j, int32_t k, uint32_t counter[8])
 {
     uint64_t const rows = (uint64_t)m->grid->size[1] + 1;
@@ -106,8 +103,7 @@ static uint32_t *emit_cells(const bvxi_march *m, const bvxi_case_list *cases, ui
     for (uint32_t a = from; a < cases->count; a++) {
         uint32_t const n = cases->number[a];
 
-        /* Each corner's vertex is the next unused one of its counter, or one past it: the tables know which,
-         * since all crossings to the left have been counted. */
+        /* Each corner's vertex is its counter's next unused one, or one past it, by the tables. */
         const uint8_t *const lane = bvxi_cell_triangle_lane[rule][n];
         const uint8_t *const offset = bvxi_cell_triangle_offset[rule][n];
         const uint8_t *const step = bvxi_cell_lane_step[n];
@@ -122,8 +118,7 @@ static uint32_t *emit_cells(const bvxi_march *m, const bvxi_case_list *cases, ui
 }
 
 #if BVXI_HAVE_AVX2
-/* The same, sixteen corners at a time; writes up to sixteen numbers, so it
- * stops before the piece's end comes near. */
+/* The same, sixteen corners at a time; writes up to sixteen numbers, so it stops before the piece's end. */
 BVXI_AVX2 static uint32_t *emit_cells_avx2(const bvxi_march *m, const bvxi_case_list *cases,
                                            uint32_t counter[8], uint32_t *out, const uint32_t *end)
 {
@@ -175,8 +170,7 @@ BVXI_VECTOR_INLINE void load_block(const bvxi_march *m, const uint64_t *const ro
         bvxi_cell_words c;
         bvxi_load_cells(row, first + w, words, &c);
 
-        /* Edges that another row of cells owns are masked out (has), so that each vertex is written exactly
-         * once. */
+        /* Edges that another row of cells owns are masked out (has), so each vertex is written once. */
         bvxi_list_bits(&b->edge[0], (c.low[0] ^ c.high[0]) & visited & has[0], w, 3, fast);
         bvxi_list_bits(&b->edge[1], (c.high[0] ^ c.high[1]) & has[1], w, 3, fast);
         bvxi_list_bits(&b->edge[2], (c.high[0] ^ c.high[2]) & has[2], w, 3, fast);

@@ -58,8 +58,7 @@ static bvxi_columns_fn *range_columns_for(const bvx_context *ctx, int32_t type)
 
 enum { RANGE_LANES = 8 };
 
-/* 1 where some of 64 floats has all bits of its exponent set. Whole numbers joined, not a test that leaves: that
- * is what makes it a vector. */
+/* 1 where some of 64 floats has all exponent bits set: joined integers without an exit, so it vectorizes. */
 #define ANY_ODD(name, word, exponent)                         \
     BVXI_VECTOR_INLINE int name(const uint8_t *p)             \
     {                                                         \
@@ -289,8 +288,7 @@ static bvxi_bits_fn *range_run_for(const bvx_context *ctx, int32_t type)
 #define THRESHOLD_F32_MAX 3.4028234663852886e38 /* (2 - 2^-23) * 2^127 */
 #define THRESHOLD_F64_MAX 1.7976931348623157e308
 
-/* The float beside f towards greater ones (up 1) or lesser ones; f is
- * finite and the step does not leave the finite ones. */
+/* The float beside f greater (up 1) or lesser; both are finite. */
 static float step_float(float f, int up)
 {
     uint32_t bits;
@@ -332,7 +330,6 @@ static void range_of_signed(double low, double high, int64_t least, int64_t most
 
 static void range_of_unsigned(double low, double high, uint64_t most, double end, bvxi_range *r)
 {
-    /* As with signed ones, from 0 on. */
     r->empty = low >= end || high < 0.0;
     if (r->empty) return;
     low = -floor(-low);
@@ -367,8 +364,7 @@ void bvxi_range_make(int32_t type, double low, double high, bvxi_range *range)
     }
 }
 
-/* From the type's own ends inwards. The ends of a u64 are its bits; those of a lesser unsigned type are the
- * same as signed numbers. */
+/* From the type's own ends inwards: those of a u64 are its bits, of lesser unsigned types signed numbers. */
 static void range_of_whole(int32_t type, int64_t low, int64_t high, bvxi_range *range)
 {
     bvxi_range_make(type, -THRESHOLD_F64_MAX, THRESHOLD_F64_MAX, range);

@@ -131,6 +131,13 @@ static bvx_status mesh_normals(const world *w)
 {
     return bvx_mesh_normals(w->ctx, w->mesh, 1, (float *)w->out, NULL);
 }
+static bvx_status mesh_smooth(const world *w)
+{
+    TAKE_OPTIONS(smooth, o);
+    TAKE_RESERVED(o.reserved[1]);
+    SPOIL(o);
+    return bvx_mesh_smooth(w->ctx, w->mesh, &o, w->out);
+}
 static bvx_status mesh_distance(const world *w)
 {
     return bvx_mesh_distance(w->ctx, w->mesh, w->mesh, 10, 1, (bvx_distance_report *)w->out);
@@ -472,6 +479,14 @@ static bvx_status repair(const world *w)
     SPOIL(o);
     return bvx_repair(w->ctx, w->mesh, &o, (bvx_mesh *)w->out);
 }
+static bvx_status hull(const world *w)
+{
+    TAKE_OPTIONS(hull, o);
+    o.fit.resolution = 8;
+    TAKE_RESERVED(o.reserved);
+    SPOIL(o);
+    return bvx_hull(w->ctx, w->mesh, &o, 1, (bvx_mesh *)w->out);
+}
 static bvx_status mesh_simplify(const world *w)
 {
     TAKE_OPTIONS(simplify, o);
@@ -599,6 +614,7 @@ static const call calls[] = {
     CALL(mesh_hash, BODY, PLAIN),
     CALL(mesh_check, MESH, PLAIN),
     CALL(mesh_normals, MESH, PLAIN),
+    CALL(mesh_smooth, MESH | OPTIONS | RESERVED, PLAIN),
     CALL(mesh_distance, MESH, PLAIN),
     CALL(measure, MESH | OPTIONS | RESERVED, PLAIN),
     CALL(closest_create, MESH, TO_CLOSEST),
@@ -661,6 +677,7 @@ static const call calls[] = {
     CALL(build_bodies, SECTIONS | OPTIONS, TO_MESH),
     CALL(slice_mesh, MESH | OPTIONS | RESERVED, TO_SECTIONS),
     CALL(repair, MESH | OPTIONS | RESERVED, TO_MESH),
+    CALL(hull, MESH | OPTIONS | RESERVED, TO_MESH),
     CALL(mesh_simplify, MESH | OPTIONS, TO_MESH),
     CALL(build_levels, MESH | OPTIONS | RESERVED, TO_MESH),
     CALL(write_mesh, BODY | OPTIONS, TO_BUFFER),
