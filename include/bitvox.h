@@ -905,6 +905,47 @@ typedef struct bvx_simplify_options {
 BVX_API bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh,
                                      const bvx_simplify_options *options, uint64_t level_count, bvx_mesh *levels);
 
+/* ---- Smoothing ----------------------------------------------------------------------------------------- */
+
+/* SINC: no wave is swollen, and the pass band ends sharply; TAUBIN: two steps an iteration. */
+enum { BVX_SMOOTH_SINC = 0, BVX_SMOOTH_TAUBIN = 1 };
+
+typedef struct bvx_smooth_report {
+    double volume_before; /**< of a closed mesh [Units: world^3] */
+    double volume_after; /**< likewise */
+    double largest_move; /**< of a vertex [Units: world] */
+    uint64_t held; /**< positions that do not move */
+    uint64_t undone; /**< positions that went back because of crossings */
+    uint64_t reserved[3];
+} bvx_smooth_report;
+
+typedef struct bvx_smooth_options {
+    size_t struct_size;
+    int32_t method; /**< BVX_SMOOTH_... [Limit: 0..1] [Default: BVX_SMOOTH_SINC] */
+    int32_t iterations; /**< the more, the sharper the pass band ends [Limit: 1..1000] [Default: 20] */
+    double pass_band; /**< what varies more slowly is kept: eigenvalues of the Laplacian, 0 to 2; 0.1 are waves of
+                           about 14 edges [Limit: 0.001..1] [Default: 0.1] */
+    double sharp_angle; /**< vertices of edges whose triangles turn by more stay; 0: none
+                             [Limit: 0..180] [Units: degrees] [Default: 0] */
+    int32_t hold_border; /**< 1: vertices of borders stay, else they are smoothed along these
+                              [Limit: 0..1] [Default: 0] */
+    int32_t no_crossings; /**< 1: moves are undone where triangles would cross that did not
+                               [Limit: 0..1] [Default: 0] */
+    bvx_smooth_report *report; /**< filled when not NULL [Default: NULL] */
+    uint64_t reserved[2];
+} bvx_smooth_options;
+
+/** Smooth the positions of any mesh; its triangles and attributes stay. Vertices at one position move as one. On
+ *  borders and on edges of three triangles and more, vertices have the neighbours along these alone; where other than
+ *  two such edges meet they stay, bit for bit. What is slower than the pass band keeps its size: a ball its volume to
+ *  0.1 %, a staircase of voxels about 1 %; report says by how much.
+ *  positions  out, of the view's type, doubles where it has a transform [Size: vertex_count * 3]
+ *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (also more than (2^32 - 1) / 3 triangles).
+ *  Source: Taubin. A Signal Processing Approach to Fair Surface Design. 1995. Taubin, Zhang, Golub. Optimal Surface
+ *  Smoothing as Filter Design. 1996. */
+BVX_API bvx_status bvx_mesh_smooth(bvx_context *context, const bvx_mesh_view *mesh, const bvx_smooth_options *options,
+                                   void *positions);
+
 /* ---- Repair -------------------------------------------------------------------------------------------- */
 
 /** What decides that a centre is inside, for fields and repair. AUTO: fields take what BVX_FILL_AUTO decides, repair
@@ -2021,7 +2062,7 @@ typedef struct bvx_complex {
     uint64_t *cells; /**< of each vertex: the cell (i,j,k) around the low corner of the window's voxel (i,j,k)
                              that holds it, as (k * (size[1] + 1) + j) * (size[0] + 1) + i [Size: vertices] */
     uint8_t *junctions; /**< of each vertex: sides of its cell (bits -x, +x, -y ...) through which an edge runs
-                             that has three faces or four [Size: vertices] */
+                             that has more than two faces [Size: vertices] */
     uint64_t face_count, label_count;
     int32_t low[3], size[3]; /**< the volume's window */
     int32_t owned; /**< 1 when bvx_complex_free frees the arrays */
@@ -2044,11 +2085,15 @@ typedef struct bvx_labels_options {
  *  have different labels; its corners are vertices of the four cells around that side, a cell being the box
  *  between eight centres. Faces that meet in a side of a cell share the vertex in it. Vertices are in order of
  *  (z, y, x) of their cell, faces of (z, y, x, axis) of their lower voxel. Beyond the window is background.
+ *  On the staircase labels touch themselves where they do as voxels. Smoothed, one that has two voxels across an edge
+ *  leads through between the other two, of two that alternate there the higher one, background being the highest. Where
+ *  that takes a vertex more, a face of its two triangles more is among the last ones, in order of their cells.
  *
  *  Smoothed, vertices go towards the mean of their neighbours, on junctions of three labels or more along these,
  *  and stay in their cells, 0.49 voxels from the centre along each axis. What faces between two labels have swept by
  *  that is undone along their normals, so labels keep the volume of their voxels to 0.1 %, but where most faces are at
- *  junctions. Vertices of triangles that cross then go back towards the cell's centre until none does.
+ *  junctions. Vertices of triangles that cross then go back towards the cell's centre until none does; only there do
+ *  positions of vertices that share a cell become equal.
  *  complex  brings no arrays of the caller's. Empty where there is no label
  *  Returns BVX_ERR_UNSUPPORTED (samples that are floats), BVX_ERR_ARGUMENT (also a background that samples cannot
  *  have), BVX_ERR_RANGE (2^32 - 1 vertices or 2^30 faces; positions too coarse). */
