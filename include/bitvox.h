@@ -11,51 +11,37 @@
  *     for (int i = 0; i < 2; i++) bvx_mesh_free(context, &levels[i]);
  *     bvx_context_destroy(context);
  *
- * Contents: the titles of the sections below, in their order.
- *     Status, Context                                      results of calls; memory, threads, progress
- *     Meshes, Lattices, Grids                              what goes in and what comes out
- *     Solids, Surface voxels, Surfaces of grids            meshes to voxels, voxels to meshes
- *     Fewer triangles, Smoothing, Repair, Levels of detail, Booleans of meshes
- *     Levels by samples, Closest points, Distance fields   further ways from mesh to mesh, and measuring
- *     Set algebra, Morphology and distances, Components, Seeds and filling, Queries of grids
- *     Mass
- *     Points, Volumes, Section contours, Refinement        other things that go in, voxels of several sizes
- *     Surfaces of labels                                   segmentations to bodies that share faces
- * What holds for all stages: docs/exactness.md. How each decides: docs/rules.md. What each call takes, and where its
- * method is from: docs/costs.md.
+ * Contents: the titles of the sections, "---- ", in their order. What holds for all stages: docs/exactness.md. How each
+ * decides: docs/rules.md. What each call takes, and where its method is from: docs/costs.md.
  *
  * What holds for every function, unless its comment says otherwise
  *   Status      Functions that can fail return bvx_status. Results come through the last parameters.
  *   Errors      Every such call may return BVX_ERR_ARGUMENT, BVX_ERR_MEMORY and BVX_ERR_BUDGET (the memory limit);
- *     BVX_CANCELLED where it reports progress; BVX_ERR_CAPACITY where it fills arrays that the caller owns. Comments
- *     list the others, or a special meaning of these.
- *   Failure     Inputs are unchanged and nothing leaks. A zeroed result stays empty, and the caller's arrays hold
- *     unspecified values, as does a result of an earlier call that was passed again: free it or pass it again, do not
- *     read it. bvx_last_message(context) says what was wrong, where and why.
+ *     BVX_CANCELLED where it reports progress; BVX_ERR_CAPACITY where it fills arrays of the caller's. Comments list
+ *     the others, or a special meaning of these.
+ *   Failure     Inputs are unchanged and nothing leaks. A zeroed result stays empty. The caller's arrays, and a result
+ *     that was passed again, hold unspecified values: free it or pass it again. bvx_last_message says what was wrong.
  *   Outputs     Zero a result (a grid, mesh, field ...) before its first use. Later calls may receive it again without
- *     a free: the library reuses its arrays, or frees them and makes others where they do not suit, so pointers into
- *     them and views of them end there. A grid or mesh may also bring arrays that the caller owns, with their
- *     capacities: they are filled in place, or BVX_ERR_CAPACITY when too small. Other results refuse such arrays. A
- *     result never overlaps an input, except where a comment says "in place". After a failure a result may be passed
- *     again or freed.
+ *     a free: the library reuses its arrays or makes others, so pointers into them end there. A grid or mesh may also
+ *     bring arrays of the caller's, with their capacities: they are filled in place, or BVX_ERR_CAPACITY when too
+ *     small. Other results refuse such arrays. A result overlaps no input, except where a comment says "in place".
  *   Counting    An array of results may be NULL: then only the count is computed. The count is also set when an array
  *     was too small.
  *   Input       A coordinate that is not finite, an index beyond its array, a window beyond its lattice and more than
- *     can be counted are BVX_ERR_RANGE, with the index where there is one; no triangle or point at all, or none of
- *     area where surfaces are needed, is BVX_ERR_EMPTY; grids that share no lattice or window are BVX_ERR_LATTICE.
- *     Nothing inside is an empty result and BVX_OK. A target that cannot be met is BVX_OK with met 0 in the report,
- *     unless strict is set.
+ *     can be counted are BVX_ERR_RANGE, with the index where there is one. No triangle or point at all is
+ *     BVX_ERR_EMPTY, as are triangles without area where surfaces are needed. Grids that share no lattice or window are
+ *     BVX_ERR_LATTICE. Nothing inside is an empty result and BVX_OK. A target that cannot be met is BVX_OK with met 0
+ *     in the report, unless strict is set.
  *   Options     Structs begin with their size; zero is the default of all else, and stands for what [Default:] says:
  *     bvx_repair_options o = {.struct_size = sizeof o}; is enough. BVX_NONE is the 0 itself, where [Limit:] has it.
- *     NULL means all defaults. A shorter struct, of an older header: what it lacks has its default; a longer one:
- *     bytes that the library does not know must be zero (BVX_ERR_VERSION). A report is filled where the options point
- *     to one.
+ *     NULL means all defaults. What a shorter struct, of an older header, lacks has its default. Bytes of a longer one
+ *     that the library does not know must be zero (BVX_ERR_VERSION). Reports are filled where options point to them.
+ *   Types       position_type of options is BVX_POSITION_AUTO: f32 where it distinguishes positions, else f64. With
+ *     local_frame 1 positions are relative to the mesh's frame, the low corner of the lattice.
  *   Reserved    Fields named reserved must be zero.
  *   Lists       The numbers of BVX_..._LIST are frozen; the texts are names in the program and the bindings.
- *   Memory      All memory comes from the context's allocator and counts against its limit. What a call needs at most
- *     beside its inputs: docs/costs.md.
- *   Threads     One context is used by one thread at a time. Two contexts share nothing but what the caller gives to
- *     both; inputs are only read, so they may be one.
+ *   Memory      All memory comes from the context's allocator and counts against its limit.
+ *   Threads     One context is used by one thread at a time. Contexts share nothing; inputs are only read.
  *   Exactness   Same bits for any compiler, processor, thread count and window.
  *   Tags        [Size:] [Limit:] [Units:] [Default:] are fixed words, for people and for scripts. */
 #ifndef BITVOX_H
@@ -163,11 +149,9 @@ typedef struct bvx_context bvx_context;
 typedef void *bvx_alloc_fn(void *user, size_t size, size_t align);
 /** Frees what bvx_alloc_fn returned, with the same size and align. */
 typedef void bvx_free_fn(void *user, void *block, size_t size, size_t align);
-/** Called on the calling thread between pieces of work. fraction is the share of the whole call that is done: it never
- *  falls, and is below 1 while there is work. stage names what is being done. A result other than 0 cancels: the call
- *  returns BVX_CANCELLED. The last report of a call that succeeds is exactly 1, and its result is ignored. Small calls
- *  report nothing: bvx_lattice_make, bvx_grid_create, bvx_octree_lattice, bvx_octree_neighbours, bvx_volume_data_name.
- */
+/** Called on the calling thread between pieces of work. stage names what is being done. fraction is the share of the
+ *  whole call that is done: it never falls, and 1 comes last, when the call has succeeded. A result other than 0
+ *  cancels before that: the call returns BVX_CANCELLED. Small calls report nothing. */
 typedef int32_t bvx_progress_fn(void *user, const char *stage, double fraction);
 /** One piece of parallel work. worker is below the context's thread count and never runs two pieces at once. */
 typedef void bvx_task_fn(void *task_user, int32_t index, int32_t worker);
@@ -210,15 +194,12 @@ typedef struct bvx_context_options {
     int32_t cpu; /**< fastest code that may run, BVX_CPU_... [Limit: 0..2] [Default: BVX_CPU_BEST] */
 } bvx_context_options;
 
-/** Create a context; call it through bvx_context_create, which passes the header's version. By default it has as many
- *  workers as the process may use processors: by affinity, the quota of its control group, OMP_NUM_THREADS and
- *  OMP_THREAD_LIMIT. A number in threads is taken as it is. A build without threads has one worker:
- *  bvx_context_threads tells. Which threads run when, and when they end: docs/limits.md. Results do not depend on
- *  them.
- *  Returns BVX_ERR_VERSION (another major version, before 1.0 another minor one; a field is set that this library does
- *  not know), BVX_ERR_UNSUPPORTED (arithmetic of this build or thread would change results), BVX_ERR_MEMORY (alloc
- *  returned nothing; the arena is too small). There is no context then to ask for a message: bvx_context_fault has it.
- */
+/** Create a context, through bvx_context_create. By default it has as many workers as the process may use processors:
+ *  by affinity, the quota of its control group, OMP_NUM_THREADS and OMP_THREAD_LIMIT. A build without threads has one:
+ *  bvx_context_threads. When threads run and end: docs/limits.md.
+ *  Returns BVX_ERR_VERSION (another major version, before 1.0 another minor one), BVX_ERR_UNSUPPORTED (arithmetic of
+ *  this build or thread would change results), BVX_ERR_MEMORY (also an arena that is too small). bvx_context_fault has
+ *  the message. */
 BVX_API bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_options *options,
                                               bvx_context **context);
 
@@ -227,20 +208,19 @@ static inline bvx_status bvx_context_create(const bvx_context_options *options, 
     return bvx_context_create_version(BVX_VERSION, options, context);
 }
 
-/** Why no context is made of these options, in one line for people; NULL when one is made, where the allocator has the
- *  memory. Call it with BVX_VERSION after bvx_context_create has failed. Nothing is allocated or changed. */
+/** Why bvx_context_create fails with these options and BVX_VERSION, in one line for people; NULL: it does not, where
+ *  there is memory. Nothing is allocated or changed. */
 BVX_API const char *bvx_context_fault(int32_t header_version, const bvx_context_options *options);
 
-/** Free a context; NULL is allowed. Results that it allocated may be freed through another context with the same
- *  allocator. A context in an arena must be destroyed too, before that memory is used again: its threads end here. */
+/** Free a context, also one in an arena; NULL is allowed. Results that it allocated may be freed through another
+ *  context with the same allocator. */
 BVX_API void bvx_context_destroy(bvx_context *context);
 
-/** One line for people that says what went wrong in the last call that failed; "" when none did. Read it right after
- *  that call: the next one may change it, also where it succeeds. */
+/** What went wrong in the last call that failed, in one line for people; "" when none did. The next call may change it.
+ */
 BVX_API const char *bvx_last_message(const bvx_context *context);
 
-/** The last failure in parts, for programs: nobody needs to parse messages. The library owns it and may append fields.
- */
+/** The last failure in parts, for programs. The library owns it and may append fields. */
 typedef struct bvx_error {
     bvx_status status; /**< BVX_OK: no call has failed */
     int32_t reason; /**< BVX_REASON_...; after a failure neither BVX_REASON_NONE nor _UNSPECIFIED */
@@ -253,13 +233,12 @@ typedef struct bvx_error {
     double value[8]; /**< the message's numbers in order, the index included, as doubles */
 } bvx_error;
 
-/** Why the last call that failed did so. Never NULL. Read it right after that call, as errno. */
+/** Why the last call that failed did so. Never NULL. The next call may change it. */
 BVX_API const bvx_error *bvx_last_error(const bvx_context *context);
 
 /** What a call that succeeded has cost, or could not do: a frozen number, and a text. %d, %g, %p (a share, as a
- *  percentage) stand for the warning's values in order, %b for its box, and words in braces are left out where the
- *  first value in them is 0: a resolution of more than 4,096 is not advised. The program words those from
- *  BVX_WARN_UNJOINED on by itself. */
+ *  percentage) stand for the warning's values in order, %b for its box. Words in braces are left out where the first
+ *  value in them is 0. The program words those from BVX_WARN_UNJOINED on by itself. */
 /* clang-format off */
 #define BVX_WARN_LIST(X) \
     X(BVX_WARN_NONE, 0, "nothing to warn of") \
@@ -297,9 +276,11 @@ BVX_API const bvx_error *bvx_last_error(const bvx_context *context);
     X(BVX_WARN_LOWERED, 16, "the memory limit lowered the resolution from %d to %d voxels along the longest axis; " \
       "a larger limit keeps more detail") \
     X(BVX_WARN_DOUBLES, 17, "left out since others equal them: %d triangle%s") \
-    X(BVX_WARN_TURNED, 18, "turned since they faced the other way than the rest of their patch: %d triangle%s") \
-    X(BVX_WARN_ROWS, 19, "%d of %d rows of centres do not balance, where the surface has holes or flipped " \
-      "triangles; a repair closes them, and the rule below fills under open terrain") \
+    X(BVX_WARN_TURNED, 18, "{turned since they faced the other way than the rest of their patch: %d triangle%s}{the " \
+      "faces of the open mesh look inward, around a volume of %g, which became solid; where they are walls of a " \
+      "room, levels of the mesh as it is keep it open}") \
+    X(BVX_WARN_ROWS, 19, "%d row%s of centres do not balance, where the surface has holes or flipped triangles; a " \
+      "repair closes them, and the rule below fills under open terrain") \
     X(BVX_WARN_NESTED, 20, "closed shells lie inside others, face the same way and do not cross: what lies in both " \
       "is hollow; the rule nonzero has it solid") \
     X(BVX_WARN_LEAKS, 21, "the flood came through a hole to %d voxels that are surely inside; a larger close_gaps " \
@@ -321,8 +302,8 @@ BVX_API const bvx_error *bvx_last_error(const bvx_context *context);
     X(BVX_WARN_WINDOWS, 31, "between %d pairs of sections walls are too thin for the cells and may have windows; a " \
       "finer grid closes them") \
     X(BVX_WARN_REPEATED, 32, "left out: %d repeated point%s") \
-    X(BVX_WARN_LIDS, 33, "lids over %d hole%s are about %g %% of the surface, the longest rim is %g: nothing in " \
-      "the input says how the body went on there; close such holes first where that matters") \
+    X(BVX_WARN_LIDS, 33, "lids over %d hole%s are about %g %% of the surface, the longest rim is %g, in %b: nothing " \
+      "in the input says how the body went on there; close such holes first where that matters") \
     X(BVX_WARN_OPEN_PARTS, 34, "parts that end towards another one with no plane between: %d, one at %b; whether " \
       "they are one the contours leave open, and a section there, or more cells, decides it") \
     X(BVX_WARN_UNJOINED, 35, "parts of sections share no area with the next section and do not join it") \
@@ -349,8 +330,8 @@ typedef struct bvx_warning {
     const char *text; /**< one line for people; valid until the next call with this context */
 } bvx_warning;
 
-/** The next warning of the last call, which succeeded; NULL: there is none, or no more. Calls warn as far as they
- *  measure: a report makes them. Its bits, 1 << BVX_WARN_..., are in the report too. */
+/** The next warning of the last call, which succeeded; NULL: no more. A report makes calls measure what they warn of.
+ */
 BVX_API const bvx_warning *bvx_next_warning(bvx_context *context);
 
 /** Bytes that are held now, results included; and the maximum since creation or the last reset. In an arena that is
@@ -358,7 +339,6 @@ BVX_API const bvx_warning *bvx_next_warning(bvx_context *context);
 BVX_API uint64_t bvx_memory_used(const bvx_context *context);
 BVX_API uint64_t bvx_memory_peak(const bvx_context *context);
 BVX_API void bvx_memory_reset_peak(bvx_context *context);
-
 /** The number of workers. */
 BVX_API int32_t bvx_context_threads(const bvx_context *context);
 
@@ -388,9 +368,8 @@ typedef struct bvx_mesh_view {
     uint64_t uv_count; /**< of uvs, with uv_indices */
     const float *uvs2; /**< second texture coordinates of each vertex [Default: NULL] */
     const uint32_t *materials; /**< index of each triangle's material [Default: NULL] */
-    const double *transform; /**< three rows of four, applied to positions, which are doubles then, as ((m0 x + m1 y)
-                                  + m2 z) + m3; normals stay as they are, and a mirror turns triangles inside out
-                                  [Size: 12] [Default: NULL] */
+    const double *transform; /**< three rows of four, applied to positions in doubles as ((m0 x + m1 y) + m2 z) + m3.
+                                  Normals stay, and a mirror turns triangles inside out [Size: 12] [Default: NULL] */
     uint64_t reserved;
 } bvx_mesh_view;
 
@@ -398,29 +377,18 @@ typedef struct bvx_mesh_view {
 static inline bvx_mesh_view bvx_mesh_view_packed(const float *positions, uint64_t vertex_count,
                                                  const uint32_t *triangles, uint64_t triangle_count)
 {
-    bvx_mesh_view view;
+#ifdef __cplusplus
+    bvx_mesh_view view = {};
+#else
+    bvx_mesh_view view = {0};
+#endif
 
     view.positions = positions;
     view.indices = triangles;
     view.vertex_count = vertex_count;
     view.triangle_count = triangle_count;
     view.position_type = BVX_F32;
-    view.position_stride = 0;
     view.index_type = BVX_U32;
-    view.index_stride = 0;
-#ifdef __cplusplus
-    view.colours = nullptr;
-    view.normals = view.uvs = view.uvs2 = nullptr;
-    view.uv_indices = view.materials = nullptr;
-    view.transform = nullptr;
-#else
-    view.colours = NULL;
-    view.normals = view.uvs = view.uvs2 = NULL;
-    view.uv_indices = view.materials = NULL;
-    view.transform = NULL;
-#endif
-    view.uv_count = 0;
-    view.reserved = 0;
     return view;
 }
 
@@ -434,42 +402,34 @@ typedef struct bvx_mesh {
     uint32_t *triangles; /**< [Size: triangle_count * 3] */
     uint64_t *vertex_keys; /**< identifies each vertex across windows; NULL without keys */
     uint64_t *triangle_keys; /**< identifies each triangle's cell across windows; NULL without keys */
-    uint64_t vertex_count;
-    uint64_t triangle_count;
-    uint64_t vertex_capacity; /**< vertices that the arrays hold */
-    uint64_t triangle_capacity; /**< triangles that the arrays hold */
+    uint64_t vertex_count, triangle_count;
+    uint64_t vertex_capacity, triangle_capacity; /**< what the arrays hold */
     double frame[3]; /**< add it to positions to get world coordinates; zero without the option local_frame */
     int32_t position_type; /**< BVX_F32 or BVX_F64 */
     int32_t owned; /**< 1 when bvx_mesh_free frees the arrays */
     uint8_t *colours; /**< red, green, blue, alpha of each vertex, or NULL [Size: vertex_capacity * 4] */
     float *uvs; /**< texture coordinates u, v, or NULL [Size: uv_count * 2] */
-    uint32_t *uv_triangles; /**< three indices into uvs a triangle [Size: triangle_capacity * 3]; NULL: one uv a
-                                 vertex */
+    uint32_t *uv_triangles; /**< three indices into uvs a triangle; NULL: one a vertex [Size: triangle_capacity * 3] */
     uint64_t uv_count;
     float *normals; /**< x, y, z of each vertex, or NULL [Size: vertex_capacity * 3] */
     float *uvs2; /**< second texture coordinates of each vertex, or NULL [Size: vertex_capacity * 2] */
     uint32_t *materials; /**< index of each triangle's material, or NULL [Size: triangle_capacity] */
-    bvx_assets *assets; /**< materials, textures and images of a glTF file, or NULL: passed on to a .glb */
+    bvx_assets *assets; /**< materials, textures and images of a glTF or 3MF file, or NULL: passed on to a .glb */
     uint64_t reserved[2];
 } bvx_mesh;
 
 /** Free what the library allocated and zero the struct. So do all bvx_..._free. */
 BVX_API void bvx_mesh_free(bvx_context *context, bvx_mesh *mesh);
-
 /** A view of a mesh. The frame is not part of it. */
 BVX_API void bvx_mesh_view_of(const bvx_mesh *mesh, bvx_mesh_view *view);
 
-/** Remove vertices with a coordinate that is not finite, and the triangles that use them.
- *  mesh     changed in place, whoever owns its arrays: what remains keeps its order, keys and attributes
- *  dropped  out: the number of triangles removed; all of them may go
- *  After a failure the mesh is unchanged. */
+/** Remove vertices with a coordinate that is not finite, and the triangles that use them, in place. What remains keeps
+ *  its order, keys and attributes. dropped, out, is the number of triangles removed. After a failure the mesh is
+ *  unchanged. */
 BVX_API bvx_status bvx_mesh_drop_nonfinite(bvx_context *context, bvx_mesh *mesh, uint64_t *dropped);
-
 /** Hash of type, counts, frame, positions and triangles, the same on every machine. */
 BVX_API bvx_status bvx_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint64_t *hash);
-
-/** The hash behind all golden values, a variant of FNV-1a on 64-bit words. Its recipe, and those of grids and meshes:
- *  docs/exactness.md. */
+/** The hash behind all golden values; its recipe, and those of grids and meshes: docs/exactness.md. */
 BVX_API uint64_t bvx_hash(const void *bytes, size_t size, uint64_t seed);
 
 typedef struct bvx_box {
@@ -501,23 +461,19 @@ typedef struct bvx_certificate {
     uint64_t reserved[4];
 } bvx_certificate;
 
-/** Check a mesh. weld 1 identifies vertices with equal positions (-0 equals 0). A mesh without triangles is no error:
- *  its certificate is zero, but for unused_vertices. [Limit: (2^32 - 1) / 3 triangles] */
+/** Check a mesh. weld 1 identifies vertices with equal positions (-0 equals 0). Of a mesh without triangles all but
+ *  unused_vertices is zero. [Limit: (2^32 - 1) / 3 triangles] */
 BVX_API bvx_status bvx_mesh_check(bvx_context *context, const bvx_mesh_view *mesh, int32_t weld,
                                   bvx_certificate *certificate);
 
 /** Find pairs of triangles that cross: that share a point which is neither a common vertex nor on a common edge.
  *  Touching is crossing, as is an overlap in one plane, a fold flat on its neighbour and a triangle that is there
- *  twice. Vertices at equal positions are one (-0 equals 0); triangles without area are left out. All vertices must be
- *  finite.
- *  count     out: the number of pairs, also when capacity is too small
- *  pairs     [Size: capacity * 2] two triangle indices a pair, the lower one first; pairs ascend
- *  capacity  in pairs [Limit: the list has fewer than 2^32] */
+ *  twice. Vertices at equal positions are one (-0 equals 0); triangles without area are left out.
+ *  pairs  two indices a pair, the lower one first; pairs ascend [Size: capacity * 2] [Limit: < 2^32 pairs] */
 BVX_API bvx_status bvx_mesh_crossings(bvx_context *context, const bvx_mesh_view *mesh, uint64_t *count, uint32_t *pairs,
                                       uint64_t capacity);
 
-/** Compute normals of length 1, three floats each, outwards where the mesh is oriented so; 0, 0, 1 where there is
- *  none. Either array may be NULL.
+/** Compute normals of length 1, three floats each; 0, 0, 1 where there is none. Either array may be NULL.
  *  vertex_normals  [Size: vertex_count * 3] the sum of the facets' normals, weighted by area
  *  facet_normals   [Size: triangle_count * 3] averaged 0: of each facet; 1: the mean of its vertices' normals */
 BVX_API bvx_status bvx_mesh_normals(bvx_context *context, const bvx_mesh_view *mesh, int32_t averaged,
@@ -529,14 +485,12 @@ typedef struct bvx_distance_report {
     uint64_t seed;
     double mean_a_to_b, max_a_to_b, mean_b_to_a, max_b_to_a; /**< [Units: world] */
     double mean, max; /**< of both directions: the mean of the means, the greater maximum [Units: world] */
-    double normal_a_to_b; /**< mean of 1 - cos of the angle between the facets' normals */
-    double normal_b_to_a;
+    double normal_a_to_b, normal_b_to_a; /**< mean of 1 - cos of the angle between the facets' normals */
 } bvx_distance_report;
 
-/** Sample each mesh uniformly by area (stratified, from seed) and measure the distance of each sample to the other
- *  mesh. Both must be in one frame. Samples whose nearest triangle has no area are left out of the normals' means. The
- *  order of triangles, corners and vertices does not change a bit.
- *  samples  [Limit: 1..2^31-1] */
+/** Sample each mesh uniformly by area, from seed, and measure the distance of each sample to the other mesh. Samples
+ *  whose nearest triangle has no area are left out of the normals' means. The order of triangles, corners and vertices
+ *  does not change a bit. samples  [Limit: 1..2^31-1] */
 BVX_API bvx_status bvx_mesh_distance(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,
                                      uint64_t samples, uint64_t seed, bvx_distance_report *report);
 
@@ -553,10 +507,10 @@ typedef struct bvx_lattice {
 
 /** A box of voxels, low .. low + size - 1. All zero means the whole lattice. */
 typedef struct bvx_window {
-    int32_t low[3];
-    int32_t size[3];
+    int32_t low[3], size[3];
 } bvx_window;
 
+/** Exactly one of resolution, axis_resolution and spacing is set. */
 typedef struct bvx_lattice_options {
     size_t struct_size;
     int32_t resolution; /**< voxels along the longest axis, cubic ones [Limit: 0..2^25] [Default: 0, unset] */
@@ -573,11 +527,8 @@ typedef struct bvx_lattice_options {
  *  Returns BVX_ERR_EMPTY (no vertex; only one position and no spacing), BVX_ERR_RANGE (dims beyond 2^25). */
 BVX_API bvx_status bvx_lattice_fit(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,
                                    bvx_lattice *lattice);
-
-/** The same with all options; exactly one of resolution, axis_resolution and spacing is set. */
 BVX_API bvx_status bvx_lattice_fit_with(bvx_context *context, const bvx_mesh_view *mesh,
                                         const bvx_lattice_options *options, bvx_lattice *lattice);
-
 /** A lattice from its parts; fraction_bits follows from dims. */
 BVX_API bvx_status bvx_lattice_make(bvx_context *context, const double origin[3], const double spacing[3],
                                     const int32_t dims[3], bvx_lattice *lattice);
@@ -585,8 +536,8 @@ BVX_API bvx_status bvx_lattice_make(bvx_context *context, const double origin[3]
 /* ---- Grids --------------------------------------------------------------------------------------------- */
 
 /** A set of voxels, one bit each. Voxel (x,y,z) of the window is bit (x & 63) of words[(z * size[1] + y) *
- *  words_per_row + (x >> 6)]; bits at or past size[0] are always 0. If a caller sets one, results are wrong or
- *  BVX_ERR_ARGUMENT (surfaces, faces and fields look), but memory stays safe. */
+ *  words_per_row + (x >> 6)]; bits at or past size[0] are always 0. Where a caller sets one, results are wrong or
+ *  BVX_ERR_ARGUMENT, but memory stays safe. */
 typedef struct bvx_grid {
     uint64_t *words; /**< [Size: bvx_grid_bound] 64-byte aligned when the library made it */
     uint64_t word_capacity; /**< words that the array holds; set by a caller who provides it */
@@ -600,16 +551,12 @@ typedef struct bvx_grid {
 
 /** Words that the grid of a window needs; 0 when the window is not inside the lattice. NULL: the whole lattice. */
 BVX_API uint64_t bvx_grid_bound(const bvx_lattice *lattice, const bvx_window *window);
-
 /** An empty grid of a window (NULL: the whole lattice). */
 BVX_API bvx_status bvx_grid_create(bvx_context *context, const bvx_lattice *lattice, const bvx_window *window,
                                    bvx_grid *grid);
-
 BVX_API void bvx_grid_free(bvx_context *context, bvx_grid *grid);
-
 /** Count the set voxels. */
 BVX_API bvx_status bvx_grid_count(bvx_context *context, const bvx_grid *grid, uint64_t *count);
-
 /** Hash of size, low, lattice and bits, the same on every machine. */
 BVX_API bvx_status bvx_grid_hash(bvx_context *context, const bvx_grid *grid, uint64_t *hash);
 
@@ -676,7 +623,8 @@ typedef struct bvx_solid_report {
     int32_t fill; /**< BVX_FILL_...: the rule that filled; AUTO reports its choice */
     int32_t fill_reason; /**< BVX_FILL_REASON_... */
     uint64_t crossings; /**< of rows with the surface, also outside the window along the row */
-    uint64_t unbalanced_rows; /**< rows whose crossings do not balance: there is a hole */
+    uint64_t unbalanced_rows; /**< rows whose crossings do not balance: there is a hole. winding: along x, or where
+                                   these balance about as many along y and z as lids stand in */
     uint64_t leaks; /**< flood: voxels off the surface that it reached although they are surely inside */
     uint64_t regions; /**< regions: how many there are */
     uint64_t mixed_regions; /**< regions: those that hold sure centres of both sides, or none */
@@ -685,11 +633,10 @@ typedef struct bvx_solid_report {
     uint64_t fill_voxels; /**< below, with a second mesh: voxels where second lies above mesh */
     uint64_t turned; /**< auto: triangles that were turned first */
     double volume; /**< of the voxels set [Units: world] */
-    double mesh_volume; /**< that the mesh encloses, rounded to a float; 0 where it is not comparable [Units: world] */
-    double crossing_volume; /**< with thin_checked: volume, if the solid ended where lines of centres cross the mesh;
-                                 0 with add_shell. Rounded to a float [Units: world] */
-    int32_t volume_resolution; /**< from which volume is within 1 % of mesh_volume or crossing_volume; 0: it is, or
-                                    none is */
+    double mesh_volume; /**< that the mesh encloses, as a float; 0 where it is not comparable [Units: world] */
+    double crossing_volume; /**< with thin_checked: what volume would be if the solid ended at the mesh along lines of
+                                 centres, as a float; 0 with add_shell [Units: world] */
+    int32_t volume_resolution; /**< at which volume is within 1 % of these; 0: it is, or none is */
     int32_t thin_checked; /**< 1: walls that the voxels lose were searched (check_thin) */
     uint64_t thin_voxels; /**< voxels at walls thinner than 1.5 voxels that are lost, or have gaps */
     int32_t thin_resolution; /**< at which nine tenths of them have a wall of 1.5 voxels; 0: none, or none needed */
@@ -704,19 +651,18 @@ typedef struct bvx_voxelize_options {
     int32_t has_base; /**< below: 1: columns begin at base, 0: at the lattice's end [Limit: 0..1] [Default: 0] */
     bvx_window window; /**< flood, regions: the whole lattice only [Default: all zero, the whole lattice] */
     bvx_solid_report *report; /**< receives counts when not NULL [Default: NULL] */
-    int32_t close_gaps; /**< flood: gaps of up to this many voxels are walls: a voxel that no empty cube of
-                             close_gaps + 1 voxels a side holds is one [Units: voxels] [Limit: 0..65535] [Default: 0] */
+    int32_t close_gaps; /**< flood: voxels that no empty cube of close_gaps + 1 voxels a side holds are walls
+                             [Units: voxels] [Limit: 0..65535] [Default: 0] */
     int32_t add_shell; /**< 1: set the conservative surface's voxels too; not for below [Limit: 0..1] [Default: 0] */
     int32_t check_thin; /**< for thin_... of the report, BVX_CHECK_... [Default: BVX_CHECK_AUTO] */
     int32_t up; /**< below: BVX_UP_... [Default: BVX_UP_Z] */
-    double base; /**< below, with has_base: height from which columns are filled [Units: world] [Limit: any]
-                      [Default: 0] */
+    double base; /**< below, with has_base: height where columns begin [Units: world] [Limit: any] [Default: 0] */
     const bvx_mesh_view *second; /**< below: fill between the mesh and this, where both exist [Default: NULL] */
 } bvx_voxelize_options;
 
 /** Set the voxels whose centres lie inside a mesh. Vertices are snapped to the lattice's fixed point; from there every
  *  decision is exact, with one rule for ties: solids that share faces share no voxel and leave none between them.
- *  Vertices that no triangle uses may be anything. How each rule decides, beside holes too: docs/rules.md.
+ *  Vertices that no triangle uses may be anything.
  *  Returns BVX_ERR_ARGUMENT (also options that the rule does not take, and a window for flood or regions),
  *  BVX_ERR_EMPTY (flood: it reached every centre off the surface although there is an inside), BVX_ERR_RANGE (also a
  *  vertex too far from the lattice for its fixed point: docs/exactness.md). */
@@ -728,13 +674,11 @@ BVX_API bvx_status bvx_voxelize_solid(bvx_context *context, const bvx_mesh_view 
 /** Which voxels are the surface.
  *  CONSERVATIVE  those whose closed box meets a triangle: no path leaks through, of whatever connectivity
  *  THIN          those whose axis cross (three unit segments through the centre) meets one: no 6-connected path leaks
- *                through
- *  SAMPLED       those that hold a point of its subdivision into parts shorter than a voxel: a flood may leak through
- */
+ *  SAMPLED       those with a point of its subdivision into parts shorter than a voxel: a flood may leak through */
+/* clang-format off */
 #define BVX_SURFACE_LIST(X) \
-    X(BVX_SURFACE_CONSERVATIVE, 0, "conservative") \
-    X(BVX_SURFACE_THIN, 1, "thin") \
-    X(BVX_SURFACE_SAMPLED, 2, "sampled")
+    X(BVX_SURFACE_CONSERVATIVE, 0, "conservative") X(BVX_SURFACE_THIN, 1, "thin") X(BVX_SURFACE_SAMPLED, 2, "sampled")
+/* clang-format on */
 enum { BVX_SURFACE_LIST(BVX_LIST_ENUM) };
 
 /** The triangles that touch each set voxel. Set voxel r, counted in the order of the grid's bits (z, y, x), has
@@ -765,25 +709,24 @@ typedef struct bvx_surface_options {
     bvx_surface_report *report; /**< receives counts when not NULL [Default: NULL] */
 } bvx_surface_options;
 
-/** Set the voxels that a mesh's surface touches, by one of three exact definitions. Vertices are snapped to the
- *  lattice's fixed point. Closed sets touch when they share a point; triangles without area count as segments or
- *  points (thin: they have no crossing). What lies beyond the window sets nothing. Returns as bvx_voxelize_solid. */
+/** Set the voxels that a mesh's surface touches, exactly. Vertices are snapped to the lattice's fixed point. Closed
+ *  sets touch when they share a point; triangles without area count as segments or points (thin: they have no
+ *  crossing). Returns as bvx_voxelize_solid. */
 BVX_API bvx_status bvx_voxelize_surface(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
                                         const bvx_surface_options *options, bvx_grid *surface);
 
 /* ---- Surfaces of grids --------------------------------------------------------------------------------- */
 
-/** What happens on a cell face whose two diagonals differ.
- *  SEPARATE  set corners are kept apart: the solid is 6-connected
- *  JOIN      set corners are joined: the solid is 18-connected on faces */
+/** What happens on a cell face whose two diagonals differ: SEPARATE keeps set corners apart (the solid is 6-connected),
+ *  JOIN joins them (18-connected on faces). */
 #define BVX_FACE_LIST(X) X(BVX_FACE_SEPARATE, 0, "separate") X(BVX_FACE_JOIN, 1, "join")
 enum { BVX_FACE_LIST(BVX_LIST_ENUM) };
 
 /** The lattice that a call works on: given, or fitted to what the call takes. */
 typedef struct bvx_fit {
     const bvx_lattice *lattice; /**< to work on [Default: NULL, fitted by resolution] */
-    int32_t resolution; /**< along the longest axis [Limit: 1..2^24]
-                             [Default: 256; of bvx_build_levels by its finest target] */
+    int32_t resolution; /**< along the longest axis [Limit: 1..2^24] [Default: 256; of bvx_build_levels by its finest
+                             target] */
     int32_t reserved;
 } bvx_fit;
 
@@ -809,13 +752,11 @@ typedef struct bvx_parts {
 /** What simplified levels have: triangles or an error each, and with neither half the triangles of the one before. */
 typedef struct bvx_targets {
     const uint64_t *triangles; /**< at most so many in a level [Size: level_count] [Default: NULL] */
-    const double *errors; /**< largest error of each level [Units: world] [Limit: > 0] [Size: level_count]
-                               [Default: NULL] */
+    const double *errors; /**< largest of each level [Units: world] [Limit: > 0] [Size: level_count] [Default: NULL] */
     int32_t error_kind; /**< of errors, BVX_ERROR_... [Limit: 0..1] [Default: BVX_ERROR_MEAN] */
-    int32_t strict; /**< 1: a target that cannot be met is BVX_ERR_RANGE; 0: met is 0 (docs/rules.md) [Limit: 0..1]
-                         [Default: 0] */
-    uint64_t samples; /**< points a side for each report's distances [Limit: 0..2^31-1]
-                           [Default: 0, not measured; by errors 20000] */
+    int32_t strict; /**< 1: a target that cannot be met is BVX_ERR_RANGE; 0: met is 0 [Limit: 0..1] [Default: 0] */
+    uint64_t samples; /**< points a side for reports' distances [Limit: 0..2^31-1] [Default: 0, not measured; by errors
+                           20000] */
     double even; /**< pull towards triangles of even size on flat parts [Limit: BVX_NONE, or 0..1] [Default: 1e-9] */
 } bvx_targets;
 
@@ -835,20 +776,19 @@ typedef struct bvx_extract_options {
     int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
     int32_t open_sides; /**< BVX_OPEN_... [Limit: 0..63] [Default: 0, beyond the window is empty] */
     int32_t keys; /**< 1: fill vertex_keys and triangle_keys [Limit: 0..1; dims below 2^20] [Default: 0] */
-    int32_t local_frame; /**< 1: positions relative to frame, the lattice's origin [Limit: 0..1] [Default: 0] */
+    int32_t local_frame; /**< 1: positions relative to frame [Limit: 0..1] [Default: 0] */
     int32_t reserved;
 } bvx_extract_options;
 
-/** The exact size of what bvx_extract_surface or bvx_extract_scalar would make: for arrays of one's own. */
+/** The exact size of what bvx_extract_surface or bvx_extract_scalar makes: for arrays of one's own. */
 BVX_API bvx_status bvx_extract_count(bvx_context *context, const bvx_grid *grid, const bvx_extract_options *options,
                                      uint64_t *vertex_count, uint64_t *triangle_count);
 
 /** The surface between set and empty voxel centres by marching cubes, with vertices at the middle of lattice edges.
  *  Closed, outwards, edge- and vertex-manifold, without duplicate triangles and triangles without area; an open side
- *  has a boundary. Windows that overlap by one layer of voxels, with open sides there, tile the whole: bvx_mesh_merge
- *  joins them to its bytes. Orders of vertices and triangles: docs/rules.md. An empty grid gives an empty mesh.
- *  Returns BVX_ERR_RANGE (f32 does not distinguish neighbouring positions: take BVX_POSITION_AUTO, f64 or local_frame;
- *  2^32 vertices or more). */
+ *  has a boundary. Windows that overlap by one layer of voxels, with open sides there, tile the whole: bvx_mesh_merge.
+ *  Orders of vertices and triangles: docs/rules.md. Returns BVX_ERR_RANGE (also positions too coarse for their type;
+ *  2^32 vertices). */
 BVX_API bvx_status bvx_extract_surface(bvx_context *context, const bvx_grid *grid, const bvx_extract_options *options,
                                        bvx_mesh *mesh);
 
@@ -860,16 +800,15 @@ typedef struct bvx_faces_options {
     int32_t reserved;
 } bvx_faces_options;
 
-/** The voxels themselves as a mesh: two outward triangles for each face between a set and an empty voxel. Closed, with
- *  the volume of the set voxels; not manifold where voxels touch only along an edge or at a corner. merged: a corner
- *  of one rectangle may lie on an edge of another: the mesh covers the same points without a crack, but bvx_mesh_check
- *  finds it open. Orders: docs/rules.md. Returns as bvx_extract_surface. */
+/** The voxels themselves as a mesh: two outward triangles for each face between a set and an empty voxel. Not manifold
+ *  where voxels touch only along an edge or at a corner. merged: a corner of one rectangle may lie on an edge of
+ *  another, so bvx_mesh_check finds the mesh open, but it has no crack. Returns as bvx_extract_surface. */
 BVX_API bvx_status bvx_extract_faces(bvx_context *context, const bvx_grid *grid, const bvx_faces_options *options,
                                      bvx_mesh *mesh);
 
-/** Join meshes with keys (windows of one lattice, as bvx_extract_surface says): the result has the bytes of the whole
- *  extracted at once, keys included. Whether the windows overlap is not checked.
- *  Returns BVX_ERR_ARGUMENT (no keys; types or frames that differ). */
+/** Join meshes with keys, of windows of one lattice: the result has the bytes of the whole extracted at once, keys
+ *  included. Whether the windows overlap is not checked. Returns BVX_ERR_ARGUMENT (no keys; types or frames that
+ *  differ). */
 BVX_API bvx_status bvx_mesh_merge(bvx_context *context, const bvx_mesh *parts, uint64_t part_count, bvx_mesh *whole);
 
 /** Where the surface cuts a lattice edge whose ends lie on either side: always strictly inside the edge
@@ -904,17 +843,15 @@ typedef struct bvx_field_surface_report {
 enum { BVX_ERROR_LIST(BVX_LIST_ENUM) };
 
 /** Which vertices levels have.
- *  PLACED  new ones, where they lie nearest to the mesh. bvx_closest_find of the mesh gives weights for values at
+ *  PLACED  new ones, where they lie nearest to the mesh; bvx_closest_find of the mesh gives weights for values at
  *          corners
- *  KEPT    the mesh's own, all of them in their order, so that what is stored by vertex follows untouched. Vertices of
- *          equal positions and attributes stay apart, unless the mesh has three for each triangle */
+ *  KEPT    the mesh's own, all of them in their order, so that what is stored by vertex follows. Vertices of equal
+ *          positions and attributes stay apart, unless the mesh has three for each triangle */
 #define BVX_VERTICES_LIST(X) X(BVX_VERTICES_PLACED, 0, "placed") X(BVX_VERTICES_KEPT, 1, "kept")
 enum { BVX_VERTICES_LIST(BVX_LIST_ENUM) };
 
-/** What becomes of handles and holes.
- *  KEEP      they stay
- *  SIMPLIFY  those at most three mean edges of the level around are cut and filled, the smallest first. No part goes,
- *            and none becomes two. Those at seams or locked vertices stay */
+/** What becomes of handles and holes: KEEP, they stay; SIMPLIFY, those at most three mean edges of the level around are
+ *  cut and filled, the smallest first. No part goes or becomes two; those at seams or locked vertices stay. */
 #define BVX_TOPOLOGY_LIST(X) X(BVX_TOPOLOGY_KEEP, 0, "keep") X(BVX_TOPOLOGY_SIMPLIFY, 1, "simplify")
 enum { BVX_TOPOLOGY_LIST(BVX_LIST_ENUM) };
 
@@ -936,14 +873,14 @@ typedef struct bvx_level_report {
 
 /** How edges collapse, and what stays. */
 typedef struct bvx_collapse {
-    double attribute_weight; /**< of the attributes beside the shape. 1: texture coordinates by 0.3 of their length
-                                  on the surface, a difference of 1 in normals and colours by a hundredth of the
-                                  mesh's longest side. BVX_NONE: they follow the shape and cost nothing
-                                  [Limit: BVX_NONE, or 0..1000] [Default: 1] */
-    const uint8_t *locked; /**< vertices of the mesh with a value other than 0 stay bit for bit [Size: vertex_count]
-                                [Default: NULL] */
-    int32_t position_type; /**< BVX_F32, BVX_F64 or AUTO: the mesh's; of a measured surface f32 where it holds, else
-                                f64 [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
+    double attribute_weight; /**< of attributes beside the shape. 1: texture coordinates by 0.3 of their length on the
+                                  surface, a difference of 1 in normals and colours by 1/100 of the mesh's longest side.
+                                  BVX_NONE: they follow the shape and cost nothing [Limit: BVX_NONE, or 0..1000]
+                                  [Default: 1] */
+    const uint8_t *locked; /**< vertices with a value other than 0 stay bit for bit [Size: vertex_count] [Default:
+                                NULL] */
+    int32_t position_type; /**< AUTO: the mesh's; of a measured surface as everywhere [Limit: 0..2] [Default:
+                                BVX_POSITION_AUTO] */
     int32_t lock_border; /**< 1: vertices on borders stay, so that tiles join [Limit: 0..1] [Default: 0] */
     int32_t vertices; /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
     int32_t topology; /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
@@ -957,14 +894,12 @@ typedef struct bvx_simplify_options {
 } bvx_simplify_options;
 
 /** Fewer triangles for a mesh as it is: a chain of levels, each made from the one before by collapsing the edges that
- *  cost least. Parts, handles (topology), borders, sides and own crossings stay. What is closed, manifold, oriented
- *  and free of crossings stays so; any other mesh gets no new fault. A collapse that would break this is refused, so a
- *  small target is not always met: docs/rules.md.
+ *  cost least. Parts, handles (topology), borders, sides and own crossings stay. What is closed, manifold, oriented and
+ *  free of crossings stays so; any other mesh gets no new fault. A small target is not always met: docs/rules.md.
  *  mesh    any mesh with area. Vertices at one position count as one; triangles without area and exact copies are
  *          dropped, flipped ones turned, edges of three triangles and more parted by sides, or cut
  *  levels  [Size: level_count] their arrays are not the mesh's. After a failure none is to be read. Those that the
- *          library allocates have the mesh's attributes, whose seams and borders stay; arrays of the caller's get
- *          positions and triangles alone
+ *          library allocates have the mesh's attributes; arrays of the caller's get positions and triangles alone
  *  Returns BVX_ERR_RANGE (also a mesh that spans less than 1e-30 or more than 1e31; strict: a level that cannot be
  *  made). */
 BVX_API bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh,
@@ -1046,10 +981,9 @@ enum {
 #define BVX_SHARP_LIST(X) X(BVX_SHARP_AUTO, 0, "auto") X(BVX_SHARP_NEVER, 1, "never") X(BVX_SHARP_ALWAYS, 2, "always")
 enum { BVX_SHARP_LIST(BVX_LIST_ENUM) };
 
-/** What becomes of walls thinner than 1.5 voxels that the lattice would lose. What is lost is reported.
- *  KEEP   they are kept, closed and whole, about as thick as they are
- *  DROP   they are lost
- *  SHELL  parts that the solid misses become shells, as sheets do; the rest is lost */
+/** Walls thinner than 1.5 voxels that the lattice would lose: KEEP, they are kept, closed and about as thick as they
+ *  are; DROP, they are lost; SHELL, parts that the solid misses become shells, as sheets do. What is lost is reported.
+ */
 #define BVX_THIN_LIST(X) X(BVX_THIN_KEEP, 0, "keep") X(BVX_THIN_DROP, 1, "drop") X(BVX_THIN_SHELL, 2, "shell")
 enum { BVX_THIN_LIST(BVX_LIST_ENUM) };
 
@@ -1065,15 +999,15 @@ typedef struct bvx_repair_report {
     int32_t thin_resolution; /**< that keeps nine tenths of thin_voxels; 0: none, or none needed */
     uint64_t thin_voxels; /**< at walls thinner than 1.5 voxels with no centre inside: lost without KEEP */
     uint64_t holes; /**< loops of open edges in the input */
-    uint64_t turned; /**< AUTO: triangles that were turned: flipped ones, and bodies inside out beside others */
+    uint64_t turned; /**< AUTO: triangles turned: flipped ones, and bodies inside out beside others */
     uint64_t crossings; /**< pairs of triangles of the input that cross, where they were counted */
     uint64_t shelled_triangles; /**< triangles of the input that became shells */
     uint64_t parts_dropped; /**< connected parts of the solid: least_part, keep_largest, crumbs */
     uint64_t cavities_dropped;
-    uint64_t crumbs; /**< small parts and pockets that are not in the mesh, counted above too: dropped and filled */
+    uint64_t crumbs; /**< small parts and pockets that are not in the mesh, counted above too */
     bvx_distance_report distance; /**< with samples: a is the input, b the result */
-    double crossing_volume; /**< what volume the result should have, overlaps counted once (docs/rules.md); 0:
-                                 copied, or nothing encloses a centre. Rounded to a float [Units: world] */
+    double crossing_volume; /**< what volume the result should have (docs/rules.md), as a float; 0: unknown, or copied
+                                 [Units: world] */
     uint64_t warnings; /**< 1 << BVX_WARN_... for each that the call gives */
 } bvx_repair_report;
 
@@ -1084,8 +1018,8 @@ typedef struct bvx_repair_options {
                        WINDING, or VOTE where flipped triangles cannot be turned] */
     int32_t thin; /**< walls that the lattice would lose, BVX_THIN_... [Default: BVX_THIN_KEEP] */
     bvx_placing placing; /**< of the surface [Default: all zero] */
-    double shell; /**< thickness that open sheets get; BVX_NONE: they get none [Units: largest spacings]
-                       [Limit: BVX_NONE, or 0, or 1.5..10^6] [Default: 2] */
+    double shell; /**< thickness that open sheets get; BVX_NONE: they get none [Units: largest spacings] [Limit:
+                       BVX_NONE, or 0, or 1.5..10^6] [Default: 2] */
     bvx_parts parts; /**< that are kept [Default: all zero] */
     uint64_t target_triangles; /**< at most so many: the largest resolution that a bisection finds [Limit: any]
                                     [Default: 0, none] */
@@ -1095,12 +1029,10 @@ typedef struct bvx_repair_options {
     int32_t reserved;
 } bvx_repair_options;
 
-/** Make a closed, manifold, oriented mesh without crossing triangles from any mesh. Unless if_needed is set, a sound
- *  mesh is made anew as well. Holes get smooth lids, overlapping parts become one, sheets become shells, and walls too
- *  thin for the lattice are kept (thin). Round bars from 2 voxels on keep their volume within 3 %. Details smaller
- *  than a voxel are lost, and rods thinner than one come out thicker. The steps, and what counts as a sheet:
- *  docs/rules.md.
- *  repaired  its arrays are not the mesh's (BVX_ERR_ARGUMENT)
+/** Make a closed, manifold, oriented mesh without crossing triangles from any mesh. Holes get smooth lids, overlapping
+ *  parts become one, sheets become shells, and walls too thin for the lattice are kept (thin). Round bars from 2 voxels
+ *  on keep their volume within 3 %. Details smaller than a voxel are lost. The steps, and what counts as a sheet:
+ *  docs/rules.md. The arrays of repaired are not the mesh's.
  *  Returns BVX_ERR_EMPTY (no triangle of area; nothing remains), BVX_ERR_RANGE (also target_triangles that no
  *  resolution meets). */
 BVX_API bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx_repair_options *options,
@@ -1130,30 +1062,64 @@ typedef struct bvx_levels_report {
 
 typedef struct bvx_levels_options {
     size_t struct_size;
-    bvx_targets targets; /**< as in bvx_simplify_options; halving starts from the input
-                              [Default: half the triangles of the one before] */
+    bvx_targets targets; /**< halving starts from the input [Default: half the triangles of the one before] */
     bvx_collapse collapse; /**< with solid: position_type and topology; the others are refused [Default: all zero] */
-    int32_t solid; /**< 1: simplify the surface that bvx_repair measures: closed, manifold, oriented, without
-                        crossings [Limit: 0..1] [Default: 0; 1 where one of the options marked "solid:" differs from
-                        its default] */
+    int32_t solid; /**< 1: simplify the surface that bvx_repair measures: closed, manifold, oriented, without crossings
+                        [Limit: 0..1] [Default: 0; 1 where an option marked "solid:" differs from its default] */
     bvx_fit fit; /**< solid: [Default: all zero] */
     int32_t sign; /**< solid: as in bvx_repair_options [Limit: BVX_SIGNS_OF_REPAIR] [Default: BVX_SIGN_AUTO] */
     int32_t sharp; /**< solid: BVX_SHARP_... [Default: BVX_SHARP_AUTO] */
     double shell; /**< solid: as in bvx_repair_options [Limit: BVX_NONE, or 0, or 1.5..10^6] [Default: 2] */
-    bvx_parts parts; /**< solid: that are kept; a least_cavity of UINT64_MAX leaves the outer hull
-                          [Default: all zero] */
+    bvx_parts parts; /**< solid: that are kept; least_cavity of UINT64_MAX: the outer hull [Default: all zero] */
     bvx_levels_report *report; /**< receives what was found and done when not NULL [Default: NULL] */
     bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
 } bvx_levels_options;
 
 /** Levels of detail from any mesh: the main job. The mesh is simplified as it is, by bvx_mesh_simplify. With solid its
- *  surface is measured first, by bvx_repair, and every level is closed, manifold, oriented and free of crossings; it
- *  has no attributes, but bvx_mesh_carry gives it some. What is tried under a memory limit: docs/rules.md.
- *  levels  [Size: level_count] as for bvx_mesh_simplify
+ *  surface is measured first, by bvx_repair; levels have no attributes then, but bvx_mesh_carry gives them some. What
+ *  is tried under a memory limit: docs/rules.md. levels as for bvx_mesh_simplify.
  *  Returns as bvx_mesh_simplify; BVX_ERR_ARGUMENT also for lock_border, locked, BVX_VERTICES_KEPT or attribute_weight
  *  with solid, BVX_ERR_BUDGET (names a limit that suffices). */
 BVX_API bvx_status bvx_build_levels(bvx_context *context, const bvx_mesh_view *mesh, const bvx_levels_options *options,
                                     uint64_t level_count, bvx_mesh *levels);
+
+/* ---- Hulls --------------------------------------------------------------------------------------------- */
+
+typedef struct bvx_hull_report {
+    bvx_lattice lattice; /**< that the hull was made on */
+    uint64_t triangles; /**< of the hull before edges collapse */
+    uint64_t outer_triangles; /**< of the input, on which the hull lies */
+    uint64_t shelled_triangles; /**< of the input, with outside on both sides: they became shells */
+    uint64_t lids; /**< crossings of lattice edges where an opening was closed */
+    uint64_t parts_dropped; /**< connected parts of the body: least_part, keep_largest */
+    uint64_t warnings; /**< 1 << BVX_WARN_... for each that the call gives */
+    uint64_t reserved[3];
+} bvx_hull_report;
+
+typedef struct bvx_hull_options {
+    size_t struct_size;
+    bvx_fit fit; /**< [Default: 256 voxels, padded by 2 voxels and half a shell] */
+    bvx_placing placing; /**< of the surface [Default: all zero] */
+    bvx_targets targets; /**< what each level has; errors are measured from the hull [Default: the first level is the
+                              hull itself, each further one has half the triangles of the one before] */
+    bvx_parts parts; /**< that are kept: least_part and keep_largest; every cavity is filled [Default: all zero] */
+    double shell; /**< thickness that walls with outside on both sides get where no centre lies in them; BVX_NONE: they
+                       are lost [Units: largest spacings] [Limit: BVX_NONE, or 0, or 1.5..10^6] [Default: 2] */
+    int32_t close_gaps; /**< openings of up to this many voxels are closed, larger ones stay [Units: voxels]
+                             [Limit: 0..65535] [Default: 0: those that no empty voxel leads through] */
+    int32_t reserved;
+    bvx_hull_report *report; /**< receives what was found and done when not NULL [Default: NULL] */
+    bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
+} bvx_hull_options;
+
+/** What of a mesh can be reached from outside, as closed levels: inner walls, shells and parts are gone, and the
+ *  surface lies on the outer of double walls. The mesh may be anything: walls doubled, welded through holes, crossing,
+ *  flipped, loose parts inside. Every level is closed, manifold, oriented and free of crossings; it has no attributes,
+ *  but bvx_mesh_carry gives it some. How openings are closed: docs/rules.md.
+ *  levels  [Size: level_count] as for bvx_mesh_simplify
+ *  Returns as bvx_build_levels; BVX_ERR_EMPTY also where the mesh encloses no centre and shell is BVX_NONE. */
+BVX_API bvx_status bvx_hull(bvx_context *context, const bvx_mesh_view *mesh, const bvx_hull_options *options,
+                            uint64_t level_count, bvx_mesh *levels);
 
 /* ---- Booleans of meshes -------------------------------------------------------------------------------- */
 
@@ -1174,7 +1140,7 @@ typedef struct bvx_boolean_report {
     int32_t few; /**< BVX_FEW_... that the lattice is too coarse for, or 0 */
     int32_t advised_resolution; /**< where few is not 0: the resolution to take */
     int32_t thin_kept; /**< BVX_KEPT_... of the meshes whose thin walls were kept; others' are lost */
-    uint64_t crumbs; /**< small parts and pockets that neither mesh has a part for: dropped and filled */
+    uint64_t crumbs; /**< small parts and pockets that neither mesh has: dropped and filled */
     uint64_t parts_dropped; /**< by least_part and keep_largest */
     bvx_solid_report solid_a, solid_b; /**< how each was filled, before walls are kept */
     uint64_t warnings; /**< 1 << BVX_WARN_... for each that the call gives */
@@ -1188,34 +1154,31 @@ enum { BVX_FEW_A = 1, BVX_FEW_B = 2, BVX_FEW_RESULT = 4 };
 
 typedef struct bvx_boolean_options {
     size_t struct_size;
-    bvx_fit fit; /**< [Default: 256 voxels, padded by 1 voxel: of a difference to a, of an intersection to the box
-                      that both share (to a where there is none), else to both] */
+    bvx_fit fit; /**< [Default: 256 voxels, padded by 1: of a difference to a, of an intersection to the box that both
+                      share (to a where there is none), else to both] */
     int32_t fill; /**< BVX_FILL_...: the rule for inside [Limit: BVX_FILLS_OF_BOOLEAN] [Default: BVX_FILL_AUTO] */
     int32_t thin; /**< walls that the lattice would lose: BVX_THIN_KEEP (of b in a difference: slots) or
                        BVX_THIN_DROP [Limit: 0..1] [Default: BVX_THIN_KEEP] */
-    bvx_placing placing; /**< of the surface; sharp edges are those of the meshes and where they meet, AUTO: where
-                              one of the meshes has them [Default: all zero] */
+    bvx_placing placing; /**< of the surface; sharp AUTO: where one of the meshes has sharp edges [Default: all zero] */
     bvx_parts parts; /**< that are kept; crumbs are parts that neither mesh has [Default: all zero] */
     bvx_boolean_report *report; /**< receives what was done when not NULL [Default: NULL] */
 } bvx_boolean_options;
 
 /** The union, intersection, difference or symmetric difference of two bodies as a mesh, as exact as the lattice is
- *  fine. Both are filled on one lattice, the bits are combined, and each vertex lies where the mesh whose side changes
- *  there cuts its edge. The guarantee is that of bvx_extract_field_surface, whatever the meshes are. Thin walls of the
- *  meshes are kept (thin); what the operation itself makes thinner than a voxel may be lost.
+ *  fine. Each vertex lies where the mesh whose side changes there cuts its edge. The guarantee is that of
+ *  bvx_extract_field_surface, whatever the meshes are. What the operation itself makes thinner than a voxel may be
+ *  lost.
  *  operation  BVX_BOOLEAN_...
- *  result     its arrays are not those of a or b (BVX_ERR_ARGUMENT). Empty, and no error, where no centre lies inside.
- *             Where b does not reach a, the difference is a's surface on the lattice
- *  Returns BVX_ERR_EMPTY (a mesh without a triangle of area, or with no centre inside although it lies on the
- *  lattice), BVX_ERR_RANGE (as bvx_voxelize_solid and bvx_extract_surface). */
+ *  result     its arrays are not those of a or b. Empty, and no error, where no centre lies inside
+ *  Returns BVX_ERR_EMPTY (a mesh without a triangle of area, or with no centre inside although it lies on the lattice),
+ *  BVX_ERR_RANGE (as bvx_voxelize_solid and bvx_extract_surface). */
 BVX_API bvx_status bvx_boolean(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b, int32_t operation,
                                const bvx_boolean_options *options, bvx_mesh *result);
 
 /* ---- Levels by samples --------------------------------------------------------------------------------- */
 
-/** How levels are sampled.
- *  EDGE_RATIO  the paper's: samples of the extended voxel function, first change along an edge
- *  COVERAGE    the share of set voxels in the sample's box, linear positions */
+/** How levels are sampled: EDGE_RATIO, the paper's: samples of the extended voxel function, first change along an edge;
+ *  COVERAGE, the share of set voxels in the sample's box, linear positions. */
 #define BVX_LOD_LIST(X) X(BVX_LOD_EDGE_RATIO, 0, "edge-ratio") X(BVX_LOD_COVERAGE, 1, "coverage")
 enum { BVX_LOD_LIST(BVX_LIST_ENUM) };
 
@@ -1242,26 +1205,23 @@ typedef struct bvx_lod_options {
     const uint64_t *target_triangles; /**< at most so many in a level [Size: level_count] [Default: NULL] */
     int32_t face_rule; /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
     int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
-    int32_t local_frame; /**< 1: positions relative to frame, the grid's low corner [Limit: 0..1] [Default: 0] */
+    int32_t local_frame; /**< 1: positions relative to frame [Limit: 0..1] [Default: 0] */
     int32_t first_level; /**< index of levels[0] in messages [Limit: >= 0] [Default: 0] */
-    double collapse; /**< target_triangles only: make up to this many times the target, then collapse edges
-                          [Limit: 0, or 1..64] [Default: 0, no collapse] */
+    double collapse; /**< target_triangles: make up to this many times the target, then collapse edges [Limit: 0, or
+                          1..64] [Default: 0] */
     bvx_lod_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
 } bvx_lod_options;
 
 /** The resolution of the solid from which bvx_build_lods should make these levels: eight times the samples of the
  *  finest level, less where memory is short (docs/rules.md). options count by their sizes, targets and collapse.
- *  padding  voxels added on every side of the solid
- *  limited  out, may be NULL: 1 when memory decided, else 0 */
+ *  padding is in voxels on every side. limited, out, may be NULL: 1 when memory decided. */
 BVX_API bvx_status bvx_plan_lods(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lod_options *options,
                                  uint64_t level_count, int32_t padding, int32_t *resolution, int32_t *limited);
 
-/** Closed meshes of several sizes from one solid. Each level lays a coarser lattice over the grid, n voxels to r
- *  samples along an axis (any ratio n/r >= 1), such that nothing shifts or shrinks: docs/rules.md. Each level is
- *  closed, outwards, edge- and vertex-manifold. Exactly one of resolutions, axis_resolutions and target_triangles is
- *  given. A target takes the largest resolution that a bisection finds not to exceed it. collapse 2 to 4 puts
- *  triangles where the surface bends: nearer to the original, but less even and slower.
- *  levels  [Size: level_count] After a failure none is to be read
+/** Closed, manifold meshes of several sizes from one solid. Each level lays a coarser lattice over the grid, n voxels
+ *  to r samples along an axis (any ratio n/r >= 1), such that nothing shifts or shrinks: docs/rules.md. Exactly one of
+ *  resolutions, axis_resolutions and target_triangles is given. collapse 2 to 4 is nearer to the original, but less
+ *  even and slower. After a failure no level is to be read.
  *  Returns BVX_ERR_RANGE (a resolution above the grid's; a target below the triangles of the coarsest level),
  *  BVX_ERR_EMPTY (a level that keeps nothing, named). */
 BVX_API bvx_status bvx_build_lods(bvx_context *context, const bvx_grid *solid, const bvx_lod_options *options,
@@ -1284,8 +1244,8 @@ typedef struct bvx_closest_point {
 /** Prepare a mesh. A handle that is passed again is overwritten: free it first. */
 BVX_API bvx_status bvx_closest_create(bvx_context *context, const bvx_mesh_view *mesh, bvx_closest **closest);
 
-/** Find the closest points to count points, x y z each [Units: world]. Distances come from one stated evaluation in
- *  doubles, so results depend only on mesh and point. A distance beyond the largest double is infinity. */
+/** Find the closest points to count points, x y z each [Units: world]. A distance beyond the largest double is
+ *  infinity. */
 BVX_API bvx_status bvx_closest_find(bvx_context *context, const bvx_closest *closest, const double *points,
                                     uint64_t count, bvx_closest_point *found);
 
@@ -1298,42 +1258,40 @@ typedef struct bvx_mesh_hit {
     int32_t side; /**< 1: that of the normal by the right hand; -1: the other; 0: none is met, all else is zero */
 } bvx_mesh_hit;
 
-/** Cast count rays, six doubles each: origin, direction (any length but 0) [Units: world], at the mesh. Hits have 0 <=
- *  t <= t_max; of equal t the lowest index is the nearest. A ray passes between no two triangles with a common edge,
- *  and through an edge or a corner it meets one of the triangles there. A triangle seen from its edge is not met.
- *  hits  the nearest one of each ray [Size: count]
+/** Cast count rays at the mesh, six doubles each: origin, direction (any length but 0) [Units: world]. Hits have 0 <= t
+ *  <= t_max; of equal t the lowest index is the nearest. A ray passes between no two triangles with a common edge, and
+ *  through an edge or a corner it meets one of the triangles there. A triangle seen from its edge is not met. hits are
+ *  the nearest of each ray [Size: count].
  *  Returns BVX_ERR_ARGUMENT (a direction of 0, t_max below 0 or NaN), BVX_ERR_RANGE (also a start 2^200 times the
  *  mesh's size away). */
 BVX_API bvx_status bvx_closest_cast(bvx_context *context, const bvx_closest *closest, const double *rays,
                                     uint64_t count, double t_max, bvx_mesh_hit *hits);
 
-/** All hits of each ray, by t, then by index of the triangle.
- *  offsets  where the hits of each ray begin, and their number [Size: count + 1]
- *  hits     NULL: offsets alone are wanted [Size: capacity]
- *  Returns what bvx_closest_cast returns, BVX_ERR_CAPACITY (offsets are valid then). */
+/** All hits of each ray, by t, then by index of the triangle. Those of ray r are hits[offsets[r]] .. hits[offsets[r +
+ *  1] - 1]. Returns as bvx_closest_cast; after BVX_ERR_CAPACITY offsets are valid.
+ *  offsets  [Size: count + 1]
+ *  hits     NULL: offsets alone are wanted [Size: capacity] */
 BVX_API bvx_status bvx_closest_crossings(bvx_context *context, const bvx_closest *closest, const double *rays,
                                          uint64_t count, double t_max, uint64_t *offsets, bvx_mesh_hit *hits,
                                          uint64_t capacity);
 
 /** How often the mesh goes around each of count points, x y z each [Units: world]; exact. Of a closed, oriented mesh 0
- *  outside and 1 inside; of an open one the signed number of triangles that lie ahead along x. Points on the surface
- *  are on one side, by the tie rule of voxel centres. */
+ *  outside and 1 inside; of an open one the signed number of triangles ahead along x. Points on the surface are on one
+ *  side, by the tie rule of voxel centres. */
 BVX_API bvx_status bvx_closest_winding(bvx_context *context, const bvx_closest *closest, const double *points,
                                        uint64_t count, int64_t *turns);
-
 /** Free what bvx_closest_create allocated; NULL is allowed. */
 BVX_API void bvx_closest_free(bvx_context *context, bvx_closest *closest);
 
-/** Give the vertices of a mesh the colours and texture coordinates of the source's closest points, by barycentric
- *  weights. What the source does not have stays as it was. Only arrays that the library allocated (owned) are
- *  accepted. A vertex has one texture coordinate, so a triangle over a seam of the texture stretches across it. */
+/** Give the vertices of a mesh the colours and texture coordinates of the source's closest points. What the source does
+ *  not have stays as it was. The target's arrays are the library's (owned). A triangle over a seam of the texture
+ *  stretches across it. */
 BVX_API bvx_status bvx_mesh_carry(bvx_context *context, const bvx_mesh *source, bvx_mesh *target);
 
 /* ---- Distance fields ----------------------------------------------------------------------------------- */
 
-/** Values at centres of voxels: where the closest point of a mesh lies, and on which side. Value n is that of set
- *  voxel n of band, counted in the order of its bits (z, y, x). Centres beyond the band have a side only;
- *  bvx_field_dense gives them distances too. */
+/** Values at centres of voxels: where the closest point of a mesh lies, and on which side. Value n is that of set voxel
+ *  n of band, counted in the order of its bits (z, y, x). Centres beyond the band have a side only. */
 typedef struct bvx_field {
     bvx_grid band; /**< set: centres that have a value */
     bvx_grid inside; /**< set: centres inside, in all of the window (docs/rules.md); without words for BVX_SIGN_NONE */
@@ -1362,16 +1320,13 @@ typedef struct bvx_field_options {
     uint64_t reserved[2];
 } bvx_field_options;
 
-/** Measure the distance from centres of voxels to a mesh. The closest point is the one with the lowest (distance
- *  squared, triangle index) by one stated evaluation in doubles. On closed meshes all signs but NORMAL agree, up to
- *  the lattice's fixed point; how each decides at edges, vertices and holes: docs/rules.md.
- *  mesh  counter-clockwise seen from outside for NORMAL and PSEUDONORMAL
- *        [Limit: (2^32 - 1) / 3 triangles for AUTO and PSEUDONORMAL]
- *  Returns BVX_ERR_ARGUMENT (also a field with arrays of the caller's), BVX_ERR_RANGE (as bvx_voxelize_solid; voxels
- *  or distances that floats do not hold: take BVX_F64). */
+/** Measure the distance from centres of voxels to a mesh. On closed meshes all signs but NORMAL agree, up to the
+ *  lattice's fixed point; how each decides at edges, vertices and holes: docs/rules.md. mesh is counter-clockwise seen
+ *  from outside for NORMAL and PSEUDONORMAL [Limit: (2^32 - 1) / 3 triangles for AUTO and PSEUDONORMAL].
+ *  Returns BVX_ERR_ARGUMENT (also a field with arrays of the caller's), BVX_ERR_RANGE (as bvx_voxelize_solid; voxels or
+ *  distances that floats do not hold: take BVX_F64). */
 BVX_API bvx_status bvx_measure_field(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
                                      const bvx_field_options *options, bvx_field *field);
-
 /** Index of the value at voxel (x,y,z) of the window; UINT64_MAX where it has none. */
 BVX_API uint64_t bvx_field_value(const bvx_field *field, int32_t x, int32_t y, int32_t z);
 
@@ -1390,25 +1345,22 @@ BVX_API bvx_status bvx_field_dense(bvx_context *context, const bvx_field *field,
 
 typedef struct bvx_field_surface_options {
     size_t struct_size;
-    bvx_placing placing; /**< sharp: cells on sharp edges and corners get a vertex there, and cuts move to the
-                              closest triangles' planes where the field has triangles and the mesh is given. AUTO:
-                              never without vectors or the mesh [Default: all zero] */
-    double sharp_angle; /**< sharp: facets that meet at less than this are smooth [Units: cosine of the angle between
-                             their normals; not 0, but as near to it as wanted] [Limit: -1..1] [Default: 0.8] */
+    bvx_placing placing; /**< sharp: cells on sharp edges and corners get a vertex there; AUTO: never without vectors or
+                              the mesh [Default: all zero] */
+    double sharp_angle; /**< sharp: facets that meet at less are smooth [Units: cosine of the angle between their
+                             normals; not 0, but as near as wanted] [Limit: -1..1] [Default: 0.8] */
     bvx_field_surface_report *report; /**< receives counts when not NULL [Default: NULL] */
-    const bvx_grid *grid; /**< compute the surface of other voxels in the field's window, made from its inside. Where
-                               it is that of inside, vertices are the field's; elsewhere those of offset, or in the
-                               middle of their edges [Default: NULL, inside] */
-    double offset; /**< grid: the vertex lies where the distance to the mesh, negative inside, is this, if it lies
-                        between the edge's ends: for bodies made thicker, thinner or hollow; 0: no such surface
-                        [Units: world] [Limit: any] [Default: 0] */
+    const bvx_grid *grid; /**< compute the surface of other voxels in the field's window, made from its inside. Where it
+                               is that of inside, vertices are the field's; elsewhere those of offset, or in the middle
+                               of edges [Default: NULL, inside] */
+    double offset; /**< grid: vertices lie where the distance to the mesh, negative inside, is this: for bodies made
+                        thicker, thinner or hollow; 0: no such surface [Units: world] [Limit: any] [Default: 0] */
 } bvx_field_surface_options;
 
 /** The surface between inside and outside centres of a field, by marching cubes with vertices where the field has the
- *  surface. Closed, outwards, edge- and vertex-manifold, without crossing triangles, for every field. Beyond the
- *  window is outside. Order as in bvx_extract_surface; sharp: vertices of cells follow, in order of their cells.
- *  mesh  that the field was measured from. Only sharp uses it, with field->triangles, to know facets; else sharp uses
- *        the vectors, which is nearly as good
+ *  surface. Closed, outwards, edge- and vertex-manifold, without crossing triangles, for every field. Beyond the window
+ *  is outside. Order as in bvx_extract_surface; sharp: vertices of cells follow, in order of their cells.
+ *  mesh  that the field was measured from, or NULL: only sharp uses it, with field->triangles
  *  Returns as bvx_extract_surface; BVX_ERR_ARGUMENT also for a field of BVX_SIGN_NONE, or without vectors where they
  *  are needed; BVX_ERR_RANGE also for triangles that the mesh does not have, and for f64 whose steps exceed 1/512 of a
  *  voxel; BVX_ERR_LATTICE (band, inside or options.grid differ). */
@@ -1417,19 +1369,15 @@ BVX_API bvx_status bvx_extract_field_surface(bvx_context *context, const bvx_fie
 
 /* ---- Set algebra --------------------------------------------------------------------------------------- */
 
-/** Combine two grids of one lattice and window, 64 voxels at a time. In place: the result may be one of the operands
- *  (after BVX_CANCELLED its bits are then unspecified).
- *  operation  BVX_BOOLEAN_... */
+/** Combine two grids of one lattice and window by a BVX_BOOLEAN_..., in place where the result is one of them. After
+ *  BVX_CANCELLED its bits are then unspecified. */
 BVX_API bvx_status bvx_grid_combine(bvx_context *context, const bvx_grid *a, const bvx_grid *b, int32_t operation,
                                     bvx_grid *result);
-
 /** The voxels of the window that are not set. As bvx_grid_combine, also in place. */
 BVX_API bvx_status bvx_grid_complement(bvx_context *context, const bvx_grid *grid, bvx_grid *result);
 
-/** The same set on another lattice: a voxel is set when its centre lies in a set voxel of grid (a centre on a face
- *  belongs to the upper voxel). Beyond the grid's window all is empty. What lies between centres is lost: for integer
- *  factors take bvx_grid_downsample.
- *  window  of lattice; NULL or all zero: all of it */
+/** The same set on another lattice, or a window of it (NULL: all): a voxel is set when its centre lies in a set voxel
+ *  of grid (a centre on a face belongs to the upper voxel). For integer factors take bvx_grid_downsample. */
 BVX_API bvx_status bvx_grid_resample(bvx_context *context, const bvx_grid *grid, const bvx_lattice *lattice,
                                      const bvx_window *window, bvx_grid *result);
 
@@ -1437,33 +1385,30 @@ BVX_API bvx_status bvx_grid_resample(bvx_context *context, const bvx_grid *grid,
 #define BVX_REDUCE_LIST(X) X(BVX_REDUCE_ANY, 0, "any") X(BVX_REDUCE_ALL, 1, "all") X(BVX_REDUCE_MAJORITY, 2, "majority")
 enum { BVX_REDUCE_LIST(BVX_LIST_ENUM) };
 
-/** Blocks of factor[0] x factor[1] x factor[2] voxels become voxels. Blocks are counted from the lattice's low corner;
- *  one that the window cuts is judged by its voxels in the window. The new lattice has the old origin, spacing *
- *  factor, and dims / factor rounded up; the window has every block that the old one reaches into.
- *  factor  [Limit: 1..2^25 each, and fewer than 2^32 voxels of the lattice in a block]
- *  rule    BVX_REDUCE_... */
+/** Blocks of factor[0] x factor[1] x factor[2] voxels become voxels, by a BVX_REDUCE_.... Blocks are counted from the
+ *  lattice's low corner; one that the window cuts is judged by its voxels in the window. The new lattice has the old
+ *  origin, spacing * factor, and dims / factor rounded up; the window has every block that the old one reaches into.
+ *  factor  [Limit: 1..2^25 each, and fewer than 2^32 voxels of the lattice in a block] */
 BVX_API bvx_status bvx_grid_downsample(bvx_context *context, const bvx_grid *grid, const int32_t factor[3],
                                        int32_t rule, bvx_grid *result);
 
-/** The number of set voxels in each of these blocks, x fastest, then y, then z. count is the product of the sizes of
- *  bvx_grid_downsample's result. Returns as bvx_grid_downsample. */
+/** The number of set voxels in each of these blocks, x fastest, then y, then z. count is the number of voxels of
+ *  bvx_grid_downsample's result. */
 BVX_API bvx_status bvx_grid_coverage(bvx_context *context, const bvx_grid *grid, const int32_t factor[3],
                                      uint32_t *counts, uint64_t capacity, uint64_t *count);
 
-/** The same lattice through another window, which may reach beyond the grid's own, where all is empty.
- *  window  NULL or all zero: the whole lattice */
+/** The same lattice through another window (NULL: all of it), which may reach beyond the grid's own, where all is
+ *  empty. */
 BVX_API bvx_status bvx_grid_crop(bvx_context *context, const bvx_grid *grid, const bvx_window *window,
                                  bvx_grid *result);
 
-/** Extend the lattice by low empty voxels before its first ones along each axis, and high after its last ones. The
- *  window grows in the same way. Nothing moves in the world. [Limit: 0 and more, dims up to 2^25] */
+/** Extend lattice and window by low empty voxels before the first ones along each axis, and high after the last ones.
+ *  Nothing moves in the world. [Limit: 0 and more, dims up to 2^25] */
 BVX_API bvx_status bvx_grid_pad(bvx_context *context, const bvx_grid *grid, const int32_t low[3], const int32_t high[3],
                                 bvx_grid *result);
 
-/** Axis a of the result is axis axes[a] of the grid, reversed where flips[a] is 1. Origin, spacing, dims and window
- *  are permuted too; a flip mirrors the lattice's box in itself, so the origin stays.
- *  axes   0, 1, 2 in any order
- *  flips  0 or 1 each; NULL: none */
+/** Axis a of the result is axis axes[a] of the grid (0, 1, 2 in any order), reversed where flips[a] is 1 (NULL: none).
+ *  Origin, spacing, dims and window are permuted too; a flip mirrors the lattice's box in itself. */
 BVX_API bvx_status bvx_grid_permute(bvx_context *context, const bvx_grid *grid, const int32_t axes[3],
                                     const int32_t flips[3], bvx_grid *result);
 
@@ -1493,10 +1438,9 @@ typedef struct bvx_morph_options {
     int32_t reserved;
 } bvx_morph_options;
 
-/** Grow or shrink a set of voxels by its neighbours or by a ball, as in unbounded space with beyond outside the
- *  window; both halves of open and close, and only the end is cut to the window.
- *  operation  BVX_MORPH_...
- *  Returns BVX_ERR_RANGE (a ball: spacings beyond 2^-400 .. 2^400). */
+/** Grow or shrink a set of voxels by its neighbours or by a ball, by a BVX_MORPH_..., as in unbounded space with beyond
+ *  outside the window. Only the end is cut to the window. Returns BVX_ERR_RANGE (a ball: spacings beyond 2^-400 ..
+ *  2^400). */
 BVX_API bvx_status bvx_grid_morph(bvx_context *context, const bvx_grid *grid, int32_t operation,
                                   const bvx_morph_options *options, bvx_grid *result);
 
@@ -1522,18 +1466,16 @@ typedef struct bvx_hollow_options {
     bvx_hollow_report *report; /**< receives counts when not NULL [Default: NULL] */
 } bvx_hollow_options;
 
-/** Make a body hollow: voxels deeper than thickness become empty, and the outer surface stays but for the drain hole.
- *  The hole takes set voxels whose centre lies within drain_radius of its axis, from its side to where the axis first
- *  meets the hollow. Where nothing is deep enough the result is the grid itself, without a hole.
+/** Make a body hollow: voxels deeper than thickness become empty. The drain hole takes set voxels whose centre lies
+ *  within drain_radius of its axis, from its side to where the axis first meets the hollow. Where nothing is deep
+ *  enough the result is the grid itself.
  *  Returns BVX_ERR_ARGUMENT (also a drain_at whose axis misses the hollow), BVX_ERR_RANGE (a thickness below a voxel).
  */
 BVX_API bvx_status bvx_grid_hollow(bvx_context *context, const bvx_grid *grid, const bvx_hollow_options *options,
                                    bvx_grid *result);
 
-/** Distances of every centre.
- *  OUTSIDE  to the nearest set one: 0 on set voxels
- *  INSIDE   to the nearest empty one: 0 on empty voxels
- *  SIGNED   outside less inside: negative on set voxels, never 0 */
+/** Distances of every centre: OUTSIDE, to the nearest set one; INSIDE, to the nearest empty one; SIGNED, outside less
+ *  inside. */
 #define BVX_DISTANCE_LIST(X) \
     X(BVX_DISTANCE_OUTSIDE, 0, "outside") X(BVX_DISTANCE_INSIDE, 1, "inside") X(BVX_DISTANCE_SIGNED, 2, "signed")
 enum { BVX_DISTANCE_LIST(BVX_LIST_ENUM) };
@@ -1550,15 +1492,13 @@ typedef struct bvx_distance_options {
     size_t struct_size;
     int32_t side; /**< BVX_DISTANCE_... [Default: BVX_DISTANCE_OUTSIDE] */
     int32_t beyond; /**< BVX_BEYOND_... [Default: BVX_BEYOND_NOTHING] */
-    uint64_t *nearest; /**< receives for each voxel the index x + nx * (y + ny * z) in the window of the voxel that
-                            its distance is to, the lowest of equally near ones; UINT64_MAX for none
-                            [Size: nx * ny * nz] [Default: NULL] */
+    uint64_t *nearest; /**< index x + nx * (y + ny * z) in the window of the voxel that the distance is to, the lowest
+                            of equally near ones; UINT64_MAX for none [Size: nx * ny * nz] [Default: NULL] */
     uint64_t reserved[2];
 } bvx_distance_options;
 
 /** The exact Euclidean distance between centres of voxels, for every voxel of the window, x fastest, then y, then z.
- *  With BVX_BEYOND_NOTHING an empty grid has infinity everywhere (INSIDE: 0), a full one 0 (INSIDE: infinity, SIGNED:
- *  minus infinity).
+ *  Where there is no such voxel it is infinity.
  *  value_type  BVX_F32 or BVX_F64: the last rounding; BVX_SQUARES: whole squares as uint32_t, of cubic voxels, OUTSIDE
  *              or INSIDE [Units: voxels^2], UINT32_MAX where there is no such voxel
  *  values      [Size: nx * ny * nz] [Units: world]
@@ -1578,17 +1518,13 @@ typedef struct bvx_component {
     uint64_t reserved;
 } bvx_component;
 
-/** The connected components of a grid, in the order of their first voxels (z, y, x).
- *  connectivity  6: across faces; 18: and edges; 26: and corners
- *  parts         [Size: capacity] of more parts BVX_ERR_CAPACITY: count is that of all, parts unspecified
- *  Returns BVX_ERR_RANGE (2^32 - 1 runs of voxels along x or more). */
+/** The connected components of a grid, in the order of their first voxels (z, y, x). connectivity is 6: across faces;
+ *  18: and edges; 26: and corners. Returns BVX_ERR_RANGE (2^32 - 1 runs of voxels along x or more). */
 BVX_API bvx_status bvx_grid_components(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
                                        bvx_component *parts, uint64_t capacity, uint64_t *count);
 
-/** Label the voxels of a window by their component, x fastest: 0 for empty ones, 1 for the first component in the
- *  order of bvx_grid_components, and so on.
- *  labels  [Size: capacity; size[0] * size[1] * size[2] at least]
- *  count   out: the number of components; may be NULL */
+/** Label the voxels of a window by their component, x fastest: 0 for empty ones, 1 for the first of
+ *  bvx_grid_components, and so on. capacity is size[0] * size[1] * size[2] at least; count may be NULL. */
 BVX_API bvx_status bvx_grid_label(bvx_context *context, const bvx_grid *grid, int32_t connectivity, uint32_t *labels,
                                   uint64_t capacity, uint64_t *count);
 
@@ -1610,13 +1546,11 @@ typedef struct bvx_keep_options {
     bvx_keep_report *report; /**< receives counts when not NULL [Default: NULL] */
 } bvx_keep_options;
 
-/** Keep some of a grid's components; of an empty grid none. In place: the result may be the grid. A seed outside the
- *  window is BVX_ERR_ARGUMENT. */
+/** Keep some of a grid's components, also in place. A seed outside the window is BVX_ERR_ARGUMENT. */
 BVX_API bvx_status bvx_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_keep_options *options,
                                  bvx_grid *result);
 
-/** Fill the cavities of a grid: components of its empty voxels that do not touch a side of its window. In place: the
- *  result may be the grid.
+/** Fill the cavities of a grid, also in place: components of its empty voxels that do not touch a side of its window.
  *  connectivity  6, 18 or 26, of the empty voxels: with 6 a cavity ends where only edges or corners lead on
  *  at_most       larger cavities stay [Units: voxels] [Default: 0, all are filled]
  *  filled        out, may be NULL: voxels that were set */
@@ -1633,9 +1567,8 @@ typedef struct bvx_topology {
     uint64_t reserved[4];
 } bvx_topology;
 
-/** Count components, cavities and tunnels.
- *  connectivity  26: set voxels are closed boxes, and empty ones connect only across faces; 6: set voxels connect only
- *                across faces, and empty ones across edges and corners too */
+/** Count components, cavities and tunnels. connectivity 26: set voxels are closed boxes, and empty ones connect only
+ *  across faces; 6: set voxels connect only across faces, and empty ones across edges and corners too. */
 BVX_API bvx_status bvx_grid_topology(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
                                      bvx_topology *topology);
 
@@ -1653,26 +1586,20 @@ typedef struct bvx_seed {
     uint64_t reserved2[2];
 } bvx_seed;
 
-/** Find one voxel inside a surface by scanning lines of voxels: one that is hidden in all six directions and, with a
- *  mesh, inside it by the rule vote. Hidden is not always inside: think of a bottle. The order of lines:
- *  docs/rules.md.
- *  surface  the voxels of a surface, by any rule of bvx_voxelize_surface
- *  mesh     NULL, or the mesh that it came from
- *  limit    maximum number of lines to scan [Default: 0, all]
- *  seed     out; found 0 is no error */
+/** Find one voxel inside a surface (voxels by any rule of bvx_voxelize_surface) by scanning lines of voxels: one that
+ *  is hidden in all six directions and, with a mesh, inside it by the rule vote. Hidden is not always inside: think of
+ *  a bottle. limit is the maximum number of lines to scan [Default: 0, all]. found 0 is no error. */
 BVX_API bvx_status bvx_find_seed(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh,
                                  uint64_t limit, bvx_seed *seed);
 
-/** One voxel of each pocket inside a surface: of each component of the empty voxels, connected through faces, the
- *  first in the order z, y, x. With a mesh a pocket counts when the rule vote has that voxel inside; else when it does
- *  not touch the window's sides.
+/** The first voxel (z, y, x) of each component of the empty voxels inside a surface, connected through faces. With a
+ *  mesh that is one whose first voxel the rule vote has inside; else one that does not touch the window's sides.
  *  seeds  x y z each, of the surface's window [Size: capacity * 3] */
 BVX_API bvx_status bvx_find_pockets(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh,
                                     int32_t *seeds, uint64_t capacity, uint64_t *count);
 
-/** Set all voxels that are connected with a seed through empty voxels of a grid, across faces (connectivity 6), edges
- *  too (18), or corners too (26). Set voxels of the grid are walls and stay out of the result.
- *  seeds  x y z each, of the grid's window, none on a set voxel [Size: seed_count * 3]
+/** Set all voxels that are connected with a seed through empty voxels of a grid; connectivity 6, 18 or 26. Set voxels
+ *  of the grid are walls and stay out of the result. seeds are x y z each, of the grid's window [Size: seed_count * 3].
  *  Returns BVX_ERR_ARGUMENT (a seed on a set voxel or outside the window, with its index). */
 BVX_API bvx_status bvx_grid_fill(bvx_context *context, const bvx_grid *walls, const int32_t *seeds, uint64_t seed_count,
                                  int32_t connectivity, bvx_grid *filled);
@@ -1690,15 +1617,13 @@ typedef struct bvx_ray_hit {
 } bvx_ray_hit;
 
 /** Cast count rays, six doubles each: origin, direction (any length but 0) [Units: world]. Hits have 0 <= t <= t_max.
- *  Boxes are closed: the hit is the lowest (t, z, y, x) of all voxels that the ray touches, by one stated evaluation
- *  in doubles. A ray that starts in a set voxel, or on its face, has t 0 and axis -1.
- *  Returns BVX_ERR_ARGUMENT (a direction of 0, t_max below 0 or NaN). */
+ *  Boxes are closed: the hit is the lowest (t, z, y, x) of all voxels that the ray touches. Returns BVX_ERR_ARGUMENT (a
+ *  direction of 0, t_max below 0 or NaN). */
 BVX_API bvx_status bvx_grid_cast(bvx_context *context, const bvx_grid *grid, const double *rays, uint64_t count,
                                  double t_max, bvx_ray_hit *hits);
 
 /** Trilinear samples at count points, x y z each [Units: world]: 1 at centres of set voxels, 0 at those of others and
- *  beyond the window. gradients (three doubles a point, [Units: 1 / world]) may be NULL; on planes through centres
- *  they are those of the upper side. */
+ *  beyond the window. gradients (three doubles a point, [Units: 1 / world]) may be NULL. */
 BVX_API bvx_status bvx_grid_sample(bvx_context *context, const bvx_grid *grid, const double *points, uint64_t count,
                                    double *values, double *gradients);
 
@@ -1743,12 +1668,9 @@ typedef struct bvx_measure_report {
 } bvx_measure_report;
 
 /** Volume, area, centre of mass and inertia of the body that a mesh encloses, with bounds of their errors. What is
- *  inside is what BVX_FILL_AUTO fills. Of one sound closed shell (BVX_FILL_REASON_SOUND) without crossing triangles,
- *  flipped ones turned, the moments of triangles are summed up: the errors are those of rounding. Of several shells, and
- *  of meshes with holes, crossings or cavities that face outwards, voxels of 1/resolution of the bounds along each axis
- *  are counted: the bounds are what all voxels at the surface can make, and sums within them are taken where AUTO finds
- *  shells sound or open. Over a hole the body ends where its winding number passes a half. Vertices have no frame here:
- *  add a mesh's own to center.
+ *  inside is what BVX_FILL_AUTO fills; over a hole the body ends where its winding number passes a half. Of one sound
+ *  closed shell the moments of triangles are summed up: the errors are those of rounding. Of other meshes voxels of
+ *  1/resolution of the bounds along each axis are counted: the bounds are what all voxels at the surface can make.
  *  Returns BVX_ERR_EMPTY also where there is one position only. */
 BVX_API bvx_status bvx_measure(bvx_context *context, const bvx_mesh_view *mesh, const bvx_measure_options *options,
                                bvx_measure_report *report);
@@ -1768,16 +1690,15 @@ typedef struct bvx_points_options {
     size_t struct_size;
     int32_t minimum; /**< points that a voxel needs to be set [Limit: 1..2^31-1] [Default: 1] */
     int32_t body; /**< 1: what a flood from outside cannot reach is set too; no window [Limit: 0..1] [Default: 0] */
-    int32_t close_gaps; /**< body: gaps of up to this many voxels stop the flood (docs/rules.md) [Units: voxels]
-                             [Limit: 0..65535] [Default: 0] */
+    int32_t close_gaps; /**< body: gaps of so many voxels stop the flood [Units: voxels] [Limit: 0..65535] [Default:
+                             0] */
     int32_t reserved;
     bvx_window window; /**< [Default: all zero, the whole lattice] */
     bvx_points_report *report; /**< receives counts when not NULL [Default: NULL] */
 } bvx_points_options;
 
 /** Set the voxels that hold points of a cloud: the vertices of a view, whose triangles are ignored. Points are snapped
- *  to the lattice's fixed point and belong to one voxel each: boxes are half-open, but closed at the lattice's high
- *  sides. Returns BVX_ERR_ARGUMENT also for a window with body. */
+ *  to the lattice's fixed point and belong to one voxel each. Returns BVX_ERR_ARGUMENT also for a window with body. */
 BVX_API bvx_status bvx_voxelize_points(bvx_context *context, const bvx_mesh_view *points, const bvx_lattice *lattice,
                                        const bvx_points_options *options, bvx_grid *grid);
 
@@ -1797,7 +1718,7 @@ BVX_API bvx_status bvx_voxelize_points(bvx_context *context, const bvx_mesh_view
     X(BVX_SAMPLE_F64, 10, "f64")
 enum { BVX_SAMPLE_LIST(BVX_LIST_ENUM) };
 
-/** Samples that the caller owns: one number at the centre of each voxel of a window. Sample (i,j,k) is at (const char
+/** Samples that the caller owns, one at the centre of each voxel of a window. Sample (i,j,k) is at (const char
  *  *)samples + i * strides[0] + j * strides[1] + k * strides[2]; no alignment is required. */
 typedef struct bvx_volume_view {
     const void *samples;
@@ -1820,10 +1741,8 @@ typedef struct bvx_volume_report {
     uint64_t reserved[3];
 } bvx_volume_report;
 
-/** Set the voxels whose sample lies in a range: low <= sample <= high. NaN and infinite samples are never set. The
- *  grid's window is the volume's.
- *  low, high  not NaN; -infinity and infinity leave a side open; low above high sets nothing
- *  report     may be NULL */
+/** Set the voxels whose sample lies in a range: low <= sample <= high. NaN and infinite samples are never set.
+ *  -infinity and infinity leave a side open. report may be NULL. */
 BVX_API bvx_status bvx_threshold(bvx_context *context, const bvx_volume_view *volume, double low, double high,
                                  bvx_volume_report *report, bvx_grid *grid);
 
@@ -1840,17 +1759,15 @@ typedef struct bvx_scalar_options {
     int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
     int32_t open_sides; /**< BVX_OPEN_... [Limit: 0..63] [Default: 0, beyond the window is outside] */
     int32_t keys; /**< 1: fill vertex_keys and triangle_keys [Limit: 0..1; dims below 2^20] [Default: 0] */
-    int32_t local_frame; /**< 1: as in bvx_extract_options [Limit: 0..1] [Default: 0] */
+    int32_t local_frame; /**< 1: positions relative to frame [Limit: 0..1] [Default: 0] */
     bvx_volume_report *report; /**< receives counts when not NULL [Default: NULL] */
     uint64_t reserved[2];
 } bvx_scalar_options;
 
-/** The surface of a level in a volume, by marching cubes with linear positions between samples. A sample is inside
- *  when it is finite and level <= sample (below: sample <= level). The mesh is what bvx_extract_surface promises, for
- *  any samples, windows too; a body that the volume's sides cut ends on them. Where exactly vertices lie:
- *  docs/rules.md.
- *  mesh  bvx_extract_count of bvx_threshold(level, infinity) computes its exact size. Empty where there is no crossing
- *  Returns as bvx_extract_surface. */
+/** The surface of a level in a volume, by marching cubes with linear positions between samples. A sample is inside when
+ *  it is finite and level <= sample (below: sample <= level). The mesh is what bvx_extract_surface promises; a body
+ *  that the volume's sides cut ends on them. bvx_extract_count of bvx_threshold(level, infinity) computes its exact
+ *  size. Returns as bvx_extract_surface. */
 BVX_API bvx_status bvx_extract_scalar(bvx_context *context, const bvx_volume_view *volume,
                                       const bvx_scalar_options *options, bvx_mesh *mesh);
 
@@ -1862,8 +1779,8 @@ typedef struct bvx_label {
     int32_t size[3];
 } bvx_label;
 
-/** The values other than 0 of a volume of integers, ascending, each with its voxels and their box. bvx_threshold_whole
- *  from a value to itself gives its voxels. Returns BVX_ERR_UNSUPPORTED (samples that are floats). */
+/** The values other than 0 of a volume of integers, ascending. Returns BVX_ERR_UNSUPPORTED (samples that are floats).
+ */
 BVX_API bvx_status bvx_list_labels(bvx_context *context, const bvx_volume_view *volume, bvx_label *labels,
                                    uint64_t capacity, uint64_t *count);
 
@@ -1881,8 +1798,8 @@ typedef struct bvx_section_loop {
 /** Contours on planes, read by the library or filled by a caller with arrays of its own (owned 0). Loops and sections
  *  may be in any order. Loops inside loops are holes, in these islands, and so on. */
 typedef struct bvx_sections {
-    double *points; /**< x, y, z [Size: point_count * 3] [Units: world]
-                         [Limit: 1e75 to build, the widest loop at least 1e-70] */
+    double *points; /**< x, y, z [Size: point_count * 3] [Units: world] [Limit: 1e75 to build, the widest loop at least
+                         1e-70] */
     bvx_section_loop *loops; /**< [Size: loop_count] */
     double *positions; /**< of each plane: point . normal / |normal| [Size: section_count] */
     uint64_t point_count; /**< [Limit: < 2^31] */
@@ -1898,25 +1815,22 @@ typedef struct bvx_sections {
 
 BVX_API void bvx_sections_free(bvx_context *context, bvx_sections *sections);
 
-/** How a body ends at its first and last section.
- *  FLAT   on the section's plane
- *  TAPER  each part narrows to a ridge half a spacing beyond; so do parts that share no area with the next section
- *  OPEN   not at all: the mesh has boundary edges there */
+/** How a body ends at its first and last section: FLAT, on its plane; TAPER, each part narrows to a ridge half a
+ *  spacing beyond, also those that share no area with the next section; OPEN, not at all: the mesh has boundary edges
+ *  there. */
 #define BVX_CAPS_LIST(X) X(BVX_CAPS_FLAT, 0, "flat") X(BVX_CAPS_TAPER, 1, "taper") X(BVX_CAPS_OPEN, 2, "open")
 enum { BVX_CAPS_LIST(BVX_LIST_ENUM) };
 
-/** Where the surface meets the grid's edges on a section plane.
- *  EXACT    where the contour does; all of the contour is in the mesh
- *  PAPER    by interpolated distances; contour points are put into the lines that join them
- *  CLASSIC  by interpolated distances only: marching cubes */
+/** Where the surface meets the grid's edges on a section plane: EXACT, where the contour does, all of which is in the
+ *  mesh; PAPER, by interpolated distances, with contour points put into the lines that join them; CLASSIC, by distances
+ *  only. */
 #define BVX_CROSSINGS_LIST(X) \
     X(BVX_CROSSINGS_EXACT, 0, "exact") X(BVX_CROSSINGS_PAPER, 1, "paper") X(BVX_CROSSINGS_CLASSIC, 2, "classic")
 enum { BVX_CROSSINGS_LIST(BVX_LIST_ENUM) };
 
-/** How distances go from section to section.
- *  LINEAR  straight between neighbours: the surface has a kink at every section
- *  CUBIC   the monotone cubic over four sections, smooth across them. LINEAR where parts end, and between two sections
- *  AUTO    CUBIC from five sections on; LINEAR for fewer, and with crossings PAPER and CLASSIC */
+/** How distances go from section to section: LINEAR, straight: the surface has a kink at every section; CUBIC, the
+ *  monotone cubic over four sections. AUTO: CUBIC from five sections on; LINEAR for fewer, and with crossings PAPER and
+ *  CLASSIC. */
 #define BVX_BLEND_LIST(X) X(BVX_BLEND_AUTO, 0, "auto") X(BVX_BLEND_LINEAR, 1, "linear") X(BVX_BLEND_CUBIC, 2, "cubic")
 enum { BVX_BLEND_LIST(BVX_LIST_ENUM) };
 
@@ -1936,12 +1850,12 @@ typedef struct bvx_sections_report {
     uint64_t mended_loops; /**< loops given that were split, joined or left out */
     uint64_t unkept_edges; /**< edges still crossed more than once: what joins them to the other section is a guess */
     uint64_t unkept_loops; /**< loops still inside one cell: closed by a cone of their own */
-    uint64_t unkept_points; /**< contour points that are no vertices: none but for PAPER, CLASSIC, and where planes
-                                 of any direction, or bodies at once, contradict each other */
+    uint64_t unkept_points; /**< contour points that are no vertices: none but for PAPER, CLASSIC and planes that
+                                 contradict each other */
     uint64_t located; /**< places in unkept */
     double unkept[16][3]; /**< the first BVX_SECTIONS_LOCATED of them [Units: world] */
-    double prismoid_volume; /**< sum of h / 3 (A + B + sqrt(A B)) over neighbouring sections of areas A and B; taper
-                                 and ends at empty sections count as cones, A h / 3 [Units: world^3] */
+    double prismoid_volume; /**< sum of h / 3 (A + B + sqrt(A B)) over neighbouring sections of areas A and B; ends
+                                 count as cones, A h / 3 [Units: world^3] */
     uint64_t joined_slabs; /**< pairs of neighbouring sections not blended level by level: very thin walls */
     uint64_t shifted_parts; /**< loops joined to one of the next section by shifting */
     uint64_t planes; /**< of all sections, if not parallel; else 0 */
@@ -1957,26 +1871,24 @@ typedef struct bvx_slabs {
     int32_t crossings; /**< BVX_CROSSINGS_... [Default: BVX_CROSSINGS_EXACT] */
     int32_t depth; /**< a cell is halved at most this often [Limit: BVX_NONE, or 0..8] [Default: 5] */
     int32_t blend; /**< BVX_BLEND_... [Default: BVX_BLEND_AUTO] */
-    double join; /**< loops of neighbouring sections that share no area are joined by shifting where their centroids
-                      are at most this far apart (docs/rules.md) [Units: world] [Limit: >= 0] [Default: 0, none are] */
+    double join; /**< loops of neighbouring sections that share no area are joined where their centroids are at most
+                      this far apart (docs/rules.md) [Units: world] [Limit: >= 0] [Default: 0, none are] */
 } bvx_slabs;
 
 typedef struct bvx_sections_options {
     size_t struct_size;
-    double spacing; /**< side of a cell [Units: world] [Limit: >= 0] [Default: 0; by slabs.grid or cells, and with
-                         neither: of parallel planes twice the contours' mean segment, 16 to 512 cells along the
-                         longer side; of others 64 cells] */
+    double spacing; /**< side of a cell [Units: world] [Limit: >= 0] [Default: 0; by slabs.grid or cells, else of
+                         parallel planes twice the contours' mean segment, 16 to 512 cells along the longer side, of
+                         others 64 cells] */
     bvx_slabs slabs; /**< parallel planes [Default: all zero] */
-    int32_t cells; /**< planes that are not parallel: lattice cells along the longest side of the contours' box;
-                        spacing replaces it [Limit: 0, or 8..1024] [Default: 0] */
-    int32_t mend; /**< 1: loops that touch or cross themselves or each other are split there; inside stays what an
-                       odd number of loops enclose. Slits (a hole joined to its outline), spikes and borders that two
-                       loops share go [Limit: 0..1] [Default: 0, they are refused] */
-    double agree; /**< planes that are not parallel: contours at most this far apart where two planes cross are moved
-                       to agree [Units: world] [Limit: >= 0] [Default: 0, 1/100 of the longest side] */
-    double thickness; /**< of a body with one section only, which is refused without: half to either side, as a slab
-                           with flat caps, a lens with tapered ones. Other bodies ignore it [Units: world]
-                           [Limit: >= 0] [Default: 0] */
+    int32_t cells; /**< planes that are not parallel: cells along the longest side, in place of spacing [Limit: 0, or
+                        8..1024] [Default: 0] */
+    int32_t mend; /**< 1: loops that touch or cross are split there; inside stays what an odd number of loops enclose.
+                       Slits, spikes and borders that two loops share go [Limit: 0..1] [Default: 0, they are refused] */
+    double agree; /**< planes that are not parallel: contours at most this far apart where planes cross are moved to
+                       agree [Units: world] [Limit: >= 0] [Default: 0, 1/100 of the longest side] */
+    double thickness; /**< of a body with one section only, half to either side: a slab with flat caps, a lens with
+                           tapered ones [Units: world] [Limit: >= 0] [Default: 0] */
     int32_t caps; /**< BVX_CAPS_... [Default: BVX_CAPS_FLAT] */
     int32_t label; /**< the body; BVX_LABEL_ZERO: 0 [Limit: any] [Default: 0, the only one there is] */
     int32_t position_type; /**< AUTO is BVX_F64: contours stay as they are [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
@@ -1984,13 +1896,11 @@ typedef struct bvx_sections_options {
     bvx_sections_report *report; /**< filled when not NULL [Default: NULL] */
 } bvx_sections_options;
 
-/** The closed surface of a body through all of its section contours. On a section plane the contour decides: its
- *  points are vertices with the coordinates given. Between planes the surface follows a blend of the sections' signed
+/** The closed surface of a body through all of its section contours. On a section plane the contour decides: its points
+ *  are vertices with the coordinates given. Between planes the surface follows a blend of the sections' signed
  *  distances. It is oriented, edge- and vertex-manifold, and closed but for open caps. Planes of any direction
- *  (normals) may cross; between them the surface is a thin plate through their distances. How each case is decided:
- *  docs/rules.md.
- *  sections  points may be off their plane by 1/1000 of the contours' extent and a quarter of the way to the next
- *            plane: they keep their coordinates, and the surface takes them as lying on it
+ *  (normals) may cross. How each case is decided: docs/rules.md. Points may be off their plane by 1/1000 of the
+ *  contours' extent and a quarter of the way to the next plane.
  *  Returns BVX_ERR_EMPTY (no loop, only one section and no thickness, a loop of fewer than three points),
  *  BVX_ERR_FORMAT (loops that cross or touch; two sections at one position; points off their plane; planes that
  *  contradict each other), BVX_ERR_ARGUMENT (also several labels and none chosen). */
@@ -1998,13 +1908,11 @@ BVX_API bvx_status bvx_build_sections(bvx_context *context, const bvx_sections *
                                       const bvx_sections_options *options, bvx_mesh *mesh);
 
 /** The closed surfaces of several bodies at once, such that two that touch have the same faces there: the same
- *  vertices, and the same triangles the other way round. Each surface is what bvx_build_sections' is on planes of any
- *  direction; parallel planes are taken the same way (cells and agree count; slabs, mend, thickness and label do not).
- *  Bodies touch where their contours run along each other, to 1/1000 of a cell. How bodies end: docs/rules.md.
- *  labels   [Size: count] the bodies, each once; of loops with other labels only the lattice takes notice
- *  count    [Limit: 1..63]
- *  meshes   out [Size: count] in the order of the labels. After a failure no mesh is made
- *  report   filled with the counts of all bodies together
+ *  vertices, and the same triangles the other way round. Parallel planes are taken as planes of any direction (cells
+ *  and agree count; slabs, mend, thickness and label do not). Bodies touch where their contours run along each other,
+ *  to 1/1000 of a cell. How bodies end: docs/rules.md.
+ *  labels  the bodies, each once; loops of others count for the lattice only [Size: count] [Limit: 1..63]
+ *  meshes  in the order of the labels [Size: count] After a failure no mesh is made
  *  Returns as bvx_build_sections; BVX_ERR_EMPTY (also a label without loops, a body that no point of the lattice lies
  *  in, flat caps where one of parallel planes has all contours), BVX_ERR_FORMAT (also bodies that overlap by more than
  *  agree), BVX_ERR_ARGUMENT (also open caps, BVX_LABEL_ZERO, a label given twice). */
@@ -2024,9 +1932,8 @@ typedef struct bvx_slice_options {
 } bvx_slice_options;
 
 /** The contours of a mesh on parallel planes: a point where a plane meets an edge; vertices on a plane count as above
- *  it. The mesh must be closed and oriented where planes meet it. Loops run with the inside on their left, seen
- *  against the normal. Loops of fewer than three different points, and those no wider than 2^-26 of the mesh's extent,
- *  are left out.
+ *  it. The mesh must be closed and oriented where planes meet it. Loops run with the inside on their left, seen against
+ *  the normal. Loops no wider than 2^-26 of the mesh's extent are left out.
  *  Returns BVX_ERR_EMPTY (no plane meets the mesh), BVX_ERR_FORMAT (a loop that does not close, with its position). */
 BVX_API bvx_status bvx_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh, const bvx_slice_options *options,
                                   bvx_sections *sections);
@@ -2077,9 +1984,8 @@ typedef struct bvx_refine_options {
 
 /** Voxelize a mesh with small voxels only at its surface. Each voxel whose closed box meets a triangle is split in
  *  eight down to the last level; then a voxel without triangles that shares a face with an outside one, or with the
- *  lattice's side, is outside, and what remains is inside. At the last level surface and inside are those of
- *  bvx_voxelize_surface (conservative) and a flood around it, bit for bit. What a window and a tolerance change:
- *  docs/rules.md.
+ *  lattice's side, is outside, and what remains is inside. At the last level that is bvx_voxelize_surface
+ *  (conservative) and a flood around it, bit for bit. What a window and a tolerance change: docs/rules.md.
  *  base  the lattice of level 0, as from bvx_lattice_fit(context, mesh, 8, &base); fraction_bits are ignored
  *  tree  out: *tree is NULL, or a tree that is freed when the new one is made; a failure leaves it as it was
  *  Returns BVX_ERR_RANGE (also a base of 2^31 voxels and more; dims * 2^levels beyond 2^25; 2^28 split voxels of a
@@ -2087,32 +1993,24 @@ typedef struct bvx_refine_options {
 BVX_API bvx_status bvx_refine(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *base,
                               const bvx_refine_options *options, bvx_octree **tree);
 
-/** Choose the base and the levels with which bvx_refine takes least time for a finest resolution, by a model of its
- *  time.
- *  resolution  voxels of the last level along the mesh's longest axis, at least
- *  options     in and out: its levels are set, BVX_NONE for none. Its window and tolerance are considered
- *  base        out */
+/** Choose base, out, and levels of options with which bvx_refine takes least time for at least resolution voxels of the
+ *  last level along the mesh's longest axis. options.levels is BVX_NONE for none; its window and tolerance are
+ *  considered. */
 BVX_API bvx_status bvx_refine_choose(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,
                                      bvx_refine_options *options, bvx_lattice *base);
-
 /** Free a tree; NULL is allowed. */
 BVX_API void bvx_octree_free(bvx_context *context, bvx_octree *tree);
-
 /** The index of a tree's last level; -1 for NULL. */
 BVX_API int32_t bvx_octree_levels(const bvx_octree *tree);
-
 /** The lattice of a level. Vertices were snapped to that of the last one. */
 BVX_API bvx_status bvx_octree_lattice(bvx_context *context, const bvx_octree *tree, int32_t level,
                                       bvx_lattice *lattice);
-
 /** Counts of the levels 0 .. bvx_octree_levels. */
 BVX_API bvx_status bvx_octree_count(bvx_context *context, const bvx_octree *tree, bvx_octree_level *counts,
                                     int32_t capacity);
-
 /** The leaves that hold voxels of the last level, three indices each. */
 BVX_API bvx_status bvx_octree_at(bvx_context *context, const bvx_octree *tree, const int32_t *voxels, uint64_t count,
                                  bvx_octree_leaf *leaves);
-
 /** The leaves that hold points, x y z each [Units: world]; beyond the lattice: state outside, level 255, ijk 0. */
 BVX_API bvx_status bvx_octree_find(bvx_context *context, const bvx_octree *tree, const double *points, uint64_t count,
                                    bvx_octree_leaf *leaves);
@@ -2141,16 +2039,13 @@ BVX_API bvx_status bvx_octree_cast(bvx_context *context, const bvx_octree *tree,
 BVX_API bvx_status bvx_octree_leaves(bvx_context *context, const bvx_octree *tree, int32_t states,
                                      bvx_octree_leaf *leaves, uint64_t capacity, uint64_t *count);
 
-/** The voxels of one level, in a set of states, as a grid.
- *  level   0 .. bvx_octree_levels. Above the last level a voxel that is split counts as surface
- *  states  BVX_STATE_... added; 0: surface and inside
- *  window  of the level's lattice; NULL or all zero: all of it */
+/** The voxels of one level, in a set of states (0: surface and inside), as a grid. Above the last level a voxel that is
+ *  split counts as surface. window is one of the level's lattice; NULL or all zero: all of it. */
 BVX_API bvx_status bvx_octree_expand(bvx_context *context, const bvx_octree *tree, int32_t level, int32_t states,
                                      const bvx_window *window, bvx_grid *grid);
 
 /** The closed surface of the last level's voxels in a set of states (0: surface and inside), block by block, with the
- *  bytes of bvx_extract_surface on all of it. mesh brings no arrays of the caller's; dims are below 2^20, as for keys.
- */
+ *  bytes of bvx_extract_surface on all of it. mesh brings no arrays; dims are below 2^20. */
 BVX_API bvx_status bvx_extract_octree(bvx_context *context, const bvx_octree *tree, int32_t states,
                                       const bvx_extract_options *options, bvx_mesh *mesh);
 
@@ -2207,7 +2102,6 @@ BVX_API bvx_status bvx_label_surfaces(bvx_context *context, const bvx_volume_vie
  *  label  index of labels
  *  Returns BVX_ERR_RANGE (label). */
 BVX_API bvx_status bvx_label_mesh(bvx_context *context, const bvx_complex *complex, uint64_t label, bvx_mesh *mesh);
-
 BVX_API void bvx_complex_free(bvx_context *context, bvx_complex *complex);
 
 #ifdef __cplusplus

@@ -40,15 +40,16 @@ extern "C" {
     X(BVX_FORMAT_CSL, 20, "csl") \
     X(BVX_FORMAT_CSV, 21, "csv") \
     X(BVX_FORMAT_SVG, 22, "svg") \
-    X(BVX_FORMAT_GLTF, 23, "gltf")
+    X(BVX_FORMAT_GLTF, 23, "gltf") \
+    X(BVX_FORMAT_3MF, 24, "3mf")
 enum {
     BVX_FORMAT_UNKNOWN = 0,
     BVX_FORMAT_LIST(BVX_LIST_ENUM)
     /** What formats hold: bit 1 << format. */
     BVX_MESHES_READ = 1 << BVX_FORMAT_STL | 1 << BVX_FORMAT_OBJ | 1 << BVX_FORMAT_PLY | 1 << BVX_FORMAT_OFF |
-                      1 << BVX_FORMAT_GLB | 1 << BVX_FORMAT_GLTF,
+                      1 << BVX_FORMAT_GLB | 1 << BVX_FORMAT_GLTF | 1 << BVX_FORMAT_3MF,
     BVX_MESHES_WRITTEN = 1 << BVX_FORMAT_STL | 1 << BVX_FORMAT_OBJ | 1 << BVX_FORMAT_PLY | 1 << BVX_FORMAT_OFF |
-                         1 << BVX_FORMAT_GLB,
+                         1 << BVX_FORMAT_GLB | 1 << BVX_FORMAT_3MF,
     BVX_GRIDS_READ = 1 << BVX_FORMAT_NPY | 1 << BVX_FORMAT_BINVOX | 1 << BVX_FORMAT_VOX | 1 << BVX_FORMAT_NRRD |
                      1 << BVX_FORMAT_VTI | 1 << BVX_FORMAT_BVX,
     BVX_GRIDS_WRITTEN = BVX_GRIDS_READ,
@@ -83,6 +84,10 @@ typedef struct bvx_file_bytes {
 typedef int32_t bvx_open_fn(void *user, const char *name, bvx_file_bytes *file);
 typedef void bvx_close_fn(void *user, bvx_file_bytes *file);
 
+/** Unpack gzip or zlib data to exactly plain_size bytes. Returns 0 when that is what they hold; any other
+ *  number when they are damaged, longer or shorter. Called on the calling thread. */
+typedef int32_t bvx_inflate_fn(void *user, const void *packed, uint64_t packed_size, void *plain, uint64_t plain_size);
+
 /** What a file holds that its mesh does not: skins with their joints and weights, morph targets, animations,
  *  points and lines, images whose file was not found, attributes beyond those of bvx_mesh. Bits. */
 #define BVX_LOST_LIST(X) \
@@ -109,6 +114,8 @@ typedef struct bvx_read_options {
     bvx_close_fn *close_file; /**< set together with open_file [Default: NULL] */
     void *user; /**< first argument of open_file and close_file [Default: NULL] */
     bvx_read_report *report; /**< filled when not NULL [Default: NULL] */
+    bvx_inflate_fn *inflate; /**< for 3MF that is packed [Default: NULL, refused] */
+    void *inflate_user; /**< first argument of inflate [Default: NULL] */
 } bvx_read_options;
 
 /** Read a mesh from the bytes of a file. Planar simple polygons, convex or not, become triangles that neither
@@ -119,17 +126,20 @@ typedef struct bvx_read_options {
  *  glTF names files for buffers and images: a buffer that is not there is BVX_ERR_FORMAT, an image a loss.
  *  Materials, textures and images become mesh.assets; a triangle without a material has the index after the
  *  last one. With keep_file the mesh has the file beside it, where that can be, and nothing but images is lost.
- *  format   BVX_FORMAT_STL (ASCII and binary are recognised), _OBJ, _PLY, _OFF, _GLB or _GLTF (both are
+ *  3MF is the items of its build, with their matrices, in millimeters; base materials and colours of triangles become
+ *  materials. docs/formats.md says more.
+ *  format   BVX_FORMAT_STL (ASCII and binary are recognised), _OBJ, _PLY, _OFF, _3MF, _GLB or _GLTF (both are
  *           recognised by content)
  *  options  NULL: all defaults
  *  mesh     brings no arrays of the caller's; positions are f32 where the file says float (STL, PLY, glTF), else
  *           f64
  *  Returns BVX_ERR_FORMAT (also a file that is cut off: byte, line or element, and why), BVX_ERR_RANGE (a
  *  coordinate that is not finite, an index beyond the vertices), BVX_ERR_EMPTY (no triangle, or none remains),
- *  BVX_ERR_UNSUPPORTED (glTF: an extension that must be known and is not, by its name).
- *  [Memory: with the mesh at most 8 (STL), 64 (OBJ, OFF), 128 (PLY) or 4096 (glTF: nodes repeat meshes) times
- *  size and 32 KiB, files that open_file hands out counted as size; 4 bytes a vertex more, where triangles are
- *  left out; the file's bytes once more by keep_file; counts that the size cannot hold are refused before
+ *  BVX_ERR_UNSUPPORTED (glTF, 3MF: an extension that must be known and is not; 3MF: packed, without inflate or not
+ *  by deflate).
+ *  [Memory: with the mesh at most 8 (STL), 64 (OBJ, OFF), 128 (PLY), 4096 (glTF: nodes repeat meshes) or 8192 (3MF,
+ *  which is packed and repeats objects) times size and 32 KiB, files that open_file hands out counted as size; 4 bytes
+ *  a vertex more, where triangles are left out; the file's bytes once more by keep_file; counts that the size cannot hold are refused before
  *  allocation]
  *  Source: Khronos Group. glTF 2.0 Specification (ISO/IEC 12113:2022); KHR_mesh_quantization. */
 BVX_API bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
@@ -169,7 +179,7 @@ enum { BVX_TURN_NONE = 0, BVX_TURN_Z_TO_Y = 1, BVX_TURN_Y_TO_Z = 2 };
 
 typedef struct bvx_write_options {
     size_t struct_size;
-    int32_t normals; /**< 1: PLY and OBJ get normals of vertices too; GLB always has them; STL and OFF are
+    int32_t normals; /**< 1: PLY and OBJ get normals of vertices too; GLB always has them; STL, OFF and 3MF are
                            refused [Limit: 0..1] [Default: 0] */
     int32_t rounding; /**< of a mesh that the format's numbers would spoil, BVX_ROUNDING_...
                            [Limit: 0..1] [Default: BVX_ROUNDING_REFUSE] */
@@ -204,7 +214,7 @@ typedef struct bvx_write_options {
  *  levels       [Size: level_count] the finest first, each with triangles
  *  level_count  [Limit: 1..65536] 1 but for GLB
  *  options      NULL: all defaults
- *  format       BVX_FORMAT_STL, _OBJ, _PLY, _OFF or _GLB
+ *  format       BVX_FORMAT_STL, _OBJ, _PLY, _OFF, _GLB or _3MF (not packed, in millimeters)
  *  file         NULL: nothing is written, and options.reports alone are filled; what rounding would spoil is
  *               BVX_OK with fits 0. Levels in other formats than GLB are files of their own then
  *  Returns BVX_ERR_EMPTY (a level without triangles), BVX_ERR_RANGE (beyond what the format holds, or spoilt by
@@ -290,10 +300,6 @@ typedef struct bvx_volume {
 } bvx_volume;
 
 BVX_API void bvx_volume_free(bvx_context *context, bvx_volume *volume);
-
-/** Unpack gzip or zlib data to exactly plain_size bytes. Returns 0 when that is what they hold; any other
- *  number when they are damaged, longer or shorter. Called on the calling thread. */
-typedef int32_t bvx_inflate_fn(void *user, const void *packed, uint64_t packed_size, void *plain, uint64_t plain_size);
 
 typedef struct bvx_read_volume_options {
     size_t struct_size;

@@ -30,8 +30,7 @@ static bvx_status open_plane_faces(bvxi_oblique *o)
         if (bvxi_on_contours(o, &o->tetra[t]) < 2) continue;
         for (int a = 0; a < 4; a++)
             for (int b = a + 1; b < 4; b++) {
-                /* Splitting an edge moves the new half behind the others, so that the loop comes to it
-                 * too. */
+                /* Splitting an edge moves the new half behind the others, so the loop meets it. */
                 uint32_t const v[2] = {o->tetra[t].v[a], o->tetra[t].v[b]};
                 uint32_t m;
                 double at[3];
@@ -83,26 +82,6 @@ static bvx_status give_kinds(bvxi_oblique *o)
 }
 
 /* ---- what vertices lie between ---- */
-
-static bvx_status open_among(bvxi_oblique *o, bvxi_joint_cut *cut)
-{
-    BVXI_TRY(BVXI_RESERVE(o, cut->among, o->vertex_room, cut->among_room, "the kinds of vertices"));
-    /* One bit a kind. Contours' vertices begin without any. */
-    for (uint64_t i = 0; i < o->vertex_count; i++)
-        cut->among[i] = o->vertex[i].sign == 0 ? 0 : UINT64_C(1) << (int)o->vertex[i].value;
-
-    /* A contour's vertex lies between what the planes say around it. */
-    for (uint64_t t = 0; t < o->tetra_count; t++) {
-        if (bvxi_on_contours(o, &o->tetra[t]) == 0) continue;
-        for (int a = 0; a < 4; a++)
-            for (int b = 0; b < 4; b++) {
-                uint32_t const v[2] = {o->tetra[t].v[a], o->tetra[t].v[b]};
-                if (o->vertex[v[0]].sign == 0 && o->vertex[v[1]].sign != 0 && bvxi_share_plane(o, v, 2))
-                    cut->among[v[0]] |= cut->among[v[1]];
-            }
-    }
-    return BVX_OK;
-}
 
 /* ---- edges between kinds ---- */
 
@@ -272,25 +251,6 @@ static int crossings_of(const bvxi_tetra *t, uint64_t first)
     return n;
 }
 
-static void find_surface_specks(const bvxi_oblique *o, const bvxi_joint_cut *cut, surface_work *w,
-                                uint64_t first)
-{
-    for (uint64_t t = 0; t < o->tetra_count; t++)
-        for (int a = 0; a < 4 && crossings_of(&o->tetra[t], first) > 1; a++)
-            for (int b = 0; b < a; b++) {
-                uint32_t const v = o->tetra[t].v[a], x = o->tetra[t].v[b];
-                if (v >= first && x >= first && cut->among[v] == cut->among[x]) bvxi_join(w->joined, v, x);
-            }
-    for (uint64_t v = first; v < o->vertex_count; v++) {
-        uint32_t const root = bvxi_root(w->joined, (uint32_t)v);
-        w->count[root]++;
-    }
-    for (uint64_t t = 0; t < o->tetra_count; t++)
-        for (int a = 0; a < 4 && crossings_of(&o->tetra[t], first) > 0; a++)
-            for (int b = 0; b < 4; b++)
-                look_at_surface_edge(cut, w, first, o->tetra[t].v[a], o->tetra[t].v[b]);
-}
-
 /* A body that comes to the surface in a few crossings that none of its contours is next to would be a handle
  * of itself, and a hole in those around it: these have the crossings. first: of the crossings' vertices. */
 static bvx_status drop_surface_specks(bvxi_oblique *o, bvxi_joint_cut *cut, uint64_t first)
@@ -304,7 +264,21 @@ static bvx_status drop_surface_specks(bvxi_oblique *o, bvxi_joint_cut *cut, uint
     BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w.lead));
     BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w.beside));
     for (uint64_t v = 0; v < n; v++) w.joined[v] = (uint32_t)v;
-    find_surface_specks(o, cut, &w, first);
+    for (uint64_t t = 0; t < o->tetra_count; t++)
+        for (int a = 0; a < 4 && crossings_of(&o->tetra[t], first) > 1; a++)
+            for (int b = 0; b < a; b++) {
+                uint32_t const v = o->tetra[t].v[a], x = o->tetra[t].v[b];
+                if (v >= first && x >= first && cut->among[v] == cut->among[x]) bvxi_join(w.joined, v, x);
+            }
+    for (uint64_t v = first; v < o->vertex_count; v++) {
+        uint32_t const root = bvxi_root(w.joined, (uint32_t)v);
+        w.count[root]++;
+    }
+    for (uint64_t t = 0; t < o->tetra_count; t++)
+        for (int a = 0; a < 4 && crossings_of(&o->tetra[t], first) > 0; a++)
+            for (int b = 0; b < 4; b++)
+                look_at_surface_edge(cut, &w, first, o->tetra[t].v[a], o->tetra[t].v[b]);
+
     for (uint64_t v = first; v < n; v++) {
         uint32_t const root = bvxi_root(w.joined, (uint32_t)v);
         if (w.count[root] > SURFACE_SPECK || w.lead[root] == 0) continue;
@@ -397,8 +371,7 @@ static bvx_status drop_specks(bvxi_oblique *o, bvxi_joint_cut *cut)
                 bvxi_join(w.joined, (uint32_t)t, beside);
         }
     find_speck_kinds(o, cut, &w);
-    /* A piece whose neighbours are of several kinds may get one without a majority: any of them is as
-     * right. */
+    /* A piece whose neighbours are of several kinds may get one without a majority: any is right. */
     for (uint64_t t = 0; t < n; t++) {
         uint32_t const root = bvxi_root(w.joined, (uint32_t)t);
         if (!w.kept[root]) cut->kind[t] = w.beside[root];
@@ -412,7 +385,21 @@ bvx_status bvxi_joint_cut_all(bvxi_oblique *o, bvxi_joint_cut *cut)
 
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.1, open_plane_faces(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.1, 0.4, give_kinds(o)));
-    BVXI_TRY(open_among(o, cut));
+    BVXI_TRY(BVXI_RESERVE(o, cut->among, o->vertex_room, cut->among_room, "the kinds of vertices"));
+    /* One bit a kind. Contours' vertices begin without any. */
+    for (uint64_t i = 0; i < o->vertex_count; i++)
+        cut->among[i] = o->vertex[i].sign == 0 ? 0 : UINT64_C(1) << (int)o->vertex[i].value;
+
+    /* A contour's vertex lies between what the planes say around it. */
+    for (uint64_t t = 0; t < o->tetra_count; t++) {
+        if (bvxi_on_contours(o, &o->tetra[t]) == 0) continue;
+        for (int a = 0; a < 4; a++)
+            for (int b = 0; b < 4; b++) {
+                uint32_t const v[2] = {o->tetra[t].v[a], o->tetra[t].v[b]};
+                if (o->vertex[v[0]].sign == 0 && o->vertex[v[1]].sign != 0 && bvxi_share_plane(o, v, 2))
+                    cut->among[v[0]] |= cut->among[v[1]];
+            }
+    }
 
     /* First the outside is cut off, then the bodies are cut apart, up to where that was. */
     uint64_t const crossings = o->vertex_count;

@@ -17,8 +17,7 @@ static const uint8_t tetra_face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2,
 typedef struct joint_list {
     uint64_t first[BVXI_JOINT_BODIES + 2]; /* of each kind's; the outside has none */
     uint32_t *face;                        /* 4 times the tetrahedron and the corner opposite */
-    /* [vertex] corners at it, and the first side of the edges that are found there; between bodies 0 and
-     * BVXI_NONE */
+    /* [vertex] corners at it, and the first side of the edges found there; between bodies 0, BVXI_NONE */
     uint32_t *degree, *edge;
 } joint_list;
 
@@ -96,8 +95,7 @@ static uint32_t other_end(const joint_faces *f, uint32_t side, uint32_t end)
     return v[side % 3] == end ? v[(side + 1) % 3] : v[side % 3];
 }
 
-/* Puts a side to its edge's others, after the first. more: [3 a face] the first side of the next edge of the
- * same end. */
+/* Adds a side to its edge's others. more: [3 a face] the first side of the next edge of the same end. */
 static void list_side(joint_faces *f, const joint_list *list, uint32_t *more, uint32_t side)
 {
     const uint32_t *const v = f->corner[side / 3];
@@ -241,8 +239,7 @@ static uint32_t face_through_body(const joint_faces *f, uint32_t side)
     other = f->o->tetra[t].v[f->from[side / 3] % 4];
     for (;;) {
         const bvxi_tetra *const now = &f->o->tetra[t];
-        /* Around the edge from tetrahedron to tetrahedron, leaving each by the face that the last one did
-         * not share. */
+        /* Around the edge from tetrahedron to tetrahedron, leaving each by its other face. */
         int const k = bvxi_corner_of(now, leave);
         uint32_t const n = now->n[k];
         if (n == BVXI_NONE && bvxi_joint_border_kind(f->o, now, k) == f->kind) return BVXI_NONE;
@@ -277,8 +274,7 @@ static uint32_t face_around_others(const joint_faces *f, uint32_t side)
     }
 }
 
-/* Where two bodies touch themselves at one edge, one of them passes through: the one with the lower
- * number. */
+/* Where two bodies touch themselves at one edge, the one with the lower number passes through. */
 static int passes_through(const joint_faces *f, uint32_t first)
 {
     for (uint32_t i = first; i != BVXI_NONE; i = f->next[i])

@@ -176,8 +176,7 @@ typedef struct body_job {
     uint32_t left;
 } body_job;
 
-/* A stack of loops that were made, on the grid that they were made for: on another one they would snap to other
- * places. */
+/* A stack of loops that were made, on their own grid: on another one they would snap elsewhere. */
 static bvx_status open_made(bvx_context *ctx, const bvxi_mended *made, const bvx_sections_options *o,
                             bvxi_stack *s)
 {

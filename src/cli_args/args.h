@@ -23,6 +23,7 @@ enum {
     CLI_COMPONENTS = 1 << 19,
     CLI_SIMPLIFY = 1 << 20,
     CLI_LABELS = 1 << 21,
+    CLI_HULL = 1 << 22,
     CLI_ALL = 0x7fffffff
 };
 

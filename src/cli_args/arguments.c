@@ -37,8 +37,7 @@ static size_t name_distance(const char *a, const char *b)
     enum { MOST = 40 };
     size_t row[MOST + 1];
     size_t const n = strlen(a), m = strlen(b);
-    /* No option and no command is nearly so long. */
-    if (n > MOST || m > MOST) return MOST;
+    if (n > MOST || m > MOST) return MOST; /* No option and no command is nearly so long. */
     /* One row of the table is enough: a cell needs those to its left, above it, and at the corner. */
     for (size_t j = 0; j <= m; j++) row[j] = j;
     for (size_t i = 1; i <= n; i++) {

@@ -184,8 +184,7 @@ static void put_option_names(const cli_command *command)
     for (int i = 0; i < rows; i++) printf(" %s", row[i]->name);
 }
 
-/* Case lines "command/--option)" for values: names to choose from, files, or nothing that could be
- * guessed. */
+/* Case lines "command/--option)" for values: names to choose from, files, or nothing. */
 static void put_values(const cli_command *c)
 {
     const cli_argument *row[CLI_MAX_OPTIONS];

@@ -79,7 +79,9 @@ static const char *number_of_outputs(const cli_run *run, const cli_options *aske
 {
     int const several = asked->triangles.count > 1 || asked->errors.count > 1 || asked->count > 1;
     if (asked->format == BVX_FORMAT_GLB) return "";
-    return run->command->bit == CLI_LOD || (run->command->bit == CLI_SIMPLIFY && several) ? "_%d" : "";
+    return run->command->bit == CLI_LOD || ((run->command->bit & (CLI_SIMPLIFY | CLI_HULL)) != 0 && several)
+               ? "_%d"
+               : "";
 }
 
 /* No input is replaced, by none of the files that an output may have. */

@@ -386,15 +386,13 @@ const cli_command cli_boolean = {
     .most_inputs = 3,
     .usage = "OPERATION A B -o OUT [options]",
     .does = "union, intersection, difference or xor of two bodies",
-    .details =
-        "OPERATION is union, intersection, difference (A without B) or xor. Two meshes (" CLI_MESHES_READ
-        ",\n"
-        "also with .gz) become a closed, manifold, oriented mesh that does not cross itself (" CLI_MESHES_WRITTEN
-        "),\n"
-        "its vertices on their surfaces, whatever is wrong with how they meet; walls thinner than\n"
-        "voxels are kept. With --triangles or --error the edges of the result collapse. Grids\n"
-        "(" CLI_GRIDS ") of one lattice are combined bit by bit; beside a grid a mesh is\n"
-        "voxelized on its lattice. The result is a mesh or a grid, as the ending of OUT says.",
+    .details = "OPERATION is union, intersection, difference (A without B) or xor. Two meshes\n"
+               "(" CLI_MESHES_READ ", also with .gz) become a closed, manifold, oriented mesh\n"
+               "that does not cross itself (" CLI_MESHES_WRITTEN "),\n"
+               "its vertices on their surfaces, whatever is wrong with how they meet; walls thinner than\n"
+               "voxels are kept. With --triangles or --error the edges of the result collapse. Grids\n"
+               "(" CLI_GRIDS ") of one lattice are combined bit by bit; beside a grid a mesh is\n"
+               "voxelized on its lattice. The result is a mesh or a grid, as the ending of OUT says.",
     .example =
         "bitvox faces fixtures/knot.ply -o blocks.ply --resolution 12\n"
         "bitvox boolean difference blocks.ply fixtures/knot.ply -o mould.ply --resolution 128 --sharp\n"

@@ -219,8 +219,7 @@ static int check_compare_options(cli_run *run)
 
     for (int i = 0; i < 2 && status == CLI_DONE; i++) status = cli_input_kind(run, o->input[i], &kind[i]);
     if (status != CLI_DONE) return status;
-    /* A mesh has no voxels and a grid no points to measure from; which of them should change is the user's
-     * choice. */
+    /* A mesh has no voxels and a grid no points to measure from; which should change is the user's choice. */
     if (kind[0] != kind[1])
         return cli_usage(
             run, "a mesh and a grid have nothing to compare: voxelize the mesh on the grid's lattice, "

@@ -185,8 +185,7 @@ static void report_parts(const components_job *job, cli_made *made)
     cli_json_count(t, "dropped", job->kept.dropped);
     cli_json_count(t, "voxels_dropped", job->kept.voxels_dropped);
     cli_json_count(t, "filled", job->filled);
-    /* Set voxels by 26 and empty ones by 6 are counted together, or the other way round; 18 has no such
-     * partner. */
+    /* Set voxels by 26 go with empty ones by 6, or the other way round; 18 has no such partner. */
     if (job->connectivity != 18) {
         cli_json_count(t, "cavities", job->topology.cavities);
         cli_text_add(t, ", \"tunnels\": %" PRId64 ", \"euler\": %" PRId64, job->topology.tunnels,

@@ -86,7 +86,7 @@ const cli_command cli_faces = {
     .usage = "IN -o OUT [options]",
     .does = "the sides of voxels as a mesh",
     .details =
-        "Reads a grid (" CLI_GRIDS "), or a mesh (" CLI_MESHES_READ ", also with .gz)\n"
+        "Reads a grid (" CLI_GRIDS "), or a mesh (" CLI_MESHES_READ ", also .gz)\n"
         "that it voxelizes first, and writes each side between a set voxel and an empty one as two triangles "
         "(.ply\n"
         ".obj .stl .off .glb). The mesh is closed and has the voxels' volume; 'bitvox lod' makes smoother "

@@ -101,24 +101,6 @@ static int check_both(cli_run *run, const bvx_mesh *mesh, bvx_certificate *c, bv
     return status;
 }
 
-static void tell_attributes(cli_made *made, const bvx_mesh *mesh)
-{
-    if (mesh->colours != NULL) cli_tell(made, "  colours     of vertices\n");
-    if (mesh->normals != NULL) cli_tell(made, "  normals     of vertices\n");
-    if (mesh->uvs != NULL)
-        cli_tell(made, "  texture     coordinates of %s\n",
-                 mesh->uv_triangles != NULL ? "triangles' corners"
-                 : mesh->uvs2 != NULL       ? "vertices, two of each"
-                                            : "vertices");
-    if (mesh->materials != NULL) {
-        /* Indices of triangles stand for materials of the file; those beyond them for none. */
-        uint32_t most = 0;
-        for (uint64_t t = 0; t < mesh->triangle_count; t++)
-            if (mesh->materials[t] > most) most = mesh->materials[t];
-        cli_tell(made, "  materials   of triangles, indices up to %" PRIu32 "\n", most);
-    }
-}
-
 static int count_crossings(cli_run *run, const bvx_mesh *mesh, cli_mesh_entry *entry)
 {
     const info_options *const own = run->own;
@@ -226,7 +208,21 @@ static int info_of_mesh(cli_run *run, info_job *job, cli_made *made)
         cli_tell(made, "  left out    %" PRIu64 " triangle%s with a corner that is not finite\n",
                  run->report.nonfinite, run->report.nonfinite == 1 ? "" : "s");
     tell_certificate(made, &job->certificate);
-    tell_attributes(made, mesh);
+    if (mesh->colours != NULL) cli_tell(made, "  colours     of vertices\n");
+    if (mesh->normals != NULL) cli_tell(made, "  normals     of vertices\n");
+    if (mesh->uvs != NULL)
+        cli_tell(made, "  texture     coordinates of %s\n",
+                 mesh->uv_triangles != NULL ? "triangles' corners"
+                 : mesh->uvs2 != NULL       ? "vertices, two of each"
+                                            : "vertices");
+    if (mesh->materials != NULL) {
+        /* Indices of triangles stand for materials of the file; those beyond them for none. */
+        uint32_t most = 0;
+        for (uint64_t t = 0; t < mesh->triangle_count; t++)
+            if (mesh->materials[t] > most) most = mesh->materials[t];
+        cli_tell(made, "  materials   of triangles, indices up to %" PRIu32 "\n", most);
+    }
+
     if (differs) {
         cli_tell(made, "the same with vertices at equal positions joined\n");
         tell_certificate(made, &job->welded);
@@ -270,21 +266,6 @@ static void find_box(const bvx_grid *g, grid_facts *f)
     }
 }
 
-static void tell_facts_of_grid(const cli_run *run, const cli_input *in, const grid_facts *f, cli_made *made)
-{
-    double centre[3];
-    cli_grid_corner(&in->grid, 0.5, centre);
-    cli_text_add(&made->head, "  format      %s\n", cli_format_name(cli_input_format(run, in->path)));
-    cli_tell(made, "  center0     %.9g, %.9g, %.9g\n", centre[0], centre[1], centre[2]);
-    if (made->set == 0) cli_tell(made, "  box         empty\n");
-    else
-        cli_tell(made,
-                 "  box         %" PRId32 " x %" PRId32 " x %" PRId32 " voxels from %" PRId32 ",%" PRId32
-                 ",%" PRId32 "\n",
-                 f->size[0], f->size[1], f->size[2], f->low[0], f->low[1], f->low[2]);
-    cli_tell(made, "  volume      %.9g\n  hash        %016" PRIx64 "\n", f->volume, f->hash);
-}
-
 static void report_facts(const cli_run *run, const cli_input *in, const grid_facts *f, cli_made *made)
 {
     const bvx_grid *const g = &in->grid;
@@ -325,7 +306,17 @@ static int info_of_grid(cli_run *run, const cli_input *in, cli_made *made)
     made->shown = g;
     made->placed = in->placed;
     report_facts(run, in, &f, made);
-    tell_facts_of_grid(run, in, &f, made);
+    double centre[3];
+    cli_grid_corner(&in->grid, 0.5, centre);
+    cli_text_add(&made->head, "  format      %s\n", cli_format_name(cli_input_format(run, in->path)));
+    cli_tell(made, "  center0     %.9g, %.9g, %.9g\n", centre[0], centre[1], centre[2]);
+    if (made->set == 0) cli_tell(made, "  box         empty\n");
+    else
+        cli_tell(made,
+                 "  box         %" PRId32 " x %" PRId32 " x %" PRId32 " voxels from %" PRId32 ",%" PRId32
+                 ",%" PRId32 "\n",
+                 f.size[0], f.size[1], f.size[2], f.low[0], f.low[1], f.low[2]);
+    cli_tell(made, "  volume      %.9g\n  hash        %016" PRIx64 "\n", f.volume, f.hash);
     return CLI_DONE;
 }
 

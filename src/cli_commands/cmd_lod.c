@@ -70,8 +70,7 @@ static const cli_argument lod_rows[] = {
 
 /* ---- what is requested ---- */
 
-/* Options of the methods that sample a solid, and of the one that collapses
- * edges; each with what only it understands. */
+/* Options of the methods that sample a solid, and of the one that collapses edges. */
 #define OF_SOLID "--levels --threshold --edge-samples --collapse --fill --close-gaps --padding"
 #define OF_COLLAPSE                                                                            \
     "--error --error-kind --count --strict --even --attributes --lock-border --keep-vertices " \
@@ -145,8 +144,7 @@ static int check_lod_options(cli_run *run, cli_chain *c)
 
 /* ---- the levels ---- */
 
-/* Samples coarser than what they see break it. That the solid has the mesh's walls is reported with the
- * solid. */
+/* Samples coarser than what they see break it. The solid's walls are reported with the solid. */
 static void warn_of_broken_level(const cli_run *run, const cli_chain *c, int i, cli_made *made)
 {
     const bvx_certificate *const level = &run->report.mesh[i].certificate;
@@ -284,23 +282,6 @@ static void tell_chain_head(const cli_run *run, const cli_chain *c, cli_made *ma
     cli_report_solid(run, &made->members, l, &c->solid_report);
 }
 
-static void tell_chain_levels(const cli_run *run, const cli_chain *c, cli_made *made)
-{
-    cli_tell(made,
-             "level  resolution      ratio  triangles  simplification rate        ms  closed, manifold, "
-             "oriented\n");
-    for (int i = 0; i < c->count; i++) {
-        const bvx_lod_report *const l = &c->lod[i];
-        const cli_mesh_entry *const m = &run->report.mesh[i];
-        char size[48];
-        snprintf(size, sizeof size, "%" PRId32 "x%" PRId32 "x%" PRId32, l->resolution[0], l->resolution[1],
-                 l->resolution[2]);
-        cli_tell(made, "%5d  %-14s %6.2f %10" PRIu64 " %19.2f%% %9.2f  %s\n", m->number, size, l->ratio[0],
-                 m->certificate.triangles, m->rate * 100.0, m->milliseconds,
-                 cli_is_sound(&m->certificate) ? "yes" : "NO");
-    }
-}
-
 static int write_chain(cli_run *run, void *work)
 {
     const cli_chain *const c = work;
@@ -330,7 +311,20 @@ static void tell_chain(const cli_run *run, const void *work, cli_made *made)
     int const grid = c->kind == CLI_GRID;
     for (int i = 0; i < c->count; i++) warn_of_broken_level(run, c, i, made);
     tell_chain_head(run, c, made);
-    tell_chain_levels(run, c, made);
+    cli_tell(made,
+             "level  resolution      ratio  triangles  simplification rate        ms  closed, manifold, "
+             "oriented\n");
+    for (int i = 0; i < c->count; i++) {
+        const bvx_lod_report *const l = &c->lod[i];
+        const cli_mesh_entry *const m = &run->report.mesh[i];
+        char size[48];
+        snprintf(size, sizeof size, "%" PRId32 "x%" PRId32 "x%" PRId32, l->resolution[0], l->resolution[1],
+                 l->resolution[2]);
+        cli_tell(made, "%5d  %-14s %6.2f %10" PRIu64 " %19.2f%% %9.2f  %s\n", m->number, size, l->ratio[0],
+                 m->certificate.triangles, m->rate * 100.0, m->milliseconds,
+                 cli_is_sound(&m->certificate) ? "yes" : "NO");
+    }
+
     cli_tell_distances(run, c->count, c->diagonal, 3, grid ? "to the voxels' surface, " : "",
                        grid ? "grid" : "mesh", made);
     cli_tell_written(run, c->count, made);

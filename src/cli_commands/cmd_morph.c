@@ -499,7 +499,7 @@ const cli_command cli_morph = {
     .usage = "dilate|erode|open|close|hollow|distance IN -o OUT [options]",
     .does = "voxels grown, shrunk, hollowed; distances",
     .details =
-        "Reads a grid (" CLI_GRIDS "), or a mesh (" CLI_MESHES_READ ", also with .gz)\n"
+        "Reads a grid (" CLI_GRIDS "), or a mesh (" CLI_MESHES_READ ", also .gz)\n"
         "that it voxelizes first. dilate grows it by neighbours or by a ball, erode shrinks it, open (erode, "
         "then\n"
         "dilate) takes away what is thin, close (dilate, then erode) fills gaps; hollow leaves a shell and "

@@ -125,25 +125,22 @@ static int refine_mesh(cli_run *run, const bvx_mesh *mesh, cli_tree *t)
     return status == BVX_OK ? cli_take_tree(run, tree, t) : cli_fail_status(run, status, path);
 }
 
-static int read_tree(cli_run *run, cli_tree *t)
-{
-    const char *const path = run->options->input[0];
-    cli_input in;
-    int status = cli_read_grid_or_tree(run, path, NULL, &in);
-    if (status == CLI_DONE && in.kind != CLI_TREE)
-        status = cli_usage(run, "%s is a grid; refine takes a mesh or an octree", cli_input_name(path));
-    if (status == CLI_DONE) {
-        status = cli_take_tree(run, in.tree, t);
-        in.tree = NULL;
-    }
-    cli_free_input(run, &in);
-    return status;
-}
-
 static int make_tree(cli_run *run, int kind, cli_tree *t)
 {
     bvx_mesh mesh = {0};
-    if (kind == CLI_GRID) return read_tree(run, t);
+    if (kind == CLI_GRID) {
+        const char *const path = run->options->input[0];
+        cli_input in;
+        int status = cli_read_grid_or_tree(run, path, NULL, &in);
+        if (status == CLI_DONE && in.kind != CLI_TREE)
+            status = cli_usage(run, "%s is a grid; refine takes a mesh or an octree", cli_input_name(path));
+        if (status == CLI_DONE) {
+            status = cli_take_tree(run, in.tree, t);
+            in.tree = NULL;
+        }
+        cli_free_input(run, &in);
+        return status;
+    }
     int status = cli_read_mesh(run, run->options->input[0], &mesh);
     if (status == CLI_DONE) status = refine_mesh(run, &mesh, t);
     bvx_mesh_free(run->context, &mesh);
@@ -183,9 +180,8 @@ const cli_command cli_refine = {
     .usage = "IN -o OUT [options]",
     .does = "voxels of several sizes, small ones only at the surface",
     .details =
-        "Reads a mesh (" CLI_MESHES_READ
-        ", also with .gz), lays --base voxels over it and halves those that\n"
-        "triangles touch --halvings times; what a flood from outside cannot reach is inside. Writes the "
+        "Reads a mesh (" CLI_MESHES_READ ", also with .gz), lays --base voxels over it and halves those\n"
+        "that triangles touch --halvings times; what a flood from outside cannot reach is inside. Writes the "
         "octree\n"
         "(.bvx, which is an input too), its leaves with their level and state (.vtu, for ParaView), the "
         "voxels\n"

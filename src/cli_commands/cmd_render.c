@@ -240,8 +240,8 @@ const cli_command cli_render = {
     .usage = "IN... -o OUT.png [options]",
     .does = "a shaded picture of a mesh or grid, or of several side by side",
     .details =
-        "Reads meshes (" CLI_MESHES_READ ", also with .gz) and grids (" CLI_GRIDS ") and\n"
-        "writes a picture; each fills its frame, and colours of vertices are shown. Triangles seen from\n"
+        "Reads meshes (" CLI_MESHES_READ ", also .gz) and grids (" CLI_GRIDS ")\n"
+        "and writes a picture; each fills its frame, and colours of vertices are shown. Triangles seen from\n"
         "behind are reddish, so holes and flipped triangles show. --voxels draws a mesh's solid instead,\n"
         "--cut opens a model, --slices lays a grid out, --compare shows two in one.",
     .example = "bitvox render fixtures/knot.ply -o knot.png --from 1,-2,2\n"

@@ -290,13 +290,12 @@ const cli_command cli_repair = {
     .usage = "IN -o OUT [options]",
     .does = "a closed, manifold, oriented mesh from any",
     .details =
-        "Reads a mesh (" CLI_MESHES_READ ", also with .gz) with whatever is wrong with it - holes, gaps,\n"
-        "overlaps, flipped, doubled or crossing triangles, corners that are NaN or infinite (left out) - and writes "
-        "one\n"
-        "that is closed, manifold, oriented and does not cross itself (" CLI_MESHES_WRITTEN "). Details\n"
-        "below a voxel are lost; what encloses nothing, like a single sheet, becomes a shell; walls thinner "
-        "than\n"
-        "voxels are kept. With --triangles or --error the result's edges then collapse.",
+        "Reads a mesh (" CLI_MESHES_READ ", also with .gz) with whatever is wrong with it - holes,\n"
+        "gaps, overlaps, flipped, doubled or crossing triangles, corners that are NaN or infinite (left out) -\n"
+        "and writes one that is closed, manifold, oriented and does not cross itself (" CLI_MESHES_WRITTEN
+        ").\n"
+        "Details below a voxel are lost; what encloses nothing, like a single sheet, becomes a shell; walls thinner\n"
+        "than voxels are kept. With --triangles or --error the result's edges then collapse.",
     .example = "bitvox repair fixtures/knot.ply -o closed.ply --resolution 128 --triangles 8000 --measure",
     .most = "--output-dir --resolution --triangles --error --sign --sharp --shell --keep-largest "
             "--if-needed --threads --memory-limit --json",

@@ -298,8 +298,7 @@ static void add_blocks(sections_job *job, const bvx_grid *g, int32_t k, const do
         }
 }
 
-/* Corners of blocks at whole multiples of their sides, as block models are
- * laid out; a layer of blocks at a time. */
+/* Corners of blocks at whole multiples of their sides, as in block models; a layer of blocks at a time. */
 static int make_blocks(cli_run *run, sections_job *job)
 {
     const sections_options *const own = run->own;

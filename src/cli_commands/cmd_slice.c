@@ -120,8 +120,8 @@ const cli_command cli_slice = {
     .usage = "IN -o OUT --spacing S [options]",
     .does = "the contours of a mesh or grid on parallel planes",
     .details =
-        "Reads a closed mesh (" CLI_MESHES_READ ") or a grid (" CLI_GRIDS "), also with\n"
-        ".gz, and writes where planes meet its surface, exactly: .csl, .csv (planes across z), or a drawing\n"
+        "Reads a closed mesh (" CLI_MESHES_READ ") or a grid (" CLI_GRIDS "),\n"
+        "also with .gz, and writes where planes meet its surface, exactly: .csl, .csv (planes across z), or a drawing\n"
         "(.svg). 'bitvox sections' makes a body of the contours again, unless the mesh crosses itself, "
         "which\n"
         "'bitvox repair' mends first, as it closes holes and turns flipped triangles.",

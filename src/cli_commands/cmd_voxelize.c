@@ -514,8 +514,8 @@ const cli_command cli_voxelize = {
     .usage = "IN -o OUT [options]",
     .does = "a mesh, a cloud of points or a volume as a grid of voxels",
     .details =
-        "Reads a mesh (" CLI_MESHES_READ ", also with .gz) and writes the voxels whose centres lie inside,\n"
-        "or with --mode those of its surface: .npy (NumPy, bool, axes x, y, z), .binvox, .vox (at most 256 "
+        "Reads a mesh (" CLI_MESHES_READ ", also with .gz) and writes the voxels whose centres lie\n"
+        "inside, or with --mode those of its surface: .npy (NumPy, bool, axes x, y, z), .binvox, .vox (at most 256 "
         "a\n"
         "side), .nrrd, .vti or .bvx. .npy and .vox hold no lattice: it goes to OUT.json beside them.\n"
         "--mode field writes the distances from the centres to the mesh: .npy, .nrrd or .vti, f32 or f64.\n"

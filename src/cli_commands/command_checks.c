@@ -37,7 +37,8 @@ static int check_batch(cli_run *run)
             return cli_usage(run, "standard input has no name; --output-dir is for files");
     /* The format is that of all files, so it must be one that the command writes. */
     if (o->format != 0 &&
-        (kind == 0 || ((run->command->bit & (CLI_REPAIR | CLI_SIMPLIFY | CLI_LOD)) != 0 && kind != CLI_MESH)))
+        (kind == 0 ||
+         ((run->command->bit & (CLI_REPAIR | CLI_SIMPLIFY | CLI_LOD | CLI_HULL)) != 0 && kind != CLI_MESH)))
         return cli_usage(run, "--format %s is not written by %s", cli_format_name(o->format),
                          run->command->name);
     if (run->command->bit == CLI_CONVERT && o->format == 0)

@@ -4,8 +4,7 @@
 
 #include <string.h>
 
-/* Samples along the longest axis. A small grid gives smaller levels than
- * usual, since none can be finer than it. */
+/* Samples along the longest axis. A small grid gives smaller levels than usual, as none can be finer. */
 int32_t cli_level_resolution(const cli_run *run, const cli_chain *c, int level)
 {
     const cli_lod_options *const own = run->own;

@@ -103,8 +103,7 @@ static int run_command(cli_run *run, int count, char **word)
     return status;
 }
 
-/* A closed standard stream must not hand its number to the next file that
- * is opened; what is written to it fails. */
+/* A closed standard stream must not hand its number to the next opened file; writes to it fail. */
 static void hold_standard_streams(void)
 {
 #if MAIN_POSIX

@@ -220,8 +220,7 @@ static int is_beyond(const far_points *f, const double p[3])
            p[2] < f->low[2] || p[2] > f->high[2];
 }
 
-/* Far points by number: a vertex counts once for each triangle that uses
- * it, which does not matter for a share. */
+/* Far points by number: a vertex counts once for each triangle, harmless in a share. */
 static void count_far(far_points *f)
 {
     double p[3];

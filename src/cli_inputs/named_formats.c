@@ -65,7 +65,7 @@ int32_t cli_input_format(const cli_run *run, const char *path)
 static int32_t up_of_format(int32_t format)
 {
     return format == BVX_FORMAT_GLB || format == BVX_FORMAT_GLTF || format == BVX_FORMAT_OBJ ? CLI_UP_Y
-           : format == BVX_FORMAT_STL                                                        ? CLI_UP_Z
+           : format == BVX_FORMAT_STL || format == BVX_FORMAT_3MF                            ? CLI_UP_Z
                                                                                              : CLI_UP_NONE;
 }
 
@@ -100,7 +100,7 @@ const char *cli_way_to_read(const char *path)
         const char *endings, *way;
     } known[] = {{".fbx .dae .blend .3ds .usd .usdz .usdc .x3d .abc ", "; Blender makes .glb of it"},
                  {".step .stp .iges .igs .brep .fcstd .sldprt ", "; FreeCAD and Gmsh make .stl of it"},
-                 {".3mf .amf .vtp .dxf .dcm .nii .mha ", "; the Python package reads it"}};
+                 {".amf .vtp .dxf .dcm .nii .mha ", "; the Python package reads it"}};
     const char *const dot = strrchr(path, '.');
     char ending[16] = "";
 

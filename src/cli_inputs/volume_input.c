@@ -85,10 +85,8 @@ int cli_check_selection(cli_run *run, const char *path)
 
 /* ---- packed samples ---- */
 
-/* A bvx_inflate_fn; user is set where the bytes may be plain. Data files that end in .gz are unpacked when
- * they are read. */
-static int32_t inflate_samples(void *user, const void *packed, uint64_t packed_size, void *plain,
-                               uint64_t plain_size)
+/* user is set where the bytes may be plain. Data files that end in .gz are unpacked when they are read. */
+int32_t cli_inflate(void *user, const void *packed, uint64_t packed_size, void *plain, uint64_t plain_size)
 {
     const unsigned char *const bytes = packed;
 
@@ -308,9 +306,9 @@ int cli_take_volume(cli_run *run, const char *path, const bvx_window *window, cl
 
     if (format == BVX_FORMAT_NRRD) CLI_TRY(read_data_files(run, path, v));
 #ifdef BVX_HAVE_ZLIB
-    o.inflate = inflate_samples;
+    o.inflate = cli_inflate;
 #else
-    if (v->data.bytes != NULL) o.inflate = inflate_samples; /* plain bytes, as it turns out, or a refusal */
+    if (v->data.bytes != NULL) o.inflate = cli_inflate; /* plain bytes, as it turns out, or a refusal */
 #endif
     o.inflate_user = format == BVX_FORMAT_NRRD ? v : NULL;
     o.data = v->data.bytes;

@@ -52,24 +52,6 @@ static void add_box(bvx_mesh *mesh, const double low[3], const double edge[3], c
     mesh->triangle_count += LEAF_TRIANGLES;
 }
 
-static void fill_leaf_mesh(const cli_options *o, const bvx_lattice *last, int32_t levels,
-                           const bvx_octree_leaf *leaf, uint64_t count, bvx_mesh *mesh)
-{
-    for (uint64_t i = 0; i < count; i++) {
-        /* Leaves count in voxels of their own level, the lattice in those of the last one. */
-        double const voxels = (double)(UINT32_C(1) << (levels - leaf[i].level));
-        double low[3], edge[3];
-        uint8_t colour[4];
-        for (int a = 0; a < 3; a++) {
-            edge[a] = last->spacing[a] * voxels;
-            low[a] = last->origin[a] + (double)leaf[i].ijk[a] * edge[a];
-        }
-        if (is_cut_away(&o->cut, low, edge)) continue;
-        colour_of_leaf(&leaf[i], levels, colour);
-        add_box(mesh, low, edge, colour);
-    }
-}
-
 static int make_room(cli_run *run, uint64_t count, bvx_octree_leaf **leaves, bvx_mesh *mesh)
 {
     uint64_t const bytes = count * (LEAF_BYTES + sizeof **leaves);
@@ -110,7 +92,21 @@ int cli_make_leaf_mesh(cli_run *run, const bvx_octree *tree, bvx_mesh *mesh)
         status = bvx_octree_leaves(run->context, tree, o->states, leaves, count, &count);
         if (status != BVX_OK) result = cli_fail_status(run, status, o->output);
     }
-    if (result == CLI_DONE) fill_leaf_mesh(o, &run->report.lattice, levels, leaves, count, mesh);
+    if (result == CLI_DONE) {
+        for (uint64_t i = 0; i < count; i++) {
+            /* Leaves count in voxels of their own level, the lattice in those of the last one. */
+            double const voxels = (double)(UINT32_C(1) << (levels - leaves[i].level));
+            double low[3], edge[3];
+            uint8_t colour[4];
+            for (int a = 0; a < 3; a++) {
+                edge[a] = run->report.lattice.spacing[a] * voxels;
+                low[a] = run->report.lattice.origin[a] + (double)leaves[i].ijk[a] * edge[a];
+            }
+            if (is_cut_away(&o->cut, low, edge)) continue;
+            colour_of_leaf(&leaves[i], levels, colour);
+            add_box(mesh, low, edge, colour);
+        }
+    }
     if (result == CLI_DONE && mesh->triangle_count == 0)
         result = cli_fail(run, "%s: --cut leaves nothing", o->output);
     free(leaves);

@@ -58,7 +58,7 @@ char *cli_numbered_path(const char *pattern, int64_t number)
 
 int cli_check_pattern(cli_run *run)
 {
-    int32_t const numbering = CLI_LOD | CLI_SIMPLIFY | CLI_SECTIONS | CLI_VOXELIZE;
+    int32_t const numbering = CLI_LOD | CLI_SIMPLIFY | CLI_HULL | CLI_SECTIONS | CLI_VOXELIZE;
     const char *const out = run->options->output;
 
     for (const char *p = out; p != NULL && (p = strchr(p, '%')) != NULL; p++) {
@@ -122,10 +122,10 @@ int cli_carry(cli_run *run, const bvx_mesh *input, bvx_mesh *mesh, const char *s
 /* What files of a format hold of CLI_HAS_... */
 static uint32_t attributes_of_format(int32_t format)
 {
-    return format == BVX_FORMAT_GLB   ? CLI_HAS_COLOURS | CLI_HAS_UVS | CLI_HAS_SECOND_UVS | CLI_HAS_MATERIALS
-           : format == BVX_FORMAT_STL ? 0
-           : format == BVX_FORMAT_OFF ? CLI_HAS_COLOURS
-                                      : CLI_HAS_COLOURS | CLI_HAS_UVS;
+    return format == BVX_FORMAT_GLB ? CLI_HAS_COLOURS | CLI_HAS_UVS | CLI_HAS_SECOND_UVS | CLI_HAS_MATERIALS
+           : format == BVX_FORMAT_STL || format == BVX_FORMAT_3MF ? 0
+           : format == BVX_FORMAT_OFF                             ? CLI_HAS_COLOURS
+                                                                  : CLI_HAS_COLOURS | CLI_HAS_UVS;
 }
 
 /* The attributes by name, as in "colours, texture coordinates and 3 materials". */

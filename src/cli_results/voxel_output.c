@@ -110,8 +110,7 @@ static double cylinder_cut(const cli_drill *d, const bvx_grid *g, int32_t axis, 
     return s > 0.02 ? s < 0.98 ? s : 0.98 : 0.02;
 }
 
-/* Vertices half way between what was drilled and what was left go onto the drill's cylinder, along their
- * edges. */
+/* Vertices half way between drilled and left go onto the drill's cylinder, along their edges. */
 static void round_hole(cli_voxels *v)
 {
     const bvx_grid *const g = v->grid;

@@ -3,8 +3,8 @@
 #ifndef CLI_ENDINGS_H
 #define CLI_ENDINGS_H
 
-#define CLI_MESHES_READ      ".stl .obj .ply .off .glb .gltf"
-#define CLI_MESHES_WRITTEN   ".ply .obj .stl .off .glb"
+#define CLI_MESHES_READ      ".stl .obj .ply .off .glb .gltf .3mf"
+#define CLI_MESHES_WRITTEN   ".ply .obj .stl .off .glb .3mf"
 #define CLI_GRIDS            ".npy .binvox .vox .nrrd .vti .bvx" /* read and written */
 #define CLI_CONTOURS_READ    ".csl .csv"
 #define CLI_CONTOURS_WRITTEN ".csl .csv .svg"

@@ -195,8 +195,7 @@ void cli_say_warnings(cli_run *run)
 void cli_say(cli_run *run, const char *format, ...)
 {
     va_list args;
-    /* With -o - the text moves to standard error; where standard output is an output by its path there is
-     * none. */
+    /* With -o - the text moves to standard error; none where standard output is an output's path. */
     if (run->general->quiet || run->general->json || (run->standard_taken && run->standard_name[0] == 0))
         return;
     cli_clear_bar(run);

@@ -95,8 +95,7 @@ static char *follow_links(const char *path)
     return NULL;
 }
 
-/* Kind and target of what stands at o->path, and its mode (0: nothing
- * stands there). 0 with errno when it is refused. */
+/* Kind and target of what is at o->path, and its mode (0: nothing). 0 with errno when refused. */
 static int look_at_output(cli_output *o, unsigned *mode)
 {
     struct stat s, standard, behind;
@@ -416,8 +415,7 @@ static cli_output *take_back(cli_run *run, int n)
     return lost;
 }
 
-/* All that may be in the way is moved there before the first output gets
- * its name. Returns how many are ready. */
+/* All that is in the way is moved before the first output gets its name. Returns how many are ready. */
 static int set_all_aside(cli_run *run)
 {
     /* one rename alone is all or nothing, where it replaces */

@@ -46,25 +46,6 @@ static void report_distance(cli_text *t, const bvx_distance_report *d)
     cli_text_add(t, "}");
 }
 
-/* What was requested is null where nobody asked. */
-static void report_level(cli_text *t, const cli_mesh_entry *m)
-{
-    const bvx_level_report *const l = m->level;
-
-    if (l->target_error > 0.0) cli_text_add(t, ", \"target\": null");
-    else cli_json_count(t, "target", l->target);
-    cli_json_value(t, "target_error", l->target_error > 0.0 ? l->target_error : HUGE_VAL);
-    cli_json_truth(t, "met", l->met);
-    cli_json_count(t, "crossings", l->crossings);
-    cli_json_value(t, "least_angle", l->least_angle);
-    cli_json_count(t, "refused", l->refused);
-    cli_json_count(t, "handles_cut", l->handles_cut);
-    cli_json_count(t, "holes_filled", l->holes_filled);
-    cli_json_value(t, "longest_closed", l->longest_closed);
-    cli_json_value(t, "simplification_rate", m->rate);
-    cli_json_truth(t, "solid", m->solid);
-}
-
 static void report_mesh(cli_text *t, const cli_mesh_entry *m)
 {
     cli_text_add(t, "{\"path\": ");
@@ -81,7 +62,22 @@ static void report_mesh(cli_text *t, const cli_mesh_entry *m)
         cli_json_truth(t, "exceeds_input", m->rate > 1.0);
         cli_json_value(t, "milliseconds", m->milliseconds);
     }
-    if (m->level != NULL) report_level(t, m);
+    if (m->level != NULL) {
+        const bvx_level_report *const l = m->level; /* What was requested is null where nobody asked. */
+
+        if (l->target_error > 0.0) cli_text_add(t, ", \"target\": null");
+        else cli_json_count(t, "target", l->target);
+        cli_json_value(t, "target_error", l->target_error > 0.0 ? l->target_error : HUGE_VAL);
+        cli_json_truth(t, "met", l->met);
+        cli_json_count(t, "crossings", l->crossings);
+        cli_json_value(t, "least_angle", l->least_angle);
+        cli_json_count(t, "refused", l->refused);
+        cli_json_count(t, "handles_cut", l->handles_cut);
+        cli_json_count(t, "holes_filled", l->holes_filled);
+        cli_json_value(t, "longest_closed", l->longest_closed);
+        cli_json_value(t, "simplification_rate", m->rate);
+        cli_json_truth(t, "solid", m->solid);
+    }
     if (m->distance != NULL) report_distance(t, m->distance);
     else if (m->level != NULL)
         cli_text_add(t, ", \"mean_distance\": null, \"max_distance\": null, \"distance\": null");
@@ -90,15 +86,6 @@ static void report_mesh(cli_text *t, const cli_mesh_entry *m)
         report_certificate(t, m->welded);
         cli_text_add(t, "}");
     }
-    cli_text_add(t, "}");
-}
-
-static void report_lattice(cli_text *t, const bvx_lattice *lattice)
-{
-    cli_text_add(t, ", \"lattice\": {\"fraction_bits\": %" PRId32, lattice->fraction_bits);
-    cli_json_triple(t, "origin", lattice->origin);
-    cli_json_triple(t, "spacing", lattice->spacing);
-    cli_json_ints(t, "dims", lattice->dims);
     cli_text_add(t, "}");
 }
 
@@ -144,7 +131,13 @@ void cli_report_text(const cli_run *run, int status, int brief, cli_text *t)
                                              : "failed");
     if (run->name != NULL) cli_text_add(t, ", \"command\": \"%s\"", run->name);
     /* brief leaves out what the main thread may be changing. */
-    if (!brief && r->has_lattice) report_lattice(t, &r->lattice);
+    if (!brief && r->has_lattice) {
+        cli_text_add(t, ", \"lattice\": {\"fraction_bits\": %" PRId32, r->lattice.fraction_bits);
+        cli_json_triple(t, "origin", r->lattice.origin);
+        cli_json_triple(t, "spacing", r->lattice.spacing);
+        cli_json_ints(t, "dims", r->lattice.dims);
+        cli_text_add(t, "}");
+    }
     if (!brief && r->has_set) cli_json_count(t, "set", r->set);
     if (!brief) report_parts(r, t);
     if (!brief && r->nonfinite != 0) cli_json_count(t, "nonfinite_triangles", r->nonfinite);

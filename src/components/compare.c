@@ -24,8 +24,7 @@ typedef struct compare_work {
 static void clear_compare_sums(const int32_t size[3], compare_sums *s)
 {
     memset(s, 0, sizeof *s);
-    /* Low at the size and high at -1 widen to the first
-     * voxel that comes, and change nothing where none does. */
+    /* Low at the size and high at -1 widen to the first voxel that comes. */
     for (int32_t i = 0; i < 3; i++) {
         s->low[i] = size[i];
         s->high[i] = -1;
@@ -109,8 +108,7 @@ static bvx_status compare_words(bvx_context *ctx, compare_work *w, compare_sums 
 /* What happens with each run of the difference, in the order of their voxels. */
 typedef void compare_run_fn(void *user, int32_t begin, int32_t end, int32_t y, int32_t z);
 
-/* What one grid has and the other does not: within the box of the difference, with its share of the
- * progress. */
+/* What one grid has and the other does not: within the box of the difference. */
 typedef struct compare_side {
     const bvx_grid *one, *other;
     const compare_sums *all;
@@ -171,8 +169,7 @@ static bvx_status join_difference(bvx_context *ctx, const compare_side *s, bvxi_
         for (int32_t y = all->low[1]; y <= all->high[1]; y++) {
             size_t const at = compare_row_at(s, y, z);
             uint64_t *const words = bvxi_components_row(c, y - all->low[1], z - all->low[2]);
-            /* The difference of a row exists in the components'
-             * own row only, so a grid for it is never made. */
+            /* A row's difference exists in the components' own row only: no grid is made for it. */
             for (int32_t k = 0; k < s->one->words_per_row; k++)
                 words[k] = s->one->words[at + (size_t)k] & ~s->other->words[at + (size_t)k];
             bvxi_components_add(c, y - all->low[1], z - all->low[2]);

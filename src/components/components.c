@@ -37,8 +37,7 @@ bvx_status bvxi_components_open(bvx_context *ctx, const char *function, int32_t 
     c->connectivity = connectivity;
     c->row_words = bvxi_row_words(size[0]);
 
-    /* A word of zeros before and after each row, and a row
-     * before and after each slice: neighbours need no test. */
+    /* A word of zeros before and after each row, and a row before and after each slice: so no tests. */
     c->stride = (uint64_t)c->row_words + 2;
     c->slice = c->stride * ((uint64_t)size[1] + 2); /* below 2^45 */
     BVXI_TRY(
@@ -110,8 +109,7 @@ typedef struct component_row {
     const uint32_t *before; /* runs that begin before each word */
 } component_row;
 
-/* Bits of the row's word whose voxels are to be joined: with the voxel
- * there or before it, and with the one after. */
+/* Bits of the row's word to be joined with the voxel there or before it, and with the one after. */
 typedef struct component_pairs {
     uint64_t back, ahead;
 } component_pairs;
@@ -133,8 +131,7 @@ BVXI_VECTOR_INLINE void join_component_pairs(uint32_t *parent, component_pairs p
     }
 }
 
-/* Pairs across faces, and the diagonal ones beside them; straight, low, high: pairs that another row
- * implies. */
+/* Pairs across faces, and the diagonal ones beside them; straight, low, high: implied by another row. */
 BVXI_VECTOR_INLINE component_pairs straight_component_pairs(component_word r, component_word n,
                                                             uint64_t straight)
 {

@@ -175,8 +175,7 @@ bvx_status bvxi_fill_pockets(bvx_context *ctx, const char *function, const bvx_g
 
     BVXI_TRY(open_keep_work(ctx, function, grid, 1, connectivity, &w));
 
-    /* What touches a side of the window is no cavity; of
-     * the others only small ones, where that is requested. */
+    /* What touches a side of the window is no cavity; others only if small, on request. */
     for (uint64_t i = 0; i < w.spaces.count; i++) {
         w.marks[i] = !w.at_side[i] && (at_most == 0 || w.voxels[i] <= at_most);
         set.voxels += w.marks[i] ? w.voxels[i] : 0;

@@ -68,8 +68,7 @@ bvx_status bvx_grid_components(bvx_context *context, const bvx_grid *grid, int32
     return BVXI_CALL(context, run_grid_components(context, grid, connectivity, parts, capacity, count));
 }
 
-/* A word's voxels; label: behind that of the run that the word begins in.
- * Returns where it stands at the word's end. */
+/* A word's voxels; label: after the run at the word's begin. Returns where it stands at its end. */
 static const uint32_t *label_word(uint64_t w, uint64_t last, const uint32_t *label, uint32_t *to)
 {
     uint64_t starts = w & ~(w << 1 | last);

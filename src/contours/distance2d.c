@@ -157,8 +157,7 @@ double bvxi_plane_distance(const bvxi_plane *p, double u, double v, uint32_t *hi
     return sqrt(best);
 }
 
-/* From the top; boxes as near as the nearest segment are looked into too,
- * since one with a lower number may be there. */
+/* From the top; boxes as near as the nearest segment are looked into too: a lower number may be there. */
 double bvxi_plane_nearest(const bvxi_plane *p, double u, double v, uint32_t *segment)
 {
     uint32_t stack[DISTANCE_STACK], top = 0;
@@ -208,8 +207,7 @@ int bvxi_plane_inside(const bvxi_stack *stack, const bvxi_plane *p, double u, do
     return odd;
 }
 
-/* An odd number of segments to the right, of those whose boxes reach there. Neighbours share their ends'
- * bits. */
+/* An odd number of segments to the right, of those whose boxes reach there. Neighbours share ends. */
 int bvxi_plane_encloses(const bvxi_plane *p, double u, double v)
 {
     uint32_t stack[DISTANCE_STACK], top = 0;

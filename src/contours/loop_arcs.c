@@ -1,11 +1,10 @@
 /* loop_arcs.c - the loops of a section cut at the grid's lines: crossings, the arcs between them by cell, the
  * grid points inside.
  *
- * A loop is walked once; along a segment the next line to cross is found by the exact order of two crossings.
- * Each crossing of a line of one v turns the grid points beyond it on that line; the bits inside are the
- * running parity of a row. How many crossings there will be is counted before, so all planes share arrays and
- * none grows. Arcs are put into the order of the cells, by counting columns, then rows: cells that are gone
- * through in that order find theirs one after the other. */
+ * A loop is walked once; along a segment the next line to cross is found by the exact order of two
+ * crossings. Each crossing of a line of one v turns the grid points beyond it on that line; the bits inside
+ * are the running parity of a row. Arcs are put into the order of the cells, by counting columns, then rows:
+ * cells that are gone through in that order find theirs one after the other. */
 #include "contours/section.h"
 
 /* Crossings of a nesting level are its section's: one ring holds them all. */
@@ -131,7 +130,6 @@ static void walk_segment(arc_walk *w, uint32_t i)
 static void walk_loop(arc_walk *w, const bvxi_contour *c)
 {
     const bvxi_plane *const p = w->p;
-
     w->last = BVXI_NONE;
     w->count = 0;
     w->cell[0] = p->q[c->first][0] >> w->s->fine;
@@ -140,9 +138,7 @@ static void walk_loop(arc_walk *w, const bvxi_contour *c)
         if (w->count++ == 0) w->point = i;
         walk_segment(w, i);
     }
-
-    /* A loop within one cell is an arc without ends; else
-     * the last arc goes on into the first one's beginning. */
+    /* A loop within one cell is an arc without ends; else the last arc joins the first one. */
     if (w->last == BVXI_NONE) add_arc(w, BVXI_NONE, BVXI_NONE, c->first, c->count);
     else add_arc(w, w->last, w->head.to, w->count != 0 ? w->point : w->head.point, w->count + w->head.count);
 }

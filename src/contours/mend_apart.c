@@ -126,8 +126,7 @@ static void aim_stops(apart_work *w, uint32_t node, uint32_t stays)
         if (s->level > deepest) deepest = s->level;
     }
 
-    /* Each level moves a quarter as far as the one in it:
-     * where there are many, the innermost begins farther off. */
+    /* Each level moves a quarter as far as the one in it: of many, the innermost begins farther off. */
     w->steps[node] = APART_STEPS;
     for (; deepest > APART_KEPT_LEVELS && w->steps[node] < APART_FARTHEST; deepest--) w->steps[node] *= 4.0;
 }

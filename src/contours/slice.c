@@ -328,41 +328,7 @@ static bvx_status follow_pieces(slice_work *w, uint64_t plane, uint64_t n)
     return BVX_OK;
 }
 
-static bvx_status slice_planes(slice_work *w)
-{
-    BVXI_TRY(BVXI_ARRAY(w->ctx, w->most, "the pieces of a contour", w->from));
-    BVXI_TRY(BVXI_ARRAY(w->ctx, w->most, "the pieces of a contour", w->to));
-    BVXI_TRY(BVXI_ARRAY(w->ctx, w->most, "the pieces of a contour", w->order));
-    BVXI_TRY(BVXI_ARRAY(w->ctx, w->most, "the pieces of a contour", w->used));
-    for (uint64_t i = 0; i < w->plane_count; i++) {
-        BVXI_TRY(bvxi_progress(w->ctx, "slice", 0.7 + 0.3 * (double)i / (double)w->plane_count));
-        uint64_t const n = gather_pieces(w, i);
-        if (n == 0) continue;
-        BVXI_TRY(bvxi_radix_sort(w->ctx, w->from, w->order, n));
-        BVXI_TRY(follow_pieces(w, i, n));
-    }
-    return BVX_OK;
-}
-
 /* ---- result ---- */
-
-static bvx_status open_result(slice_work *w)
-{
-    bvx_sections *const s = &w->made;
-
-    s->owned = 1;
-    s->section_capacity = w->plane_count;
-    /* A loop has three pieces at least, and a point for each. */
-    s->loop_capacity = w->list_count / 3 + 1;
-    s->point_capacity = w->list_count;
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_RESULT, s->section_capacity * 8, "the sections", &s->positions));
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_RESULT, s->loop_capacity * sizeof *s->loops, "the loops", &s->loops));
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_RESULT, s->point_capacity * 24, "the points", &s->points));
-    memcpy(s->positions, w->position, (size_t)w->plane_count * 8);
-    memcpy(s->normal, w->axis[2], sizeof s->normal);
-    s->section_count = w->plane_count;
-    return BVX_OK;
-}
 
 static bvx_status close_result(slice_work *w, bvx_sections *sections)
 {
@@ -399,8 +365,31 @@ static bvx_status slice_all(slice_work *w, const bvx_slice_options *o, bvx_secti
     BVXI_TRY(make_planes(w, o, low, high));
     BVXI_TRY(bvxi_progress(w->ctx, "slice", 0.3));
     BVXI_TRY(list_by_plane(w));
-    BVXI_TRY(open_result(w));
-    BVXI_TRY(slice_planes(w));
+    bvx_sections *const s = &w->made;
+
+    s->owned = 1;
+    s->section_capacity = w->plane_count;
+    /* A loop has three pieces at least, and a point for each. */
+    s->loop_capacity = w->list_count / 3 + 1;
+    s->point_capacity = w->list_count;
+    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_RESULT, s->section_capacity * 8, "the sections", &s->positions));
+    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_RESULT, s->loop_capacity * sizeof *s->loops, "the loops", &s->loops));
+    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_RESULT, s->point_capacity * 24, "the points", &s->points));
+    memcpy(s->positions, w->position, (size_t)w->plane_count * 8);
+    memcpy(s->normal, w->axis[2], sizeof s->normal);
+    s->section_count = w->plane_count;
+
+    BVXI_TRY(BVXI_ARRAY(w->ctx, w->most, "the pieces of a contour", w->from));
+    BVXI_TRY(BVXI_ARRAY(w->ctx, w->most, "the pieces of a contour", w->to));
+    BVXI_TRY(BVXI_ARRAY(w->ctx, w->most, "the pieces of a contour", w->order));
+    BVXI_TRY(BVXI_ARRAY(w->ctx, w->most, "the pieces of a contour", w->used));
+    for (uint64_t i = 0; i < w->plane_count; i++) {
+        BVXI_TRY(bvxi_progress(w->ctx, "slice", 0.7 + 0.3 * (double)i / (double)w->plane_count));
+        uint64_t const n = gather_pieces(w, i);
+        if (n == 0) continue;
+        BVXI_TRY(bvxi_radix_sort(w->ctx, w->from, w->order, n));
+        BVXI_TRY(follow_pieces(w, i, n));
+    }
     return close_result(w, sections);
 }
 

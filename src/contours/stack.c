@@ -30,16 +30,14 @@ bvx_status bvxi_choose_label(bvx_context *ctx, const char *function, const bvx_s
 
 static uint64_t sortable(double v)
 {
-    /* All bits of negative ones are turned, of others the
-     * sign alone: then whole numbers sort as doubles do. */
+    /* All bits of negative ones are turned, else the sign alone: then integers sort as doubles do. */
     uint64_t k;
     v += 0.0;
     memcpy(&k, &v, 8);
     return (k >> 63) != 0 ? ~k : k | UINT64_C(0x8000000000000000);
 }
 
-/* Sections in the order of their positions, from the first to the last with
- * a loop. counts: points of each section. */
+/* Sections in the order of their positions, first to last with a loop. counts: points of each section. */
 static bvx_status order_planes(bvxi_stack *s, const uint64_t *loops, uint32_t *order, uint64_t *key)
 {
     const bvx_sections *const g = s->given;

@@ -171,8 +171,7 @@ static void propagate_start(void *user, int32_t piece)
     }
 }
 
-/* The centre at takes over the point of the one before it when that is
- * closer. Centres of the band keep their own. */
+/* The centre at takes over the point of the one before it when that is closer. The band keeps its own. */
 static inline void propagate_offer(const propagate_job *job, const int32_t at[3], uint64_t to, uint64_t from)
 {
     uint32_t const offered = job->source[from], has = job->source[to];

@@ -58,29 +58,6 @@ static bvx_status measure_whole_band(bvxi_call call, const bvxi_nearest *nearest
     return bvxi_nearest_fill(bvxi_call_part(call, middle, call.to), nearest, HUGE_VAL, band);
 }
 
-/* The bits of whole in the window of part. */
-static void cut_window(const bvx_grid *whole, bvx_grid *part)
-{
-    int32_t const shift = part->low[0] & 63, column = part->low[0] >> 6;
-
-    for (int32_t z = 0; z < part->size[2]; z++)
-        for (int32_t y = 0; y < part->size[1]; y++) {
-            uint64_t const row = (uint64_t)(z + part->low[2]) * (uint64_t)whole->size[1] +
-                                 (uint64_t)(y + part->low[1]);
-            const uint64_t *const from = whole->words + row * (uint64_t)whole->words_per_row;
-            uint64_t *const to = part->words + ((uint64_t)z * (uint64_t)part->size[1] + (uint64_t)y) *
-                                                   (uint64_t)part->words_per_row;
-
-            /* The window need not begin at a word: each of its words comes from two. */
-            for (int32_t k = 0; k < part->words_per_row; k++) {
-                uint64_t w = from[column + k] >> shift;
-                if (shift != 0 && column + k + 1 < whole->words_per_row)
-                    w |= from[column + k + 1] << (64 - shift);
-                to[k] = k + 1 == part->words_per_row ? w & bvxi_tail_mask(part->size[0]) : w;
-            }
-        }
-}
-
 static bvx_status sign_whole_band(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,
                                   int32_t sign, bvx_grid *inside)
 {
@@ -89,7 +66,27 @@ static bvx_status sign_whole_band(bvxi_call call, const bvx_mesh_view *mesh, con
                              &whole.words));
     BVXI_TRY(sign_band(call, mesh, band, sign, &whole));
     BVXI_TRY(bvxi_carry_signs(bvxi_call_part(call, call.to, call.to), &band->where, &whole));
-    cut_window(&whole, inside);
+
+    /* The bits of whole in the window of part. */
+    int32_t const shift = inside->low[0] & 63, column = inside->low[0] >> 6;
+
+    for (int32_t z = 0; z < inside->size[2]; z++)
+        for (int32_t y = 0; y < inside->size[1]; y++) {
+            uint64_t const row = (uint64_t)(z + inside->low[2]) * (uint64_t)whole.size[1] +
+                                 (uint64_t)(y + inside->low[1]);
+            const uint64_t *const from = whole.words + row * (uint64_t)whole.words_per_row;
+            uint64_t *const to = inside->words + ((uint64_t)z * (uint64_t)inside->size[1] + (uint64_t)y) *
+                                                     (uint64_t)inside->words_per_row;
+
+            /* The window need not begin at a word: each of its words comes from two. */
+            for (int32_t k = 0; k < inside->words_per_row; k++) {
+                uint64_t w = from[column + k] >> shift;
+                if (shift != 0 && column + k + 1 < whole.words_per_row)
+                    w |= from[column + k + 1] << (64 - shift);
+                to[k] = k + 1 == inside->words_per_row ? w & bvxi_tail_mask(inside->size[0]) : w;
+            }
+        }
+
     bvxi_drop(call.ctx, whole.words);
     return BVX_OK;
 }

@@ -44,6 +44,12 @@ bvx_status bvxi_flood(bvx_context *ctx, const char *function, const bvxi_flood_w
 bvx_status bvxi_close_gaps(bvx_context *ctx, const char *function, bvx_grid *grid, int32_t gap,
                            uint64_t *pockets);
 
+/* outside.c: the centres of a whole lattice that a way from outside leads to; openings of up to gap voxels are closed.
+ * outside and sheets are open, and their words are written; sheets: ends of edges that the mesh crosses although both
+ * are outside. The caller frees scratch: 13 grids, and close_gaps.c. */
+bvx_status bvxi_outside(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, int32_t gap,
+                        bvx_grid *outside, bvx_grid *sheets);
+
 /* below.c. second_job: options->second made ready, or NULL. Local. */
 bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *second_job,
                       const bvx_voxelize_options *options, bvx_grid *solid, bvx_solid_report *report);
@@ -58,8 +64,7 @@ bvx_status bvxi_advise_for_volume(bvx_context *ctx, const bvx_mesh_view *mesh, c
 /* Warn of what a solid's report says, as its owner's whole result; of how a mesh was filled and of the walls that
  * are lost, as one of several inputs (-1: the only one). */
 void bvxi_warn_of_solid(bvx_context *ctx, const bvx_grid *solid, bvx_solid_report *report);
-void bvxi_warn_of_fill(bvx_context *ctx, const bvx_grid *solid, const bvx_solid_report *report,
-                       int32_t input);
+void bvxi_warn_of_fill(bvx_context *ctx, const bvx_solid_report *report, int32_t input);
 void bvxi_warn_of_walls(bvx_context *ctx, const bvx_lattice *lattice, const bvx_solid_report *report,
                         int32_t input);
 

@@ -291,16 +291,6 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
 
 #define LOSS_LARGE 0.05 /* of a volume: also a surface made of the voxels is off */
 
-/* Rows of centres that a rule looks along. */
-static double rows_of(const bvx_grid *g, int32_t fill)
-{
-    double const x = g->size[0], y = g->size[1], z = g->size[2];
-
-    return fill == BVX_FILL_PARITY || fill == BVX_FILL_NONZERO || fill == BVX_FILL_WINDING
-               ? y * z
-               : y * z + x * z + x * y;
-}
-
 /* What sides say counts while lines of centres see no more of it: shells that face the wrong way take from it. */
 double bvxi_known_volume(const bvx_solid_report *r)
 {
@@ -332,16 +322,15 @@ void bvxi_warn_of_walls(bvx_context *ctx, const bvx_lattice *lattice, const bvx_
     bvxi_warn_box(w, lattice, r->thin_box[0], r->thin_box[1]);
 }
 
-void bvxi_warn_of_fill(bvx_context *ctx, const bvx_grid *solid, const bvx_solid_report *r, int32_t input)
+void bvxi_warn_of_fill(bvx_context *ctx, const bvx_solid_report *r, int32_t input)
 {
-    if (r->unbalanced_rows != 0)
-        BVXI_WARN(ctx, BVX_WARN_ROWS, (double)r->unbalanced_rows, rows_of(solid, r->fill))->input = input;
+    if (r->unbalanced_rows != 0) BVXI_WARN(ctx, BVX_WARN_ROWS, (double)r->unbalanced_rows)->input = input;
     if (r->fill_reason == BVX_FILL_REASON_NESTED) bvxi_warn(ctx, BVX_WARN_NESTED, 0, NULL)->input = input;
 }
 
 void bvxi_warn_of_solid(bvx_context *ctx, const bvx_grid *solid, bvx_solid_report *r)
 {
-    bvxi_warn_of_fill(ctx, solid, r, -1);
+    bvxi_warn_of_fill(ctx, r, -1);
     if (r->leaks != 0) BVXI_WARN(ctx, BVX_WARN_LEAKS, (double)r->leaks);
     if (r->mixed_regions != 0)
         BVXI_WARN(ctx, BVX_WARN_MIXED, (double)r->mixed_regions, (double)r->regions, (double)r->mixed_voxels);

@@ -21,8 +21,7 @@ typedef struct block_counter {
 
 /* ---- Above each other ---- */
 
-/* Row number n, from 0, into the counter: after it the pending word of
- * digit p counts where bit p of n + 1 is 1. */
+/* Row number n, from 0, into the counter: after it word p counts where bit p of n + 1 is 1. */
 BVXI_VECTOR_INLINE void count_row(block_counter *c, uint32_t n, const uint64_t word[BLOCK_LANES])
 {
     uint64_t x[BLOCK_LANES];
@@ -162,16 +161,14 @@ BVXI_VECTOR_INLINE void join_shifted(uint64_t *sum, const uint64_t *other, int32
     for (int32_t k = 0; k < words; k++) sum[k] |= bits_behind(other, words, k, m / 64, (uint32_t)m % 64);
 }
 
-/* Bit i becomes what the factor's columns from i on have together: binary
- * digits of the factor from the highest on. */
+/* Bit i becomes that of the factor's columns from i on: binary digits of the factor, highest first. */
 BVXI_VECTOR_INLINE int32_t join_neighbours(const bvxi_blocks *b, uint64_t *sum, uint64_t *single,
                                            int32_t single_digits, uint64_t most)
 {
     int32_t const words = b->words, f = b->factor[0];
     int32_t length = 1, digits = single_digits, top = 0;
 
-    /* Doubling for each binary digit of the factor, and one
-     * column more where it is 1: as powers are computed. */
+    /* Doubling for each binary digit of the factor, and one column more where it is 1. */
     while (f >> top > 1) top++;
     memcpy(single, sum, (size_t)single_digits * (size_t)words * 8);
     for (int32_t bit = top - 1; bit >= 0; bit--) {

@@ -37,8 +37,7 @@ typedef struct voxel_bricks {
 /* Bit i of the result says whether byte i of w is not 0. */
 static uint64_t bytes_to_bits(uint64_t w)
 {
-    /* The lowest bit of each byte becomes the OR of its eight,
-     * with some of the byte above mixed into the others. */
+    /* The lowest bit of each byte becomes the OR of its eight, others get some of the byte above. */
     w |= w >> 4;
     w |= w >> 2;
     w |= w >> 1;
@@ -150,8 +149,7 @@ static inline double cast_place(const cast_axis *a, double t)
 /* The voxels of a row that can be met between two places, and perhaps one more at each end. */
 static inline int cast_reach(const cast_axis *a, int32_t n, double p, double q, int32_t *low, int32_t *high)
 {
-    /* The slack covers the rounding of both places: one
-     * voxel too many is tested and refused, none is missed. */
+    /* The slack covers the rounding of both places: at most one voxel too many is tested. */
     double const least = (p < q ? p : q) - a->slack, most = (p < q ? q : p) + a->slack;
     if (a->way == 0) {
         *low = a->first;
@@ -163,15 +161,13 @@ static inline int cast_reach(const cast_axis *a, int32_t n, double p, double q, 
     return *low <= *high;
 }
 
-/* Take voxel x of a row that is met during [from, to] when it is the best;
- * 0 when those after it come too late. */
+/* Take voxel x of a row that is met during [from, to] when it is the best; 0: those after it are late. */
 static int try_cast_voxel(cast_ray *r, int32_t x, int32_t y, int32_t z, double from, double to)
 {
     double const enter = cast_enter(&r->axis[0], x), t = enter > from ? enter : from;
     int better = r->voxel[0] < 0;
 
-    /* The box is entered after the row is left, or after
-     * the best hit: so are all after it in the ray's order. */
+    /* The box is entered after the row is left, or after the best hit: so are all after it. */
     if (enter > to || t > r->t) return 0;
     /* Left before the row was entered: the voxels after it may still be met. */
     if (cast_leave(&r->axis[0], x) < from) return 1;
@@ -265,8 +261,7 @@ static inline void cast_rows(cast_ray *r, int32_t shift, int32_t y, int32_t z, c
     int32_t const z_end = a[2].way == 0 ? a[2].last >> shift : z;
     int32_t low, high;
 
-    /* Where the ray lies exactly between two rows, y or z
-     * has two voxels, and all rows beside it are looked at. */
+    /* Where the ray lies exactly between two rows, all rows beside it are looked at. */
     if (!cast_reach(&a[0], r->grid->size[0], s.p, s.q, &low, &high)) return;
     for (int32_t k = z; k <= z_end; k++)
         for (int32_t j = y; j <= y_end; j++) {

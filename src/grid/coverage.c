@@ -92,8 +92,7 @@ BVXI_VECTOR_INLINE int64_t cover_box(const bvxi_downsample *d, int32_t i, int32_
     return sum;
 }
 
-/* OR and AND of the voxel rows of a row of boxes, words [first, first + n). Rows beyond the grid are
- * empty. */
+/* OR and AND of the voxel rows of a row of boxes, words [first, first + n). Beyond the grid: 0. */
 static void blend_rows(const bvxi_downsample *d, int32_t j, int32_t k, int32_t first, int32_t n,
                        uint64_t *any, uint64_t *all)
 {

@@ -62,8 +62,7 @@ static void crop_piece(void *user, uint64_t begin, uint64_t end)
         }
         bvxi_shift_row(bvxi_grid_row(g, (int32_t)y, (int32_t)z), g->words_per_row, job->from[0], row,
                        to->words_per_row);
-        /* The shift brings bits past the result's row. */
-        row[to->words_per_row - 1] &= tail;
+        row[to->words_per_row - 1] &= tail; /* The shift brings bits past the result's row. */
     }
 }
 
@@ -129,8 +128,7 @@ static bvx_status run_grid_pad(bvx_context *context, const bvx_grid *grid, const
                                  function, (int64_t)grid->lattice.dims[a] + low[a] + high[a], (int64_t)a,
                                  (int64_t)BVXI_MAX_SIDE);
 
-        /* The voxels stay where they are in space: the origin
-         * moves down by the rim, and the window's size grows. */
+        /* The voxels stay where they are in space: the origin moves by the rim, the window grows. */
         dims[a] = grid->lattice.dims[a] + low[a] + high[a];
         origin[a] = grid->lattice.origin[a] - (double)low[a] * grid->lattice.spacing[a];
         from[a] = -low[a];

@@ -159,8 +159,7 @@ static inline int64_t sum_at(const sample_rows *s, int32_t i, int32_t voxels)
     return sum;
 }
 
-/* Of the voxels of word w and their right neighbours: is any set in any row
- * that counts, are all set in all of them? */
+/* Of the voxels of word w and their right neighbours: is any set in any row, all in all? */
 static void see_pairs(const sample_rows *s, int32_t w, int32_t words, uint64_t *any_pair, uint64_t *all_pair)
 {
     uint64_t any = 0, all = ~UINT64_C(0), next_any = 0, next_all = ~UINT64_C(0);
@@ -235,8 +234,7 @@ bvx_status bvxi_extended_sample(bvx_context *ctx, bvxi_downsample *d)
     uint64_t total = 1, most = 1;
     int fits = 1;
 
-    /* The largest sum is the product of all weights; with
-     * the steps of an edge it must stay inside 63 bits. */
+    /* The largest sum is the product of all weights; with an edge's steps it must fit 63 bits. */
     for (int32_t a = 0; a < 3; a++) {
         uint64_t const steps = (uint64_t)edge_steps(d, a);
         total = bvxi_mul(total, 2 * (uint64_t)d->axis[a].r, &fits);
@@ -265,8 +263,7 @@ static void place_sample(const bvxi_sample_axis *a, int32_t i, int32_t *at, int6
     *high = centre - down * voxel;
 }
 
-/* The four lines of voxels along an edge: the voxel of each at place i of
- * the axis, weights bilinear in the other two. */
+/* The four lines of voxels along an edge: each voxel at place i of the axis, weights bilinear. */
 typedef struct edge_lines {
     const uint64_t *word[4]; /* of place 0, NULL where the line counts for nothing */
     int32_t shift[4];

@@ -8,8 +8,7 @@
 
 enum { BLOCKS_GRAIN = 4096 /* least words of the grid a piece */ };
 
-/* Warren, Hacker's Delight, 7-4: which bits move by 1, 2, 4, ... places when those of the mask come
- * together. */
+/* Warren, Hacker's Delight, 7-4: which bits move by 1, 2, 4, ... places as the mask is compressed. */
 static void lay_moves(bvxi_block_starts *s)
 {
     uint64_t m = s->mask, behind = ~s->mask << 1;
@@ -22,19 +21,6 @@ static void lay_moves(bvxi_block_starts *s)
         behind &= ~parity;
     }
     s->count = (int32_t)bvxi_popcount(s->mask);
-}
-
-static bvx_status lay_starts(bvx_context *ctx, bvxi_blocks *b)
-{
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (uint64_t)b->words * sizeof *b->starts,
-                             "the blocks' first voxels", &b->starts));
-    /* Blocks begin every factor voxels, with the voxels that the window cuts off the first one counted in. */
-    for (int32_t n = 0; n < b->window.size[0]; n++) {
-        int64_t const x = (int64_t)n * b->factor[0];
-        b->starts[x >> 6].mask |= UINT64_C(1) << (x & 63);
-    }
-    for (int32_t k = 0; k < b->words; k++) lay_moves(&b->starts[k]);
-    return BVX_OK;
 }
 
 static bvx_status lay_planes(bvx_context *ctx, const char *function, bvxi_blocks *b)
@@ -95,7 +81,15 @@ static bvx_status blocks_open(bvx_context *ctx, const char *function, const bvx_
     b->words = bvxi_row_words(b->phase + grid->size[0]);
     b->count_words = bvxi_row_words(b->window.size[0]);
     BVXI_TRY(lay_planes(ctx, function, b));
-    return lay_starts(ctx, b);
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (uint64_t)b->words * sizeof *b->starts,
+                             "the blocks' first voxels", &b->starts));
+    /* Blocks begin every factor voxels, with the voxels that the window cuts off the first one counted in. */
+    for (int32_t n = 0; n < b->window.size[0]; n++) {
+        int64_t const x = (int64_t)n * b->factor[0];
+        b->starts[x >> 6].mask |= UINT64_C(1) << (x & 63);
+    }
+    for (int32_t k = 0; k < b->words; k++) lay_moves(&b->starts[k]);
+    return BVX_OK;
 }
 
 static uint64_t block_rows(const bvxi_blocks *b)

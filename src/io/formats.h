@@ -106,6 +106,8 @@ static inline const char *bvxi_skip_mark(const char *p, const char *end)
 bvx_status bvxi_check_bytes(bvx_context *ctx, const char *function, const void *bytes, uint64_t size);
 /* A file to be made: bytes that the library made for another one go; those of others are refused. */
 bvx_status bvxi_renew_buffer(bvx_context *ctx, const char *function, bvx_buffer *file);
+/* png.c: the check sum of PNG and zip. */
+uint32_t bvxi_crc32(const uint8_t *bytes, size_t size);
 /* A buffer of exactly size bytes. */
 bvx_status bvxi_make_buffer(bvx_context *ctx, uint64_t size, const char *what, bvx_buffer *file);
 

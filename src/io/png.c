@@ -36,6 +36,14 @@ static uint32_t png_crc_of(const png_crc *crc, const uint8_t *p, size_t n)
     return c ^ 0xffffffffu;
 }
 
+uint32_t bvxi_crc32(const uint8_t *bytes, size_t size)
+{
+    png_crc crc;
+
+    png_crc_init(&crc);
+    return png_crc_of(&crc, bytes, size);
+}
+
 typedef struct png_adler {
     uint32_t a, b;
 } png_adler;

@@ -61,8 +61,7 @@ static bvx_status csl_real(bvxi_contour_file *f, const char *what, double *value
     return BVX_OK;
 }
 
-/* The unit normal of a plane, turned like the first one's where they are parallel, and its distance from the
- * origin. */
+/* The unit normal of a plane, turned like a parallel first one's, and its distance from the origin. */
 static bvx_status csl_plane_normal(bvxi_contour_file *f, const char *at, const double equation[4],
                                    double unit[3], double *position)
 {

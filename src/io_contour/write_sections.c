@@ -75,23 +75,6 @@ static void put_csl_head(const bvx_sections *s, uint64_t section, const double n
     bvxi_output_text(o, "\n\n");
 }
 
-/* The walk over the loops is in the order in which their points were written, so the indices are a count. */
-static void put_csl_loops(const bvx_sections *s, uint64_t section, bvxi_output *o)
-{
-    uint64_t from = 0;
-    for (uint64_t i = 0; i < s->loop_count; i++) {
-        if (s->loops[i].section != section) continue;
-        bvxi_output_number(o, s->loops[i].point_count);
-        bvxi_output_text(o, " ");
-        put_signed(o, s->loops[i].label);
-        for (uint64_t j = 0; j < s->loops[i].point_count; j++) {
-            bvxi_output_text(o, " ");
-            bvxi_output_number(o, from++);
-        }
-        bvxi_output_text(o, "\n");
-    }
-}
-
 static void put_csl(const bvx_sections *s, const double normal[3], bvxi_output *o)
 {
     bvxi_output_text(o, "CSLC\n");
@@ -110,7 +93,19 @@ static void put_csl(const bvx_sections *s, const double normal[3], bvxi_output *
         }
         bvxi_output_text(o, "\n");
 
-        put_csl_loops(s, k, o);
+        /* Loops are walked in the order of their points, so indices are a count. */
+        uint64_t from = 0;
+        for (uint64_t i = 0; i < s->loop_count; i++) {
+            if (s->loops[i].section != k) continue;
+            bvxi_output_number(o, s->loops[i].point_count);
+            bvxi_output_text(o, " ");
+            put_signed(o, s->loops[i].label);
+            for (uint64_t j = 0; j < s->loops[i].point_count; j++) {
+                bvxi_output_text(o, " ");
+                bvxi_output_number(o, from++);
+            }
+            bvxi_output_text(o, "\n");
+        }
     }
 }
 
@@ -159,8 +154,7 @@ static void put_table(const bvx_sections *s, bvxi_output *o)
 
         state_sections(s, stated, l->section, o);
         if (stated <= l->section) stated = (uint64_t)l->section + 1;
-        /* One line a point, with all that is known of its
-         * section and loop: tables have no other place for it. */
+        /* One line a point, with all that is known of its section and loop: tables have no other way. */
         for (uint64_t j = 0; j < l->point_count; j++) {
             const double *const p = s->points + 3 * (l->first_point + j);
             put_table_section(s, l->section, o);

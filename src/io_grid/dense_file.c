@@ -143,8 +143,7 @@ static bvx_status read_text_grid(const bvxi_grid_source *source, const bvxi_dens
                         bvxi_progress(source->ctx, "read", all > 0.0 ? (double)(p - d->begin) / all : 0.0));
                     ask = d->end - p > TEXT_ASK_BYTES ? p + TEXT_ASK_BYTES : d->end;
                 }
-                /* Each sample is parsed, also outside the part:
-                 * where the next one begins is not known otherwise. */
+                /* Samples outside the part are parsed too: else the next one's begin is unknown. */
                 BVXI_TRY(bvxi_take_sample(&d->source, n, done++, &p, &v));
                 if (v != 0.0) bvxi_set_file_run(grid, part, x, (int64_t)x + 1, y, z); /* NaN is not 0 */
             }

@@ -152,22 +152,6 @@ static bvx_status npy_take_entry(npy_text *t, npy_head *h, int *seen)
     return h->fortran || npy_take_word(t, "False") ? BVX_OK : npy_expected(t, "True or False");
 }
 
-static bvx_status npy_take_dict(npy_text *t, npy_head *h)
-{
-    int seen = 0;
-    if (!npy_take(t, '{')) return npy_expected(t, "'{'");
-    while (!npy_take(t, '}')) {
-        BVXI_TRY(npy_take_entry(t, h, &seen));
-        if (npy_take(t, ',')) continue;
-        if (!npy_take(t, '}')) return npy_expected(t, "',' or '}'");
-        break;
-    }
-    if (seen != 7)
-        return bvxi_fail(t->ctx, BVX_ERR_FORMAT, "NPY: the head lacks one of descr, fortran_order and shape");
-    t->p = bvxi_skip_space(t->p, t->end);
-    return t->p == t->end ? BVX_OK : npy_expected(t, "the end of the head");
-}
-
 static bvx_status npy_read_head(const bvxi_grid_source *source, npy_head *h)
 {
     static const uint8_t magic[6] = {0x93, 'N', 'U', 'M', 'P', 'Y'};
@@ -195,7 +179,18 @@ static bvx_status npy_read_head(const bvxi_grid_source *source, npy_head *h)
     t.p = t.file + prefix;
     t.end = t.p + length;
     h->data = b + prefix + length;
-    return npy_take_dict(&t, h);
+    int seen = 0;
+    if (!npy_take(&t, '{')) return npy_expected(&t, "'{'");
+    while (!npy_take(&t, '}')) {
+        BVXI_TRY(npy_take_entry(&t, h, &seen));
+        if (npy_take(&t, ',')) continue;
+        if (!npy_take(&t, '}')) return npy_expected(&t, "',' or '}'");
+        break;
+    }
+    if (seen != 7)
+        return bvxi_fail(t.ctx, BVX_ERR_FORMAT, "NPY: the head lacks one of descr, fortran_order and shape");
+    t.p = bvxi_skip_space(t.p, t.end);
+    return t.p == t.end ? BVX_OK : npy_expected(&t, "the end of the head");
 }
 
 /* The bytes must be exactly those that the shape requires. */

@@ -18,8 +18,7 @@ static int nrrd_knows(const nrrd_head *h, int32_t has, double v)
     return (h->has & has) != 0 && v == v;
 }
 
-/* Half a voxel below the first sample; exactly what a writer of ours had,
- * where that leads to the same sample. */
+/* Half a voxel below the first sample; exactly what our writer had, if it gives the same sample. */
 static double nrrd_corner(const nrrd_head *h, double spacing, int axis)
 {
     if ((h->has & NRRD_HAS_CORNER) != 0 && h->corner[axis] + 0.5 * spacing == h->origin[axis])
@@ -45,8 +44,7 @@ static void nrrd_place(const nrrd_head *h, double origin[3], double spacing[3])
 
 /* ---- samples ---- */
 
-/* Where samples begin after lines and bytes to be skipped; of raw ones the
- * number of bytes must be size exactly. */
+/* Where samples begin after lines and bytes to be skipped; raw: their bytes must be size. */
 static bvx_status nrrd_find_samples(const nrrd_head *h, const char *p, const char *file_end, uint64_t size,
                                     const char **samples)
 {

@@ -319,22 +319,6 @@ static const struct {
      "space|labels|units|space units|thicknesses|content|min|max|old min|oldmin|old max|oldmax|"
      "number|block size|blocksize|sample units|sampleunits|measurement frame"}};
 
-/* The field of this name takes its value. */
-static bvx_status nrrd_take_field(nrrd_head *h, const char *name, size_t length, nrrd_value *value)
-{
-    for (size_t i = 0; i < sizeof nrrd_fields / sizeof nrrd_fields[0]; i++) {
-        int32_t const which = bvxi_word_is(name, length, nrrd_fields[i].names);
-        /* One bit for each field, so that one that comes twice is refused; those that are left out, at the
-         * end, have one for each name. */
-        size_t const bit = nrrd_fields[i].take == nrrd_field_ignored ? i + (size_t)which : i;
-        if (which == 0) continue;
-        if ((h->seen >> bit & 1) != 0) return bvxi_fail_expected(&h->source, name, "each field once");
-        h->seen |= UINT64_C(1) << bit;
-        return nrrd_fields[i].take(h, value);
-    }
-    return bvxi_fail_expected(&h->source, name, "a field of the NRRD format");
-}
-
 /* ---- The lines of an NRRD head: the magic, comments, keys and fields, up to the blank line or the list
  * of data files ---- */
 
@@ -370,7 +354,20 @@ static bvx_status nrrd_take_line(nrrd_head *h, const char *line, const char *end
     }
     while (value.end > value.p && bvxi_is_blank(value.end[-1])) value.end--;
     nrrd_skip_blank(&value);
-    return nrrd_take_field(h, line, (size_t)(colon - line), &value);
+
+    /* The field of this name takes its value. */
+    size_t const length = (size_t)(colon - line);
+    for (size_t i = 0; i < sizeof nrrd_fields / sizeof nrrd_fields[0]; i++) {
+        int32_t const which = bvxi_word_is(line, length, nrrd_fields[i].names);
+        /* One bit for each field, so that one that comes twice is refused; those that are left out, at the
+         * end, have one for each name. */
+        size_t const bit = nrrd_fields[i].take == nrrd_field_ignored ? i + (size_t)which : i;
+        if (which == 0) continue;
+        if ((h->seen >> bit & 1) != 0) return bvxi_fail_expected(&h->source, line, "each field once");
+        h->seen |= UINT64_C(1) << bit;
+        return nrrd_fields[i].take(h, &value);
+    }
+    return bvxi_fail_expected(&h->source, line, "a field of the NRRD format");
 }
 
 const char *bvxi_nrrd_line(const char *p, const char *file_end, const char **end)
@@ -418,8 +415,9 @@ static bvx_status nrrd_take_lines(nrrd_head *h)
                      "NRRD: the file ends in its head: no blank line with samples after it");
 }
 
-static bvx_status nrrd_check_head(const nrrd_head *h)
+bvx_status bvxi_nrrd_head_read(nrrd_head *h)
 {
+    BVXI_TRY(nrrd_take_lines(h));
     const char *const missing = !h->has_dimension          ? "dimension"
                                 : h->kind == 0             ? "type"
                                 : h->encoding == NRRD_NONE ? "encoding"
@@ -434,12 +432,6 @@ static bvx_status nrrd_check_head(const nrrd_head *h)
     if (h->byte_skip < 0 && h->encoding != NRRD_RAW)
         return bvxi_fail(h->source.ctx, BVX_ERR_FORMAT, "NRRD: byte skip -1 requires encoding raw");
     return BVX_OK;
-}
-
-bvx_status bvxi_nrrd_head_read(nrrd_head *h)
-{
-    BVXI_TRY(nrrd_take_lines(h));
-    return nrrd_check_head(h);
 }
 
 /* ---- The data files that a detached NRRD head names ---- */
@@ -465,15 +457,13 @@ static int take_file_number(const char **p, const char *end, int64_t *value)
     return 1;
 }
 
-/* "name.%03d.raw 1 93 1" with an optional fourth number, the axes of a
- * file. 1 when the field is such a pattern. */
+/* "name.%03d.raw 1 93 1" with an optional fourth number, a file's axes. 1: it is such a pattern. */
 static int take_pattern(const nrrd_head *h, nrrd_file_name *f, int64_t range[3], int64_t *axes)
 {
     const char *const begin = h->files, *const end = h->files_end;
     const char *p = begin, *word = begin;
 
-    /* The pattern is the first word; its percent sign divides
-     * it into what stands before and after the number. */
+    /* The pattern is the first word; its percent sign stands for the number. */
     while (word < end && !bvxi_is_blank(*word)) word++;
     while (p < word && *p != '%') p++;
     if (p == word) return 0;

@@ -39,8 +39,7 @@ BVXI_VECTOR_INLINE uint64_t pack_64_bytes(const uint8_t *p)
     return w;
 }
 
-/* 64 numbers one after the other: 1 for each that is not 0, into bytes by
- * a loop that compilers make vectors of. */
+/* 64 numbers in turn: 1 for each that is not 0, into bytes by a loop that vectorizes. */
 #define PACK_64(name, type)                                                 \
     BVXI_VECTOR_INLINE uint64_t name(const uint8_t *p, uint64_t mask_bytes) \
     {                                                                       \
@@ -166,8 +165,7 @@ bvx_status bvxi_pack_samples(bvx_context *ctx, const bvxi_samples *samples, cons
 
 /* ---- numbers in a text ---- */
 
-/* A number at p with white space or the end after it; returns its bytes, 0
- * for none. Most samples are single digits. */
+/* A number at p with white space or the end after it; returns its bytes or 0. Most are single digits. */
 static size_t pack_text_number(const char *p, const char *end, double *value)
 {
     if (end - p >= 2 && *p >= '0' && *p <= '9' && bvxi_is_space(p[1])) {
@@ -194,8 +192,7 @@ bvx_status bvxi_take_sample(const bvxi_source *source, const int32_t dims[3], ui
 
 /* ---- bits to bytes ---- */
 
-/* Eight voxels, the lowest bit first: the multiplication copies them into
- * every byte, of which each keeps another one. */
+/* Eight voxels, lowest bit first: copied into every byte, of which each keeps another one. */
 static inline void unpack_eight(uint8_t *p, uint64_t bits)
 {
     /* One byte holds one bit of eight; adding the constant lifts any set bit to the top of its byte. */

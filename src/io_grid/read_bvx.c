@@ -102,8 +102,7 @@ static bvx_status bvx_take_head(bvx_unpacking *job)
 
     BVXI_TRY(bvxi_bvx_check_start(ctx, BVXI_BVX_GRID, head, (uint64_t)(job->source->end - head)));
 
-    /* The head's fields of x and y stand side by side; those
-     * of z stand apart, as slices are not bound to them. */
+    /* The head's fields of x and y stand side by side; those of z stand apart. */
     for (int32_t a = 0; a < 3; a++) {
         job->lattice.origin[a] = bvxi_load_f64(head + BVXI_BVX_AT_ORIGIN + 8 * a, 0);
         job->lattice.spacing[a] = bvxi_load_f64(head + BVXI_BVX_AT_SPACING + 8 * a, 0);
@@ -323,8 +322,7 @@ static void bvx_fill_from_words(const bvx_unpacking *job, int32_t slice, const u
     int32_t const shift = part->low[0] & 63, words = job->grid->words_per_row;
 
     for (int32_t y = 0; y < part->size[1]; y++) {
-        /* Rows of the file and of the part begin at different
-         * bits: a word is joined from two of the file's. */
+        /* Rows of the file and of the part begin at different bits: words join two of the file's. */
         const uint8_t *const from = p +
                                     ((uint64_t)(part->low[1] + y) * (uint64_t)row_words + (uint64_t)first) *
                                         8;
@@ -360,8 +358,7 @@ bvx_status bvxi_read_bvx(const bvxi_grid_source *source, bvx_grid *grid)
     job.source = source;
     BVXI_TRY(bvx_take_head(&job));
 
-    /* A slice takes at least its head and a byte, so the count
-     * cannot make the reader allocate more than the file. */
+    /* A slice takes at least its head and a byte, so counts cannot allocate more than the file. */
     if ((size - BVXI_BVX_HEAD) / least < (uint64_t)job.window.size[2])
         return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "BVX: %u bytes cannot hold %d slices", size,
                          (int64_t)job.window.size[2]);

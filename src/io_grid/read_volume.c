@@ -183,28 +183,6 @@ static int put_text_sample(double v, int32_t type, uint8_t *out)
     return 1;
 }
 
-static bvx_status read_text_samples(const bvxi_grid_source *source, const bvxi_dense *d, uint8_t *out)
-{
-    uint32_t const size = bvxi_sample_size(d->samples.kind);
-    uint64_t const all = d->size / size;
-    const char *p = d->begin;
-
-    for (uint64_t n = 0; n < all; n++) {
-        /* Where the number begins is kept for the message. */
-        const char *const before = bvxi_skip_space(p, d->end);
-        double v;
-        if (n % VOLUME_ASK_SAMPLES == 0)
-            BVXI_TRY(bvxi_progress(source->ctx, "read", (double)n / (double)all));
-        BVXI_TRY(bvxi_take_sample(&d->source, d->box.dims, n, &p, &v));
-        if (!put_text_sample(v, d->samples.kind, out + n * size))
-            return bvxi_fail_expected(&d->source, before, "a number that the type of the samples holds");
-    }
-
-    /* A sample more than the size says would be left out without a word. */
-    p = bvxi_skip_space(p, d->end);
-    return p == d->end ? BVX_OK : bvxi_fail_expected(&d->source, p, d->behind);
-}
-
 /* ---- steps ---- */
 
 /* Samples that are needed as they stand: in bytes that are there, or in those just unpacked. */
@@ -220,7 +198,26 @@ static bvx_status unpack_volume(const bvxi_grid_source *source, const bvxi_dense
     uint32_t const to_size = d->samples.kind == BVXI_SAMPLE_F16 ? 4 : bvxi_sample_size(d->samples.kind);
 
     /* Text and raw samples go to the result at once; packed ones need a block between only to be turned. */
-    if (d->encoding == BVXI_DENSE_TEXT) return read_text_samples(source, d, to);
+    if (d->encoding == BVXI_DENSE_TEXT) {
+        uint32_t const size = bvxi_sample_size(d->samples.kind);
+        uint64_t const all = d->size / size;
+        const char *p = d->begin;
+
+        for (uint64_t n = 0; n < all; n++) {
+            /* Where the number begins is kept for the message. */
+            const char *const before = bvxi_skip_space(p, d->end);
+            double v;
+            if (n % VOLUME_ASK_SAMPLES == 0)
+                BVXI_TRY(bvxi_progress(source->ctx, "read", (double)n / (double)all));
+            BVXI_TRY(bvxi_take_sample(&d->source, d->box.dims, n, &p, &v));
+            if (!put_text_sample(v, d->samples.kind, to + n * size))
+                return bvxi_fail_expected(&d->source, before, "a number that the type of the samples holds");
+        }
+
+        /* A sample more than the size says would be left out without a word. */
+        p = bvxi_skip_space(p, d->end);
+        return p == d->end ? BVX_OK : bvxi_fail_expected(&d->source, p, d->behind);
+    }
     if (d->encoding == BVXI_DENSE_RAW) return turn_samples(source->ctx, &samples, d->box.dims, to_size, to);
     if (stands_ready(&samples)) return bvxi_unpack_dense(source, d, to);
     BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, d->size, "the unpacked samples", &bytes));

@@ -299,24 +299,6 @@ typedef struct tree_writing {
     uint64_t frame, place[BVXI_OCTREE_LEVELS + 2];
 } tree_writing;
 
-static void put_tree_head(const bvx_octree *tree, uint8_t *head)
-{
-    memset(head, 0, BVXI_TREE_HEAD);
-    memcpy(head, bvxi_tree_magic(), 8);
-    bvxi_store_u32(head + BVXI_TREE_AT_VERSION, BVXI_TREE_VERSION);
-    bvxi_store_u32(head + BVXI_TREE_AT_HEAD_SIZE, BVXI_TREE_HEAD);
-
-    /* The fields stand where tree_file.h says; the checksum covers all before it. */
-    for (int32_t a = 0; a < 3; a++) {
-        bvxi_store_f64(head + BVXI_TREE_AT_ORIGIN + 8 * a, tree->lattice.origin[a]);
-        bvxi_store_f64(head + BVXI_TREE_AT_SPACING + 8 * a, tree->lattice.spacing[a]);
-        bvxi_store_u32(head + BVXI_TREE_AT_BASE + 4 * a, (uint32_t)tree->base[a]);
-    }
-    bvxi_store_u32(head + BVXI_TREE_AT_FRACTION, (uint32_t)tree->lattice.fraction_bits);
-    bvxi_store_u32(head + BVXI_TREE_AT_LEVELS, (uint32_t)tree->levels);
-    bvxi_store_u64(head + BVXI_TREE_AT_CHECK, bvx_hash(head, BVXI_TREE_AT_CHECK, 0));
-}
-
 static uint8_t *put_tree_words(uint8_t *p, const uint64_t *words, uint64_t count)
 {
     for (uint64_t i = 0; i < count; i++, p += 8) bvxi_store_u64(p, words[i]);
@@ -360,7 +342,22 @@ bvx_status bvxi_write_tree(bvx_context *ctx, const bvx_octree *tree, bvx_buffer 
     BVXI_TRY(bvxi_make_buffer(ctx, job.place[tree->levels + 1], "the BVX file", file));
     job.bytes = file->bytes;
     /* The frame is part of every level's checksum: levels of two files cannot be mixed. */
-    put_tree_head(tree, job.bytes);
+    uint8_t *const head = job.bytes;
+    memset(head, 0, BVXI_TREE_HEAD);
+    memcpy(head, bvxi_tree_magic(), 8);
+    bvxi_store_u32(head + BVXI_TREE_AT_VERSION, BVXI_TREE_VERSION);
+    bvxi_store_u32(head + BVXI_TREE_AT_HEAD_SIZE, BVXI_TREE_HEAD);
+
+    /* The fields stand where tree_file.h says; the checksum covers all before it. */
+    for (int32_t a = 0; a < 3; a++) {
+        bvxi_store_f64(head + BVXI_TREE_AT_ORIGIN + 8 * a, tree->lattice.origin[a]);
+        bvxi_store_f64(head + BVXI_TREE_AT_SPACING + 8 * a, tree->lattice.spacing[a]);
+        bvxi_store_u32(head + BVXI_TREE_AT_BASE + 4 * a, (uint32_t)tree->base[a]);
+    }
+    bvxi_store_u32(head + BVXI_TREE_AT_FRACTION, (uint32_t)tree->lattice.fraction_bits);
+    bvxi_store_u32(head + BVXI_TREE_AT_LEVELS, (uint32_t)tree->levels);
+    bvxi_store_u64(head + BVXI_TREE_AT_CHECK, bvx_hash(head, BVXI_TREE_AT_CHECK, 0));
+
     job.frame = bvxi_tree_frame(job.bytes);
     bvx_status const status = bvxi_each(ctx, "write", 0.0, 1.0, tree->levels + 1, put_tree_level, &job);
     if (status != BVX_OK) bvx_buffer_free(ctx, file);

@@ -90,8 +90,7 @@ static bvx_status vti_take_file(vti_file *f)
                                                          (v.end - v.p > 2 && v.p[0] == '2' && v.p[1] == '.')))
         return vti_fail(f, BVX_ERR_UNSUPPORTED, f->xml.tag, "a version other than 0.1, 1.0 and 2.x");
 
-    /* Files without these attributes are of the versions
-     * that had no choice: counts of 32 bits, little-endian. */
+    /* Files without these attributes are of older versions: counts of 32 bits, little-endian. */
     f->header_size = 4;
     if (bvxi_xml_attribute(&f->xml, "header_type", &v)) {
         f->header_size = bvxi_xml_is(v, "UInt32") ? 4 : bvxi_xml_is(v, "UInt64") ? 8 : 0;

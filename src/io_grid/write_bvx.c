@@ -24,8 +24,7 @@ static void bvx_put_head(const bvx_lattice *lattice, const bvx_window *window, u
     bvxi_store_u32(head + BVXI_BVX_AT_VERSION, BVXI_BVX_VERSION);
     bvxi_store_u32(head + BVXI_BVX_AT_HEAD_SIZE, BVXI_BVX_HEAD);
 
-    /* Fields stand at fixed places, so the order of writing
-     * does not matter; the checksum needs all of them. */
+    /* Fields stand at fixed places, in any order; the checksum needs all of them. */
     for (int32_t a = 0; a < 3; a++) {
         bvxi_store_f64(head + BVXI_BVX_AT_ORIGIN + 8 * a, lattice->origin[a]);
         bvxi_store_f64(head + BVXI_BVX_AT_SPACING + 8 * a, lattice->spacing[a]);
@@ -126,8 +125,7 @@ static void bvx_put_piece(void *user, uint64_t k, uint64_t end)
 static uint64_t bvx_place_slices(uint64_t *place, int32_t count, uint64_t first)
 {
     for (int32_t k = 0; k < count; k++) {
-        /* The bytes of the slice give way to its place; the last
-         * entry is the end, so each length is a difference. */
+        /* The bytes of the slice give way to its place; the last is the end: lengths are differences. */
         uint64_t const n = place[k];
         place[k] = first;
         first += BVXI_BVX_SLICE_HEAD + n;

@@ -20,6 +20,8 @@ bvx_status bvxi_read_off(bvxi_source *source, bvx_mesh *mesh);
 /* GLB and glTF text, known by their first bytes; *lost gets bits of BVX_LOST_.... */
 bvx_status bvxi_read_gltf(bvxi_source *source, const bvx_read_options *options, uint32_t *lost,
                           bvx_mesh *mesh);
+bvx_status bvxi_read_3mf(bvxi_source *source, const bvx_read_options *options, uint32_t *lost,
+                         bvx_mesh *mesh);
 /* The vertices only. */
 bvx_status bvxi_read_ply_points(bvxi_source *source, bvx_mesh *points);
 
@@ -64,6 +66,7 @@ bvx_status bvxi_turn_meshes(bvx_context *ctx, const bvx_mesh *meshes, uint64_t c
 bvx_status bvxi_write_stl(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file);
 bvx_status bvxi_write_obj(bvx_context *ctx, const bvxi_written *what, bvx_buffer *file);
 bvx_status bvxi_write_ply(bvx_context *ctx, const bvxi_written *what, bvx_buffer *file);
+bvx_status bvxi_write_3mf(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file);
 bvx_status bvxi_write_off(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file);
 /* The meshes as levels of detail of one file, the finest first. */
 bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count,

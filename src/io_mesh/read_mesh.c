@@ -22,13 +22,14 @@ static bvx_status read_mesh_as(bvxi_source *source, int32_t format, const bvx_re
     source->format = format == BVX_FORMAT_STL   ? "STL"
                      : format == BVX_FORMAT_OBJ ? "OBJ"
                      : format == BVX_FORMAT_PLY ? "PLY"
+                     : format == BVX_FORMAT_3MF ? "3MF"
                      : gltf                     ? "glTF"
                                                 : "OFF";
 
     /* An empty file is refused first, or its reader would name a line that nobody wrote. */
     if (source->begin == source->end)
         return bvxi_fail(source->ctx, BVX_ERR_EMPTY, "%s: the file has no bytes", source->format);
-    if (format != BVX_FORMAT_STL && is_utf16(source))
+    if (format != BVX_FORMAT_STL && format != BVX_FORMAT_3MF && is_utf16(source))
         return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "%s: the file is text in UTF-16; save it as UTF-8",
                          source->format);
     bvxi_source_pass(source, 0, 1);
@@ -37,6 +38,7 @@ static bvx_status read_mesh_as(bvxi_source *source, int32_t format, const bvx_re
     case BVX_FORMAT_OBJ: return bvxi_read_obj(source, mesh);
     case BVX_FORMAT_PLY: return bvxi_read_ply(source, mesh);
     case BVX_FORMAT_OFF: return bvxi_read_off(source, mesh);
+    case BVX_FORMAT_3MF: return bvxi_read_3mf(source, options, lost, mesh);
     default: return bvxi_read_gltf(source, options, lost, mesh);
     }
 }
@@ -58,7 +60,7 @@ static bvx_status check_read(bvx_context *context, const char *function, const v
     if (size > SIZE_MAX / 2)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
                              "%s: size is %u, more than memory can hold", function, size);
-    if (format < 0 || format > BVX_FORMAT_GLTF || (BVX_MESHES_READ >> format & 1) == 0)
+    if (format < 0 || format > BVX_FORMAT_3MF || (BVX_MESHES_READ >> format & 1) == 0)
         return bvxi_fail_format(context, BVX_ERR_ARGUMENT, function, "mesh that is read", format,
                                 BVX_MESHES_READ);
     if (mesh->owned != 1 && !bvxi_mesh_is_empty(mesh))

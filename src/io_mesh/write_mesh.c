@@ -133,10 +133,12 @@ static bvx_status check_mesh_format(bvx_context *ctx, const char *function, int3
     switch (format) {
     case BVX_FORMAT_STL:
     case BVX_FORMAT_OFF:
+    case BVX_FORMAT_3MF:
         if (!o->normals) break;
         return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: %s; take PLY, OBJ or GLB", function,
                          format == BVX_FORMAT_STL ? "STL holds normals of triangles only, and always has them"
-                                                  : "OFF is written without normals");
+                         : format == BVX_FORMAT_OFF ? "OFF is written without normals"
+                                                    : "3MF holds no normals");
     case BVX_FORMAT_OBJ:
     case BVX_FORMAT_PLY:
     case BVX_FORMAT_GLB: break;
@@ -157,6 +159,7 @@ static bvx_status write_format(bvx_context *ctx, const bvx_mesh *meshes, uint64_
     switch (format) {
     case BVX_FORMAT_STL: return bvxi_write_stl(ctx, meshes, file);
     case BVX_FORMAT_OFF: return bvxi_write_off(ctx, meshes, file);
+    case BVX_FORMAT_3MF: return bvxi_write_3mf(ctx, meshes, file);
     case BVX_FORMAT_GLB:
         return count == 1 && bvxi_glb_keeps(meshes, o) ? bvxi_write_kept(ctx, meshes, o->source->assets, file)
                                                        : bvxi_write_glb(ctx, meshes, count, o, file);

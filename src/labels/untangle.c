@@ -15,7 +15,7 @@
 #include "labels/labels.h"
 #include "mesh/mesh.h"
 
-enum { ROUNDS = 64, STRIKES = 3, FACE_GRAIN = 4096, IS_NEAR = 1, IS_MOVED = 2, STRIKE = 4 };
+enum { ROUNDS = 64, STRIKES = 3, CLOSE_GRAIN = 4096, IS_NEAR = 1, IS_MOVED = 2, STRIKE = 4 };
 
 typedef struct tangle {
     bvxi_net *net;
@@ -161,9 +161,9 @@ static bvx_status look_for_crossings(bvx_context *ctx, tangle *t, int first, uin
 
     BVXI_TRY(BVXI_SHARE(
         ctx, 0.0, 0.2,
-        bvxi_for(ctx, "envelopes", c->face_count, FACE_GRAIN, first ? choose_suspects : choose_moved, t)));
+        bvxi_for(ctx, "envelopes", c->face_count, CLOSE_GRAIN, first ? choose_suspects : choose_moved, t)));
     mark_near(t);
-    BVXI_TRY(BVXI_SHARE(ctx, 0.2, 0.3, bvxi_for(ctx, "near", c->face_count, FACE_GRAIN, choose_near, t)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.2, 0.3, bvxi_for(ctx, "near", c->face_count, CLOSE_GRAIN, choose_near, t)));
     BVXI_TRY(gather_near_faces(ctx, t));
     bvx_mesh_view_of(&c->mesh, &view);
     view.positions = t->positions;

@@ -269,24 +269,6 @@ static bvx_status divide_triangle(const cap_work *w, const uint32_t point[3])
     return fan_side(w, last, v[1], &side[1], 0, side[1].count, v[2]);
 }
 
-static bvx_status fill_region(cap_work *w)
-{
-    for (uint32_t i = 0; i < w->count; i++) {
-        /* points in line as given are in line here, which fixed point would not keep */
-        for (int k = 0; k < 2; k++)
-            w->at[i][k] = w->plane->lines || w->fixed ? w->plane->q[w->corner[i]][k]
-                                                      : w->plane->uv[w->corner[i]][k];
-        w->at[i][2] = 0.0;
-    }
-    BVXI_TRY(bvxi_polygon_cut(&w->polygon, (const double(*)[3])w->at, w->count, w->cut));
-    for (uint32_t i = 0; i + 2 < w->count; i++) {
-        uint32_t point[3];
-        for (int k = 0; k < 3; k++) point[k] = w->corner[w->cut[3 * i + (uint32_t)k]];
-        BVXI_TRY(divide_triangle(w, point));
-    }
-    return BVX_OK;
-}
-
 static bvx_status fill_regions(cap_work *w, uint32_t *owner)
 {
     const bvxi_plane *const p = w->plane;
@@ -303,7 +285,19 @@ static bvx_status fill_regions(cap_work *w, uint32_t *owner)
             if (w->after[i] != BVXI_NONE) w->corner[w->count++] = i;
         w->bridge_count = 0;
         BVXI_TRY(join_holes(w, owner, o));
-        BVXI_TRY(fill_region(w));
+        for (uint32_t i = 0; i < w->count; i++) {
+            /* points in line as given are in line here, which fixed point would not keep */
+            for (int k = 0; k < 2; k++)
+                w->at[i][k] = w->plane->lines || w->fixed ? w->plane->q[w->corner[i]][k]
+                                                          : w->plane->uv[w->corner[i]][k];
+            w->at[i][2] = 0.0;
+        }
+        BVXI_TRY(bvxi_polygon_cut(&w->polygon, (const double(*)[3])w->at, w->count, w->cut));
+        for (uint32_t i = 0; i + 2 < w->count; i++) {
+            uint32_t point[3];
+            for (int k = 0; k < 3; k++) point[k] = w->corner[w->cut[3 * i + (uint32_t)k]];
+            BVXI_TRY(divide_triangle(w, point));
+        }
     }
     return BVX_OK;
 }

@@ -59,8 +59,7 @@ static int fill_by_table(const bvxi_trace *l, fill_table *t)
         for (uint32_t i = 0; i + gap < n; i++) {
             uint32_t const j = i + gap;
             double best = FILL_NEVER;
-            /* A chord within one face might be an edge of the
-             * neighbour's; the loop's own last side is no chord. */
+            /* A chord within one face might be an edge of the neighbour's; the last side is none. */
             if ((l->faces[i] & l->faces[j]) == 0 || gap == n - 1) {
                 for (uint32_t k = i + 1; k < j; k++) {
                     double const c = t->cost[i][k] + t->cost[k][j];

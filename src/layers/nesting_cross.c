@@ -91,28 +91,7 @@ static bvx_status nest_keep_triangle(nest_mesh *m, uint32_t number, uint64_t tri
     return BVX_OK;
 }
 
-static bvx_status nest_gather_shared(nest_mesh *m, uint64_t *own)
-{
-    uint64_t const bytes = (uint64_t)m->s->size[1] * (uint64_t)m->s->words * 8;
-
-    for (uint32_t i = 0, end; i < m->count; i = end) {
-        end = i + 1;
-        if (m->slab[i].plane[0]->whole == NULL) continue;
-        while (end < m->count && m->slab[end].below == m->slab[i].below) end++;
-
-        BVXI_TRY(bvxi_progress(m->s->ctx, "levels", 0.5 * (double)i / m->count));
-        memset(m->seen, 0, (size_t)bytes);
-        memset(m->shared, 0, (size_t)bytes);
-        for (uint32_t k = i; k < end; k++) nest_mark_cells(m, &m->slab[k], own);
-        for (uint32_t k = i; k < end; k++)
-            for (uint64_t t = 0; t < m->slab[k].mesh.triangle_count; t++)
-                if (nest_is_shared(m, &m->slab[k], t)) BVXI_TRY(nest_keep_triangle(m, k, t));
-    }
-    return BVX_OK;
-}
-
-/* Mark the slabs in which triangles of two levels cross; crossings within
- * one level are the cells' own matter. */
+/* Mark the slabs in which triangles of two levels cross; within one level they are the cells' matter. */
 static void nest_mark_pairs(const nest_mesh *m, const uint32_t *pairs, uint64_t count, uint32_t *found)
 {
     uint8_t *const joined = m->s->nesting.joined;
@@ -146,7 +125,22 @@ bvx_status bvxi_nesting_crossed(bvxi_stack *s, const bvxi_slab *slabs, uint32_t 
     BVXI_TRY(BVXI_ARRAY(s->ctx, cells, "the cells of levels", m.seen));
     BVXI_TRY(BVXI_ARRAY(s->ctx, cells, "the cells of levels", m.shared));
     BVXI_TRY(BVXI_ARRAY(s->ctx, cells, "the cells of levels", own));
-    BVXI_TRY(nest_gather_shared(&m, own));
+    uint64_t const bytes = (uint64_t)m.s->size[1] * (uint64_t)m.s->words * 8;
+
+    for (uint32_t i = 0, end; i < m.count; i = end) {
+        end = i + 1;
+        if (m.slab[i].plane[0]->whole == NULL) continue;
+        while (end < m.count && m.slab[end].below == m.slab[i].below) end++;
+
+        BVXI_TRY(bvxi_progress(m.s->ctx, "levels", 0.5 * (double)i / m.count));
+        memset(m.seen, 0, (size_t)bytes);
+        memset(m.shared, 0, (size_t)bytes);
+        for (uint32_t k = i; k < end; k++) nest_mark_cells(&m, &m.slab[k], own);
+        for (uint32_t k = i; k < end; k++)
+            for (uint64_t t = 0; t < m.slab[k].mesh.triangle_count; t++)
+                if (nest_is_shared(&m, &m.slab[k], t)) BVXI_TRY(nest_keep_triangle(&m, k, t));
+    }
+
     if (m.triangles == 0) return BVX_OK;
     view.positions = m.position;
     view.vertex_count = 3 * m.triangles;

@@ -108,8 +108,7 @@ static void nest_fill_level(const bvxi_stack *s, bvxi_plane *p, const uint8_t *l
     bvxi_plane_tree(p);
 }
 
-/* side: 0 where the level lies between its section and the one above, 1
- * where the one below. part: scratch, one a loop. */
+/* side: 0 for a level between its section and the one above, 1 below. part: scratch, one a loop. */
 static bvx_status nest_make_level(bvxi_stack *s, bvxi_plane *whole, int side, uint32_t number, uint32_t *part)
 {
     const uint8_t *const level = s->nesting.level[side] + (whole->contour - s->all.contour);

@@ -45,25 +45,6 @@ static void meet_part(ends_work *w, uint32_t part)
     w->left--;
 }
 
-/* Grid points inside both planes, at the ends of runs along the rows: enough to meet what most parts are. */
-static void meet_by_grid(ends_work *w)
-{
-    const bvxi_stack *const s = w->s;
-
-    for (int32_t j = 0; j <= s->size[1] && w->left != 0; j++) {
-        int was_inside = 0;
-        for (int32_t i = 0; i <= s->size[0] + 1; i++) {
-            int const inside = i <= s->size[0] && bvxi_grid_bit(s, w->plane, i, j) &&
-                               bvxi_grid_bit(s, w->other, i, j);
-            double d;
-            if (inside != was_inside)
-                meet_part(w, part_of_place(w, s->origin[0] + (inside ? i : i - 1) * s->step[0],
-                                           s->origin[1] + j * s->step[1], &d));
-            was_inside = inside;
-        }
-    }
-}
-
 static int is_met_by_points(ends_work *w, uint32_t part)
 {
     const bvxi_plane *const p = w->plane, *const other = w->other;
@@ -84,8 +65,10 @@ static int is_met_by_points(ends_work *w, uint32_t part)
     return 0;
 }
 
-static void box_of_unmet(const ends_work *w, int32_t low[2], int32_t high[2])
+static void depth_by_grid(ends_work *w, double *depth)
 {
+    const bvxi_stack *const s = w->s;
+    int32_t low[2], high[2];
     const bvxi_plane *const p = w->plane;
     low[0] = low[1] = INT32_MAX;
     high[0] = high[1] = 0;
@@ -98,13 +81,7 @@ static void box_of_unmet(const ends_work *w, int32_t low[2], int32_t high[2])
                 if (line > high[k]) high[k] = line;
             }
     }
-}
 
-static void depth_by_grid(ends_work *w, double *depth)
-{
-    const bvxi_stack *const s = w->s;
-    int32_t low[2], high[2];
-    box_of_unmet(w, low, high);
     for (int32_t j = low[1]; j <= high[1]; j++)
         for (int32_t i = low[0]; i <= high[0]; i++) {
             double d;
@@ -130,8 +107,7 @@ static void depth_by_area(const ends_work *w, double *depth)
             twice_area += (a[0] - first[0]) * (b[1] - first[1]) - (a[1] - first[1]) * (b[0] - first[0]);
             border += sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
         }
-        /* 2 * area / border: the radius where the part is a disc. */
-        depth[c] = twice_area / border;
+        depth[c] = twice_area / border; /* 2 * area / border: the radius where the part is a disc. */
     }
 }
 
@@ -142,8 +118,7 @@ void bvxi_plane_parts(const bvxi_plane *p, uint32_t *part)
         if (!p->contour[c].hole || part[c] == BVXI_NONE) part[c] = c;
 }
 
-/* Sets end[side] of every contour whose part meets nothing of other: the section on that side, or NULL where
- * there is none. */
+/* Sets end[side] of every contour whose part meets nothing of other: the section on that side, or NULL. */
 static void mark_part_ends(ends_work *w, int side, const bvxi_plane *other, double *depth)
 {
     bvxi_plane *const p = w->plane;
@@ -158,7 +133,22 @@ static void mark_part_ends(ends_work *w, int side, const bvxi_plane *other, doub
     }
     /* The grid meets most parts; only the others are looked at point by point. */
     if (other != NULL) {
-        meet_by_grid(w);
+        /* Grid points inside both planes, at the ends of runs along the rows: enough for most parts. */
+        const bvxi_stack *const s = w->s;
+
+        for (int32_t j = 0; j <= s->size[1] && w->left != 0; j++) {
+            int was_inside = 0;
+            for (int32_t i = 0; i <= s->size[0] + 1; i++) {
+                int const inside = i <= s->size[0] && bvxi_grid_bit(s, w->plane, i, j) &&
+                                   bvxi_grid_bit(s, w->other, i, j);
+                double d;
+                if (inside != was_inside)
+                    meet_part(w, part_of_place(w, s->origin[0] + (inside ? i : i - 1) * s->step[0],
+                                               s->origin[1] + j * s->step[1], &d));
+                was_inside = inside;
+            }
+        }
+
         for (uint32_t c = 0; c < p->contour_count && w->left != 0; c++)
             if (w->owner[c] == c && !w->met[c] && is_met_by_points(w, c)) meet_part(w, c);
     }

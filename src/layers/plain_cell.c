@@ -4,8 +4,7 @@
  * These are nearly all cells, and what trace.c finds for them fits twelve places: the sides below, the sides
  * above, the heights over the corners. A side with two crossings joins them by a table of which of its four
  * corners are inside; one with four is left to trace.c, as all that is not plain is, and cells whose
- * triangles cross. Contours join crossings below and above. Loops, their first vertices and their order are
- * those of trace.c. */
+ * triangles cross. Contours join crossings below and above. */
 #include "layers/trace.h"
 
 enum { PLAIN_ABOVE = 4, PLAIN_OVER = 8, PLAIN_PLACES = 12, PLAIN_NONE = 0xff, PLAIN_OPEN = 0xfe };

@@ -47,8 +47,7 @@ static void number_ring(bvxi_plane *p, const uint32_t *start, const uint32_t *so
         p->ring[k] = n++;
         for (uint32_t i = start[k]; i < end; i++) {
             bvxi_line_cut *const c = &p->cut[sorted[i]];
-            /* Only a cut of a subdivided cell may repeat one:
-             * the slabs above and below may both have made it. */
+            /* Only a cut of a subdivided cell may repeat one: both slabs may have made it. */
             int const may_repeat = i > start[k] &&
                                    (sorted[i] >= p->grid_cut_count || sorted[i - 1] >= p->grid_cut_count);
             if (may_repeat && order_on_segment(p, c, &p->cut[sorted[i - 1]]) == 0) n--;

@@ -224,8 +224,7 @@ static void measure_lines(bvxi_field *f, int k, int ends)
                  bits &= bits - 1, n++) {
                 int32_t const i = 64 * word + bvxi_lowest(bits);
                 if (ends && d[n] >= 0.0) continue;
-                /* Beside the last place its hint is still near; after
-                 * a gap a neighbour in the row below is better. */
+                /* Beside the last place its hint is still near; after a gap a neighbour below is better. */
                 if (i - last > 1) start_near(p, i);
                 d[n] = grid_distance(f, p, i, j);
                 if (k >= BVXI_BLEND_FAR_BELOW && !bvxi_grid_bit(s, p->plane, i, j)) d[n] = -d[n];
@@ -349,8 +348,7 @@ bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab)
     f->slab = slab;
     /* A plane without loops has nothing that levels could blend. */
     f->layers = is_nothing(f, 0) || is_nothing(f, 1) ? 1 : f->s->options.slabs.layers;
-    /* What was above is below now: its distances and hints
-     * stay valid, so both are swapped, not measured again. */
+    /* What was above is below now: its distances and hints stay valid, so both are swapped. */
     if (f->s->options.slabs.crossings != BVX_CROSSINGS_EXACT && f->plane[1].plane == slab->plane[0]) {
         bvxi_plane_field const up = f->plane[1];
         f->plane[1] = f->plane[0];

@@ -22,8 +22,7 @@ static bvx_status copy_plane(const bvxi_stack *s, const bvxi_plane *p, uint32_t 
     return BVX_OK;
 }
 
-/* Points may lie off their plane by a quarter of the way to the next one, which must hold for those put
- * in. */
+/* Points may lie off their plane by a quarter of the way to the next one, also those put in. */
 static void keep_points_near(const bvxi_stack *s, const bvxi_plane *pair, bvxi_disc_groups *g)
 {
     double const gap = pair[1].w - pair[0].w;

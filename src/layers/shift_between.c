@@ -42,8 +42,7 @@ static double *shift_value(double *value, const shift_lattice *l, int32_t i, int
 
 /* ---- the field ---- */
 
-/* A group at a share of the way. What ends is gone half way: there its deepest place is as deep as it
- * sank. */
+/* A group at a share of the way. What ends is gone half way: its deepest place is as deep as it sank. */
 static double group_value(shift_lattice *l, const bvxi_disc_group *g, double t, double u, double v)
 {
     double value[2];
@@ -82,8 +81,7 @@ static void fill_group_values(shift_lattice *l, const bvxi_disc_group *g, double
                                          l->origin[1] + j * l->step[1]);
             double const far = ((d < 0.0 ? -d : d) - edge) / l->step[0];
             int32_t const most = range[0][1] - i, reach = far > most ? most : far > 0.0 ? (int32_t)far : 0;
-            /* Values that were passed over are bounds, so that the greatest of several groups has the
-             * right sign. */
+            /* Values that were passed over are bounds, so that the greatest of groups has the right sign. */
             for (int32_t n = 0; n <= reach; n++) {
                 double *const value = shift_value(l->level, l, i + n, j);
                 double const bound = d < 0.0 ? d + n * l->step[0] : d - n * l->step[0];

@@ -2,9 +2,8 @@
  *
  * A disc is what a loop encloses, holes filled: outlines, holes and islands are discs of depth 0, 1 and 2,
  * and discs of one depth never overlap. Discs of one depth that overlap a disc of the other section form a
- * group with it. Those that overlap none are paired by their centres, the nearest first; of equally near ones
- * that of the lowest number below, then above. So the pairs do not depend on the order of anything but the
- * loops.
+ * group with it. Those that overlap none are paired by their centres, the nearest first; of equally near
+ * ones that of the lowest number below, then above.
  *
  * A group of one disc on either plane moves from one centre to the other; where a part splits or joins, no
  * single shift is right and it stays where it is. A disc that is left alone ends half way. */
@@ -128,8 +127,7 @@ static int has_point_in(const bvxi_disc *a, const bvxi_disc *b)
     return 0;
 }
 
-/* By their points. Two that cross like a plus have none in each other; their centres pair them all the
- * same. */
+/* By their points. Two that cross like a plus have none in each other; their centres pair them. */
 static int discs_overlap(const bvxi_disc *a, const bvxi_disc *b)
 {
     for (int k = 0; k < 2; k++)

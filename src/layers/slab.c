@@ -95,8 +95,7 @@ static bvx_status split_slab(bvxi_split_work *w, bvxi_slab *slab)
     }
     g->split_count = g->leaf_count = g->arc_count = g->hanging_count = 0;
 
-    /* Both lists ascend, so merging them visits each cell once, in the order in which the surface will meet
-     * it. */
+    /* Both lists ascend, so merging them visits each cell once, in the order of the surface. */
     while (i < below->asking_count || j < above->asking_count) {
         uint32_t const a = i < below->asking_count ? below->asking[i] : UINT32_MAX;
         uint32_t const b = j < above->asking_count ? above->asking[j] : UINT32_MAX;
@@ -138,8 +137,7 @@ static const bvxi_plane *plane_beyond(const bvxi_stack *s, const bvxi_slab *slab
                    levels = s->nesting.count == NULL ? 1 : s->nesting.count[b->below];
     const bvxi_plane *whole;
 
-    /* The first and last section have nothing beyond; a plane without contours would have no distances to
-     * blend with. */
+    /* The first and last section have nothing beyond; a plane without contours would have no distances. */
     if (side == 0 ? b->below == 0 : b->below + 1 == last) return NULL;
     whole = &s->plane[side == 0 ? b->below - 1 : b->below + 2];
     if (whole->contour_count == 0) return NULL;
@@ -196,8 +194,7 @@ bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs)
 
     BVXI_TRY(BVXI_ZEROS(s->ctx, room, "the slabs of a body", *slabs));
 
-    /* An empty plane of the right size stands for what is not there, so that no later step has a case of its
-     * own for ends. */
+    /* An empty plane of the right size stands for what is not there: later steps need no case for ends. */
     nothing->section = BVXI_NONE;
     BVXI_TRY(BVXI_ZEROS(s->ctx, bvxi_stack_words(s), "an empty plane", nothing->inside));
     s->slab_count = lay_slabs(s, *slabs, nothing);
@@ -207,8 +204,7 @@ bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs)
         for (int side = 0; side < 2; side++) b->far[side] = plane_beyond(s, *slabs, i, side);
     }
 
-    /* Only exact contours cross an edge more than once; interpolated crossings have one an edge by
-     * themselves. */
+    /* Only exact contours cross an edge more than once; interpolated crossings have one an edge. */
     for (uint32_t i = 0; i < s->slab_count && s->options.slabs.crossings == BVX_CROSSINGS_EXACT; i++) {
         BVXI_TRY(bvxi_progress(s->ctx, "subdivide", (double)i / s->slab_count));
         w.is_last = (*slabs)[i].below == (*slabs)[s->slab_count - 1].below;

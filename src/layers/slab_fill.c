@@ -143,8 +143,7 @@ static bvx_status fill_grid_cell(bvxi_slab_work *w, int32_t i, int32_t j)
         while (w->arc[k] + arcs[k] < p->arc_count && p->arc_cell[w->arc[k] + arcs[k]] == t->key) arcs[k]++;
     }
 
-    /* The usual cell has one arc or one crossed line and a table of its own; what that refuses is traced in
-     * full. */
+    /* The usual cell has one arc or one crossed line and a table of its own; the rest is traced in full. */
     if (w->plain) {
         uint32_t line[4];
         uint32_t const inside[2] = {inside_corners(w->s, w->field.slab->plane[0], i, j),
@@ -212,8 +211,7 @@ bvx_status bvxi_slab_fill(bvxi_slab_work *w, bvxi_slab *slab)
     BVXI_TRY(bvxi_field_set(&w->field, slab));
     w->plain = !w->only_traced && w->s->options.slabs.crossings == BVX_CROSSINGS_EXACT &&
                w->field.layers == 1;
-    /* Bits that are set for this slab and cleared after it cost less than clearing the whole plane each
-     * time. */
+    /* Bits set for this slab and cleared after it cost less than clearing the plane. */
     mark_split(w, 1);
     bvx_status const status = fill_layers(w);
     mark_split(w, 0);

@@ -215,22 +215,6 @@ static bvx_status split_plane(bvxi_split_work *w, const bvxi_split_cell *c, int 
     return BVX_OK;
 }
 
-static bvx_status split_in_four(bvxi_split_work *w, const bvxi_split_cell *c, bvxi_split_cell quarter[4])
-{
-    int32_t const half = c->size / 2;
-    /* Sizes are powers of two, and lines stay even until the deepest: middles are whole numbers. */
-    w->middle[0] = c->low[0] + half;
-    w->middle[1] = c->low[1] + half;
-    for (int j = 0; j < 4; j++) {
-        quarter[j].low[0] = c->low[0] + (j & 1) * half;
-        quarter[j].low[1] = c->low[1] + (j >> 1) * half;
-        quarter[j].size = half;
-        quarter[j].depth = c->depth + 1;
-    }
-    BVXI_TRY(split_plane(w, c, 0, quarter));
-    return split_plane(w, c, 1, quarter);
-}
-
 static bvx_status add_hanging(bvxi_split_work *w, int32_t u, int32_t v, uint32_t below, uint32_t above)
 {
     bvxi_slab *const slab = w->slab;
@@ -288,7 +272,19 @@ static bvx_status split_down(bvxi_split_work *w, const bvxi_split_cell *root)
         if (asks_for_split(w, &c)) {
             if (c.depth < w->s->options.slabs.depth) {
                 bvxi_split_cell quarter[4];
-                BVXI_TRY(split_in_four(w, &c, quarter));
+                int32_t const half = c.size / 2;
+                /* Sizes are powers of two, and lines stay even until the deepest: middles are whole numbers. */
+                w->middle[0] = c.low[0] + half;
+                w->middle[1] = c.low[1] + half;
+                for (int j = 0; j < 4; j++) {
+                    quarter[j].low[0] = c.low[0] + (j & 1) * half;
+                    quarter[j].low[1] = c.low[1] + (j >> 1) * half;
+                    quarter[j].size = half;
+                    quarter[j].depth = c.depth + 1;
+                }
+                BVXI_TRY(split_plane(w, &c, 0, quarter));
+                BVXI_TRY(split_plane(w, &c, 1, quarter));
+
                 for (int j = 4; j-- > 0;) stack[top++] = quarter[j];
                 continue;
             }

@@ -64,8 +64,7 @@ static void level_node(bvxi_trace_node *n, int32_t layer)
     }
     n->inside[0] = layer <= crossed ? n->on[0] : n->on[1];
     n->inside[1] = layer + 1 <= crossed ? n->on[0] : n->on[1];
-    /* The crossing belongs to one layer's cells. */
-    if (layer != crossed) n->vertex = BVXI_NONE;
+    if (layer != crossed) n->vertex = BVXI_NONE; /* The crossing belongs to one layer's cells. */
 }
 
 static bvx_status add_corner(bvxi_trace *t, int i)

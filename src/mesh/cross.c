@@ -99,8 +99,7 @@ static int cross_flat_segments(const double p[3], const double q[3], const doubl
 static int cross_segments(const double p[3], const double q[3], const double a[3], const double b[3])
 {
     if (bvxi_orient(p, q, a, b) != 0) return 0;
-    /* Four points of a plane: seen along an axis that shows an area of
-     * three of them, the plane loses nothing. */
+    /* Four points of a plane: along an axis that shows an area of three, nothing is lost. */
     for (int axis = 0; axis < 3; axis++)
         if (bvxi_orient_flat(p, q, a, axis) != 0 || bvxi_orient_flat(p, q, b, axis) != 0 ||
             bvxi_orient_flat(a, b, p, axis) != 0 || bvxi_orient_flat(a, b, q, axis) != 0)
@@ -165,8 +164,7 @@ static int cross_edge(const cross_triangle *a, int i, int k, const cross_triangl
                cross_flat_segments(p, q, t[2], t[0], axis);
     }
 
-    /* The line meets the plane in one point, which the segment has; it is
-     * in b when the line passes all edges on one side. */
+    /* The line meets the plane in one point, which the segment has; in b if all edges lie on one side. */
     side[0] = bvxi_orient(p, q, t[0], t[1]);
     side[1] = bvxi_orient(p, q, t[1], t[2]);
     if (side[0] * side[1] < 0) return 0;
@@ -213,8 +211,7 @@ static int cross_fold(const double *a, const double *b, const double *c, const d
     return cross_beyond(a, b, c) != 0 && cross_beyond(a, b, c) == cross_beyond(a, b, d);
 }
 
-/* What p and q have in common, each once, and what each has only; a corner that is there twice counts
- * once. */
+/* What p and q have in common, each once, and what each has only; double corners count once. */
 typedef struct cross_corners {
     const double *common[3], *own_p, *own_q;
     int count;

@@ -49,25 +49,6 @@ static void finite_pack_vertices(bvx_mesh *mesh, uint32_t *number)
     mesh->vertex_count = kept;
 }
 
-static void finite_pack_triangles(bvx_mesh *mesh, const uint32_t *number)
-{
-    uint64_t kept = 0;
-
-    for (uint64_t t = 0; t < mesh->triangle_count; t++) {
-        const uint32_t *const corner = mesh->triangles + (size_t)t * 3;
-        uint32_t const now[3] = {number[corner[0]], number[corner[1]], number[corner[2]]};
-        if (now[0] == FINITE_GONE || now[1] == FINITE_GONE || now[2] == FINITE_GONE) continue;
-        memcpy(mesh->triangles + (size_t)kept * 3, now, sizeof now);
-        if (kept != t) {
-            finite_move(mesh->triangle_keys, 8, t, kept);
-            finite_move(mesh->uv_triangles, 12, t, kept);
-            finite_move(mesh->materials, 4, t, kept);
-        }
-        kept++;
-    }
-    mesh->triangle_count = kept;
-}
-
 bvx_status bvxi_mesh_drop_nonfinite(bvx_context *ctx, const char *function, bvx_mesh *mesh, uint64_t *dropped)
 {
     uint64_t const vertices = mesh->vertex_count, triangles = mesh->triangle_count;
@@ -92,7 +73,22 @@ bvx_status bvxi_mesh_drop_nonfinite(bvx_context *ctx, const char *function, bvx_
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * sizeof *number, "the numbers of vertices", &number));
     finite_pack_vertices(mesh, number);
-    finite_pack_triangles(mesh, number);
+    uint64_t kept = 0;
+
+    for (uint64_t t = 0; t < mesh->triangle_count; t++) {
+        const uint32_t *const corner = mesh->triangles + (size_t)t * 3;
+        uint32_t const now[3] = {number[corner[0]], number[corner[1]], number[corner[2]]};
+        if (now[0] == FINITE_GONE || now[1] == FINITE_GONE || now[2] == FINITE_GONE) continue;
+        memcpy(mesh->triangles + (size_t)kept * 3, now, sizeof now);
+        if (kept != t) {
+            finite_move(mesh->triangle_keys, 8, t, kept);
+            finite_move(mesh->uv_triangles, 12, t, kept);
+            finite_move(mesh->materials, 4, t, kept);
+        }
+        kept++;
+    }
+    mesh->triangle_count = kept;
+
     bvxi_drop(ctx, number);
     *dropped = triangles - mesh->triangle_count;
     return BVX_OK;

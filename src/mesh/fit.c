@@ -42,8 +42,7 @@ static bvx_status check_fit_options(bvx_context *ctx, const char *function, bvx_
 static double least_cover(double extent, double spacing)
 {
     double const n = extent / spacing;
-    /* 2^-40 of the count is taken off before rounding up:
-     * the rounding of the division must not cost a layer. */
+    /* 2^-40 of the count is taken off before rounding up: the division's rounding must not cost a layer. */
     double const whole = -floor(n * (1.0 / 1099511627776.0) - n);
     return whole < 1 ? 1 : whole;
 }

@@ -219,8 +219,7 @@ static bvx_status run_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint
     BVXI_TRY(check_mesh_struct(context, function, mesh));
     type[0] = mesh->position_type;
 
-    /* Head, positions and triangles one after the other, each
-     * seeded by what came before: none can pass for another. */
+    /* Head, positions and triangles one after the other, each seeded by those before. */
     bvxi_hash_start(&h, 0);
     bvxi_hash_i32(&h, type, 2);
     bvxi_hash_u64(&h, &mesh->vertex_count, 1);

@@ -66,23 +66,6 @@ bvx_status bvxi_sum_normals(bvx_context *ctx, const bvx_mesh_view *view, double 
  * mean of those of their three vertices. */
 static const char normals_name[] = "bvx_mesh_normals";
 
-static void give_facet(const bvx_mesh_view *view, double scale, const double *sum, uint64_t t,
-                       int32_t averaged, float *facet)
-{
-    double own[3], mean[3] = {0.0, 0.0, 0.0};
-    uint32_t c[3];
-    bvxi_view_triangle(view, t, c);
-    triangle_normal(view, scale, c, own);
-    /* The mean of three unit normals, as the paper shades facets. */
-    for (int k = 0; k < 3 && averaged; k++) {
-        float n[3];
-        bvxi_unit_normal(sum + 3 * (size_t)c[k], n);
-        for (int a = 0; a < 3; a++) mean[a] += (double)n[a];
-    }
-    /* opposite normals may cancel out */
-    bvxi_unit_normal(mean[0] != 0.0 || mean[1] != 0.0 || mean[2] != 0.0 ? mean : own, facet);
-}
-
 static bvx_status run_mesh_normals(bvx_context *context, const bvx_mesh_view *mesh, int32_t averaged,
                                    float *vertex_normals, float *facet_normals)
 {
@@ -106,8 +89,21 @@ static bvx_status run_mesh_normals(bvx_context *context, const bvx_mesh_view *me
     }
     for (size_t v = 0; vertex_normals != NULL && v < (size_t)mesh->vertex_count; v++)
         bvxi_unit_normal(sum + 3 * v, vertex_normals + 3 * v);
-    for (size_t t = 0; facet_normals != NULL && t < (size_t)mesh->triangle_count; t++)
-        give_facet(mesh, scale, sum, t, averaged, facet_normals + 3 * t);
+    for (size_t t = 0; facet_normals != NULL && t < (size_t)mesh->triangle_count; t++) {
+        float *const facet = facet_normals + 3 * t;
+        double own[3], mean[3] = {0.0, 0.0, 0.0};
+        uint32_t c[3];
+        bvxi_view_triangle(mesh, t, c);
+        triangle_normal(mesh, scale, c, own);
+        /* The mean of three unit normals, as the paper shades facets. */
+        for (int k = 0; k < 3 && averaged; k++) {
+            float n[3];
+            bvxi_unit_normal(sum + 3 * (size_t)c[k], n);
+            for (int a = 0; a < 3; a++) mean[a] += (double)n[a];
+        }
+        /* opposite normals may cancel out */
+        bvxi_unit_normal(mean[0] != 0.0 || mean[1] != 0.0 || mean[2] != 0.0 ? mean : own, facet);
+    }
     return BVX_OK;
 }
 

@@ -113,8 +113,7 @@ static void orient_place(const orient_double *v, int32_t low, uint32_t *limb)
     uint64_t const m = (uint64_t)(v->mantissa < 0 ? -v->mantissa : v->mantissa);
     int32_t const shift = v->exponent - low, first = shift / 32, part = shift % 32;
     if (m == 0) return;
-    /* 53 digits, moved by less than 32, lie in three limbs at most; there are only as many as digits
-     * reach. */
+    /* 53 digits, moved by less than 32, lie in at most three limbs, only where digits reach. */
     limb[first] = (uint32_t)(m << part);
     if (m << part >> 32 != 0) limb[first + 1] = (uint32_t)(m << part >> 32);
     if (part != 0 && m >> (64 - part) != 0) limb[first + 2] = (uint32_t)(m >> (64 - part));

@@ -60,26 +60,6 @@ static void side_corners(const bvxi_patch_sides *in, uint64_t t, double p[3][3])
     for (int k = 0; k < 3; k++) bvxi_view_position(in->view, in->corner[3 * t + (uint64_t)k], p[k]);
 }
 
-static void sum_side_triangles(const bvxi_patch_sides *in, patch_side *sides)
-{
-    for (uint64_t t = 0; t < in->triangles; t++) {
-        patch_side *const s = &sides[in->patch[t]];
-        double const sign = in->turn[t] ? -1 : 1;
-        double p[3][3], u[3], v[3], n[3];
-
-        side_corners(in, t, p);
-        for (int a = 0; a < 3; a++) {
-            u[a] = p[1][a] - p[0][a];
-            v[a] = p[2][a] - p[0][a];
-            p[0][a] -= in->centre[a];
-        }
-        bvxi_vec_cross(u, v, n);
-        s->volume6 += sign * bvxi_vec_dot(p[0], n);
-        s->area2 += bvxi_vec_length(n);
-        for (int a = 0; a < 3; a++) s->face2[a] += sign * n[a];
-    }
-}
-
 /* Returns how many face inward. */
 static uint64_t find_inward_sides(patch_side *sides, uint64_t count)
 {
@@ -313,7 +293,23 @@ bvx_status bvxi_patch_sides_turn(bvx_context *ctx, const bvxi_patch_sides *in)
     patch_side *sides;
     if (in->patches < 2 || in->patches > MOST_PATCHES) return BVX_OK;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, in->patches * sizeof *sides, "the patches' sides", &sides));
-    sum_side_triangles(in, sides);
+    for (uint64_t t = 0; t < in->triangles; t++) {
+        patch_side *const s = &sides[in->patch[t]];
+        double const sign = in->turn[t] ? -1 : 1;
+        double p[3][3], u[3], v[3], n[3];
+
+        side_corners(in, t, p);
+        for (int a = 0; a < 3; a++) {
+            u[a] = p[1][a] - p[0][a];
+            v[a] = p[2][a] - p[0][a];
+            p[0][a] -= in->centre[a];
+        }
+        bvxi_vec_cross(u, v, n);
+        s->volume6 += sign * bvxi_vec_dot(p[0], n);
+        s->area2 += bvxi_vec_length(n);
+        for (int a = 0; a < 3; a++) s->face2[a] += sign * n[a];
+    }
+
     for (uint64_t i = 0; i < in->border_count; i++) {
         uint64_t const half = in->border[i], t = half / 3, k = half % 3;
         patch_side *const s = &sides[in->patch[t]];

@@ -11,8 +11,7 @@
 #include "mesh/mesh.h"
 #include "mesh/view.h"
 
-/* A link is a triangle << 1 | 1 when the two run differently; triangles are
- * below 2^31. A root links to itself. */
+/* A link is a triangle << 1 | 1 when the two run differently; triangles < 2^31. A root links to itself. */
 typedef struct patch_sums {
     uint32_t same;  /* triangles that run as the root does; later the patch's number */
     uint32_t other; /* and those that do not */
@@ -74,8 +73,7 @@ static void list_half_edges(patch_work *w)
     for (uint64_t t = 0; t < w->out->triangles; t++) {
         uint32_t *const c = w->corner + 3 * t;
 
-        /* A triangle with two corners at one place has no
-         * sides, so its half-edges go to the end of the order. */
+        /* A triangle with two corners at one place has no sides: its half-edges come last. */
         bvxi_view_triangle(w->view, t, c);
         for (int k = 0; k < 3; k++) c[k] = w->representative[c[k]];
         int const flat = c[0] == c[1] || c[1] == c[2] || c[2] == c[0];

@@ -55,25 +55,6 @@ static void side_grow(double *parts, int count, double value)
     parts[count] = value;
 }
 
-static int32_t side_of_products(const double a[2], const double b[2], const double c[2])
-{
-    /* The determinant written out in coordinates, which are exact where differences are not. */
-    const double factors[6][2] = {{a[0], b[1]},  {-a[1], b[0]}, {b[0], c[1]},
-                                  {-b[1], c[0]}, {c[0], a[1]},  {-c[1], a[0]}};
-    double parts[SIDE_TERMS] = {0};
-    int n = 0;
-
-    for (size_t i = 0; i < 6; i++, n += 2) {
-        double high, low;
-        side_product(factors[i][0], factors[i][1], &high, &low);
-        side_grow(parts, n, low);
-        side_grow(parts, n + 1, high);
-    }
-    /* Parts do not overlap, so the largest one that is not 0 has the sign of the sum. */
-    while (n > 0 && parts[n - 1] == 0.0) n--;
-    return n == 0 ? 0 : parts[n - 1] > 0.0 ? 1 : -1;
-}
-
 int32_t bvxi_side_exact(const double a[2], const double b[2], const double c[2])
 {
     double ac[2], bc[2], rest[4], left, left_low, right, right_low;
@@ -83,8 +64,23 @@ int32_t bvxi_side_exact(const double a[2], const double b[2], const double c[2])
         side_sum(a[k], -c[k], &ac[k], &rest[k]);
         side_sum(b[k], -c[k], &bc[k], &rest[k + 2]);
     }
-    if (rest[0] != 0.0 || rest[1] != 0.0 || rest[2] != 0.0 || rest[3] != 0.0)
-        return side_of_products(a, b, c);
+    if (rest[0] != 0.0 || rest[1] != 0.0 || rest[2] != 0.0 || rest[3] != 0.0) {
+        /* The determinant written out in coordinates, which are exact where differences are not. */
+        const double factors[6][2] = {{a[0], b[1]},  {-a[1], b[0]}, {b[0], c[1]},
+                                      {-b[1], c[0]}, {c[0], a[1]},  {-c[1], a[0]}};
+        double parts[SIDE_TERMS] = {0};
+        int n = 0;
+
+        for (size_t i = 0; i < 6; i++, n += 2) {
+            double high, low;
+            side_product(factors[i][0], factors[i][1], &high, &low);
+            side_grow(parts, n, low);
+            side_grow(parts, n + 1, high);
+        }
+        /* Parts do not overlap, so the largest one that is not 0 has the sign of the sum. */
+        while (n > 0 && parts[n - 1] == 0.0) n--;
+        return n == 0 ? 0 : parts[n - 1] > 0.0 ? 1 : -1;
+    }
     /* rounding keeps order, so the errors decide only between equals */
     side_product(ac[0], bc[1], &left, &left_low);
     side_product(ac[1], bc[0], &right, &right_low);
@@ -240,8 +236,7 @@ static double polygon_place(double v, const double factors[2])
 {
     double const scaled = v * factors[0] * factors[1];
     double const round = 0x1.8p-447; /* its last bit is 2^-499 */
-    /* Far above the last digit nothing is rounded; below, adding
-     * and subtracting the constant rounds to its last bit. */
+    /* Far above the last digit nothing is rounded; below, adding the constant rounds to its last bit. */
     if (bvxi_absolute(scaled) >= 0x1p-448) return scaled;
     return (scaled + round) - round;
 }
@@ -311,8 +306,7 @@ static bvx_status polygon_room(bvxi_polygon *work, bvxi_ring *ring, uint64_t cou
 {
     uint64_t const size = count * 20 + more;
 
-    /* The block grows and is kept for the next polygon; what
-     * it held before is still needed, so it is resized. */
+    /* The block grows and is kept for the next polygon; its contents stay, so it is resized. */
     if (work->block == NULL) {
         BVXI_TRY(bvxi_alloc(work->ctx, BVXI_SCRATCH, size, "the corners of a polygon", &work->block));
         work->block_size = size;
@@ -329,8 +323,7 @@ static bvx_status polygon_room(bvxi_polygon *work, bvxi_ring *ring, uint64_t cou
     return BVX_OK;
 }
 
-/* Cut a ring that is no line. sense: its turn at the lowest corner; area:
- * the sense of its area, where that is known. */
+/* Cut a ring that is no line. sense: its turn at the lowest corner; area: that of its area, if known. */
 static bvx_status polygon_cut_ring(bvxi_polygon *work, bvxi_ring *ring, uint64_t count, int32_t sense,
                                    int32_t area)
 {
@@ -498,8 +491,7 @@ static void ears_prepare(polygon_ears *e, void *scratch)
     e->reflex = e->previous + n;
     e->state = (uint8_t *)(e->reflex + n);
 
-    /* Bounded work: a ring made to have no ears would cost
-     * the square of its corners, times the reflex ones. */
+    /* Bounded work: a ring made to have no ears would cost its corners squared, times the reflex ones. */
     e->looks_left = (uint64_t)n * EAR_LOOKS_EACH < EAR_LOOKS_MOST ? (uint64_t)n * EAR_LOOKS_EACH
                                                                   : EAR_LOOKS_MOST;
     for (uint32_t i = 0; i < n; i++) {

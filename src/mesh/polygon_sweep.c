@@ -52,8 +52,7 @@ bvx_status bvxi_polygon_order(const bvxi_ring *ring, uint32_t *order, uint32_t *
     uint32_t const n = ring->count;
     uint32_t *from = order, *to = other;
 
-    /* A merge sort from the bottom up: stable, without
-     * recursion, and its time does not depend on the corners. */
+    /* A merge sort from the bottom up: stable, without recursion, in the same time for any corners. */
     for (uint32_t i = 0; i < n; i++) order[i] = i;
     for (uint32_t width = 1; width < n; width *= 2) { /* merge runs of this width */
         BVXI_TRY(bvxi_ring_ask(ring, 0.4 * (double)width / (double)n));
@@ -87,8 +86,7 @@ static int sweep_is_above(const polygon_sweep *s, uint32_t interval, uint32_t co
     return bvxi_ring_side(s->ring, floor, bvxi_ring_next(s->ring, floor), corner) >= 0;
 }
 
-/* Bring the end of the search for a corner to the root of a subtree that is
- * not empty; with highest 1 its last interval. */
+/* Splay the search for a corner to the root of a subtree that is not empty; highest 1: its last interval. */
 static uint32_t sweep_splay(const polygon_sweep *s, uint32_t root, uint32_t corner, int highest)
 {
     sweep_interval *const v = s->intervals;
@@ -246,8 +244,7 @@ static void sweep_bound(polygon_sweep *s, uint32_t interval, uint32_t floor, uin
     s->interval_of[floor] = s->interval_of[roof] = interval;
 }
 
-/* The interval that an edge bounds as its floor, or as its roof; SWEEP_NONE in a polygon that is not
- * simple. */
+/* The interval that an edge bounds as its floor, or as its roof; SWEEP_NONE if not simple. */
 static uint32_t sweep_with_floor(polygon_sweep *s, uint32_t edge)
 {
     uint32_t const i = s->interval_of[edge];
@@ -339,8 +336,7 @@ static void sweep_merge(polygon_sweep *s, uint32_t corner, uint32_t before)
     sweep_add_top(s, lower, corner);
     sweep_join(s, lower->top, sweep_cut_up(s, upper->bottom, corner));
     lower->top = upper->top;
-    /* The interval above is taken out before its roof is
-     * passed to the one below, which the search still needs. */
+    /* The interval above is taken out before its roof is passed to the one below. */
     sweep_remove(s, high, corner);
     sweep_bound(s, low, lower->floor, upper->roof);
 }
@@ -372,8 +368,7 @@ static void sweep_corner(polygon_sweep *s, uint32_t corner)
     }
 }
 
-/* A corner adds one link, or three where an interval splits: then one of
- * its neighbours adds one interval and no more. */
+/* A corner adds one link, or three where an interval splits, and then a neighbour adds only one. */
 uint64_t bvxi_polygon_sweep_size(uint32_t count)
 {
     uint64_t const n = count;

@@ -32,8 +32,7 @@ static void welded_triangle(const bvx_mesh_view *mesh, const uint32_t *represent
     for (int k = 0; k < 3; k++) v[k] = representative[v[k]];
 }
 
-/* Corners and the normal of length 1 of a triangle, and twice its area, which is 0 where there is no
- * normal. */
+/* Corners and the normal of length 1 of a triangle, and twice its area: 0 without a normal. */
 static double facet_of(const bvx_mesh_view *mesh, const uint32_t v[3], double p[3][3], double n[3])
 {
     for (int k = 0; k < 3; k++) bvxi_view_position(mesh, v[k], p[k]);

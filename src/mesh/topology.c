@@ -287,8 +287,7 @@ static int walk_fan(const topology *c, uint32_t v, uint32_t h, uint32_t from, ui
     }
 }
 
-/* The fan that holds the corner; one with a border is walked from its middle to both ends. Returns its
- * corners. */
+/* The fan that holds the corner; with a border both ways from its middle. Returns its corners. */
 static uint64_t walk_whole_fan(const topology *c, uint32_t corner)
 {
     uint32_t const v = c->corners[corner];
@@ -329,8 +328,7 @@ static void count_second_fans(topology *c)
         c->result->nonmanifold_vertices += corners[v] != 0 && corners[v] != c->corner_of[v];
 }
 
-/* Where edges have more triangles. A vertex of three broken edges is counted once, as is one of several
- * fans. */
+/* Where edges have more triangles. A vertex of several broken edges or fans counts once. */
 static bvx_status search_broken_fans(topology *c)
 {
     bvx_certificate *const r = c->result;

@@ -222,8 +222,7 @@ static int bounds_of_all(const bvx_mesh_view *v, view_extremes *e)
         uint64_t const n = v->vertex_count - first < VIEW_VERTEX_BLOCK ? v->vertex_count - first
                                                                        : VIEW_VERTEX_BLOCK;
         float low[3], high[3];
-        /* A block keeps the search for the vertex short: it
-         * is looked for only in the one that has the extreme. */
+        /* A block keeps the search for the vertex short: only the one with the extreme is searched. */
         finite &= bounds_of_block(p + 12 * (size_t)first, (size_t)n, low, high);
         for (int a = 0; a < 3; a++) {
             if (first == 0 || low[a] < e->low[a]) {
@@ -331,8 +330,7 @@ bvx_status bvxi_view_bounds(bvx_context *ctx, const char *function, const bvx_me
 
     if (view->triangle_count == 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", function);
-    /* The fast way answers only where it is certain; else
-     * the specification decides, and finds what to report. */
+    /* The fast way answers only where it is certain; else the specification decides and reports. */
     if (!bounds_packed(view, lo, hi)) {
         BVXI_TRY(check_every_index(ctx, function, view));
         BVXI_TRY(check_every_position(ctx, function, view));

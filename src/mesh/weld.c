@@ -105,8 +105,7 @@ static bvx_status weld_by_tree(bvx_context *ctx, const bvx_mesh_view *view, uint
     for (uint64_t i = 0; i < view->vertex_count; i++) {
         BVXI_TRY(weld_ask(ctx, view, i));
         representative[i] = (uint32_t)bvxi_key_tree_find(&tree, i);
-        /* A vertex that finds itself is the first at its position. */
-        *different += representative[i] == i;
+        *different += representative[i] == i; /* A vertex that finds itself is the first at its position. */
     }
     bvxi_key_tree_close(ctx, &tree);
     return BVX_OK;
@@ -160,8 +159,7 @@ static uint64_t hash_of_places(const uint32_t place[3])
     return (h ^ h >> 29) * UINT64_C(0x94d049bb133111eb) >> 33;
 }
 
-/* Fill corner by a table [Size: size] of kept triangles' numbers plus 1, or
- * 0. Returns 0 when it was searched too long. */
+/* Fill corner by a table [Size: size] of kept triangles plus 1, or 0. Returns 0 after too long a search. */
 static int drop_by_table(const bvx_mesh_view *view, const uint32_t *representative, uint32_t *table,
                          uint64_t size, uint32_t *corner, uint64_t *kept)
 {

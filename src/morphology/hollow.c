@@ -22,8 +22,7 @@ static double centre_along(const bvx_grid *grid, int32_t axis, int32_t i)
            ((double)grid->low[axis] + (double)i + 0.5) * grid->lattice.spacing[axis];
 }
 
-/* The layer of the hollow nearest to the side: its number, how many voxels,
- * and the sums of their indices across. */
+/* The layer of the hollow nearest to the side: its number, voxels, and the sums of their indices. */
 static int32_t nearest_layer(const bvx_grid *hollow, const drain_hole *hole, uint64_t *count, uint64_t sum[2])
 {
     int32_t best = -1;
@@ -176,8 +175,7 @@ static bvx_status check_hollow(bvx_context *ctx, const char *function, bvx_hollo
     return BVX_OK;
 }
 
-/* A face voxel's nearest empty centre is a spacing away: with less the shell would be open there, or
- * nothing. */
+/* A face voxel's nearest empty centre is a spacing away: with less the shell would be open. */
 static bvx_status check_shell(bvx_context *ctx, const char *function, const bvx_lattice *lattice,
                               double thickness)
 {

@@ -43,8 +43,7 @@ bvx_status bvxi_ball_set(bvx_context *ctx, const char *function, const bvx_latti
 int32_t bvxi_ball_reach(const bvxi_morph *morph, int axis)
 {
     double const reach = sqrt(morph->limit / morph->weight[axis]);
-    /* More than any grid is wide. */
-    return reach < 1e9 ? (int32_t)reach + 1 : 1000000000;
+    return reach < 1e9 ? (int32_t)reach + 1 : 1000000000; /* More than any grid is wide. */
 }
 
 static void take_ball_squares(void *user, int32_t x, int32_t y, int32_t z, int32_t count, const void *squares,

@@ -52,8 +52,7 @@ static int32_t ball_extent(const bvxi_morph *m, int axis)
 
 int bvxi_ball_is_small(const bvxi_morph *morph)
 {
-    /* What a word costs: joining rows over dy and dz,
-     * growing along x; beyond this the transform is sooner. */
+    /* What a word costs: joining rows over dy and dz, growing along x; beyond it the transform is sooner. */
     return (2 * (int64_t)ball_extent(morph, 1) + 1) * (2 * (int64_t)ball_extent(morph, 2) + 1) +
                8 * (int64_t)ball_extent(morph, 0) <=
            RUNS_MOST;

@@ -111,15 +111,13 @@ static void take_step(const sweep_job *job, const step_rows *r, uint64_t *out, s
               step_stretch_avx2(job, r, out, words));
 }
 
-/* What a slice of a step is made from: three slices of the step before, rows beyond them, a place to work
- * in. */
+/* What a slice of a step is made from: three slices of the step before, rows beyond, work space. */
 typedef struct step_slice {
     const uint64_t *slice[3], *outside;
     uint64_t *room, around, flip;
 } step_slice;
 
-/* Rows y .. y + count - 1 of a slice. A first or last row has its middle
- * copied, as words beside it are looked at. */
+/* Rows y .. y + count - 1 of a slice. A first or last row has its middle copied, for words beside it. */
 static void step_rows_from(const sweep_job *job, const step_slice *s, int32_t y, int32_t count, uint64_t *out)
 {
     size_t const words = (size_t)job->from.row_words;
@@ -181,27 +179,6 @@ static void read_slice(const sweep_job *job, uint64_t *ring, int32_t z)
     set_row_tails(job, slice, job->around[0]);
 }
 
-/* Slice z of a step from three of the one before. */
-static void make_slice(const sweep_job *job, uint64_t *ring, int32_t step, int32_t z)
-{
-    uint64_t const around = job->around[step - 1];
-    step_slice from = {.outside = job->outside + (around != 0 ? job->slice : 0),
-                       .room = ring + (size_t)job->steps * 3 * job->slice,
-                       .around = around,
-                       .flip = job->flip[step]};
-
-    /* The last step goes to the result; the others into the ring. */
-    int32_t const ny = job->from.size[1];
-    int const last = step == job->steps;
-    uint64_t *const out = last ? job->to.words + (size_t)z * job->slice : kept_slice(job, ring, step, z);
-
-    for (int32_t i = 0; i < 3; i++) from.slice[i] = slice_of_step(job, ring, step - 1, z + i - 1);
-    step_rows_from(job, &from, 0, 1, out);
-    if (ny > 2) step_rows_from(job, &from, 1, ny - 2, out);
-    if (ny > 1) step_rows_from(job, &from, ny - 1, 1, out);
-    set_row_tails(job, out, last ? 0 : job->around[step]);
-}
-
 static void sweep_piece(void *user, int32_t index, int32_t worker)
 {
     const sweep_job *const job = user;
@@ -217,8 +194,26 @@ static void sweep_piece(void *user, int32_t index, int32_t worker)
         for (int32_t s = 1; s <= steps; s++) {
             int32_t const z = t - s, more = steps - s;
             /* Beyond the piece only as far as later steps of its own slices reach. */
-            if (z >= 0 && z < nz && z >= (int32_t)begin - more && z < (int32_t)end + more)
-                make_slice(job, ring, s, z);
+            if (z >= 0 && z < nz && z >= (int32_t)begin - more && z < (int32_t)end + more) {
+                /* Slice z of a step from three of the one before. */
+                uint64_t const around = job->around[s - 1];
+                step_slice from = {.outside = job->outside + (around != 0 ? job->slice : 0),
+                                   .room = ring + (size_t)job->steps * 3 * job->slice,
+                                   .around = around,
+                                   .flip = job->flip[s]};
+
+                /* The last step goes to the result; the others into the ring. */
+                int32_t const ny = job->from.size[1];
+                int const last = s == job->steps;
+                uint64_t *const out = last ? job->to.words + (size_t)z * job->slice
+                                           : kept_slice(job, ring, s, z);
+
+                for (int32_t i = 0; i < 3; i++) from.slice[i] = slice_of_step(job, ring, s - 1, z + i - 1);
+                step_rows_from(job, &from, 0, 1, out);
+                if (ny > 2) step_rows_from(job, &from, 1, ny - 2, out);
+                if (ny > 1) step_rows_from(job, &from, ny - 1, 1, out);
+                set_row_tails(job, out, last ? 0 : job->around[s]);
+            }
         }
     }
 }

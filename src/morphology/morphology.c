@@ -70,8 +70,7 @@ static void copy_into_wide(const bvx_grid *grid, const int32_t room[3], int32_t 
             size_t const at = (z + (size_t)room[2]) * (size_t)wide->size[1] + y + (size_t)room[1];
             uint64_t *const row = wide->words + at * (size_t)wide->row_words + (size_t)room[0];
             memcpy(row, grid->words + (z * (size_t)grid->size[1] + y) * words, words * 8);
-            /* Bits past the row's end belong to what lies beyond. */
-            row[words - 1] |= outside;
+            row[words - 1] |= outside; /* Bits past the row's end belong to what lies beyond. */
         }
 }
 

@@ -7,8 +7,7 @@
  * Of the whole box only the bits are held. A tile is 16 columns, or a few times 16, over all y and z: for
  * each of its slices the steps along x are made from bits, then its columns along y; these squares are kept
  * for the tile, and columns along z take them from there to the sink. Rows and slices without a target are
- * left out, for all columns of a group alike. Tasks share no row of a tile, so neither threads nor tiles show
- * in the result. */
+ * left out, for all columns of a group alike. */
 #include "morphology/transform.h"
 
 #include <math.h>

@@ -176,8 +176,7 @@ static int try_search(const bvxi_columns *c)
     return BVXI_PATH(c->cpu == BVX_CPU_AVX2, search_columns(c), search_columns_avx2(c));
 }
 
-/* The parabolas of one column that are least somewhere: site[i] from
- * start[i] on. Returns the last one's number. */
+/* Parabolas of a column that are least somewhere: site[i] from start[i] on. Returns the last index. */
 static inline int32_t build_envelope(const bvxi_columns *c, const uint32_t *in)
 {
     double *const height = c->height, *const start = c->start;

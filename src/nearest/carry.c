@@ -25,8 +25,7 @@ typedef struct carry_work {
 static uint8_t round_colour(double v)
 {
     double const up = v + 0.5;
-    /* Weights may sum up to a hair more than 1. */
-    return (uint8_t)(up >= 255.0 ? 255 : (int32_t)up);
+    return (uint8_t)(up >= 255.0 ? 255 : (int32_t)up); /* Weights may sum up to a hair more than 1. */
 }
 
 static void blend_colours(const carry_work *w, const bvx_closest_point *at, uint64_t vertex)

@@ -48,8 +48,7 @@ static inline void take_closest(closest_search *s, uint32_t place, double distan
 {
     if (distance2 > s->best->distance2) return;
     uint32_t const number = s->tree->order[place];
-    /* Equal distances are the rule, at edges and vertices: the lowest index makes the answer independent of
-     * the tree. */
+    /* Equal distances are the rule, at edges and vertices: the lowest index decides for any tree. */
     if (distance2 == s->best->distance2 && number >= s->best->triangle) return;
     s->best->distance2 = distance2;
     s->best->triangle = number;
@@ -97,8 +96,7 @@ static void begin_closest_search(const bvxi_closest_tree *tree, const double poi
         reach = x > reach ? x : -x > reach ? -x : reach;
         s->at[a] = x;
     }
-    /* Floats halve the memory of boxes and double the width of vectors; far off their rounding would exceed
-     * the boxes. */
+    /* Floats halve the memory of boxes and double the width of vectors; far off they round too much. */
     s->is_near = reach <= 64.0;
     for (int a = 0; a < 3; a++) s->at_f[a] = s->is_near ? (float)s->at[a] : 0.0f;
     s->margin = (1.0 + reach) * (s->is_near ? 0x1p-19 : 0x1p-45);

@@ -29,8 +29,7 @@ enum {
 
 /* ---- The place in the triangle ---- */
 
-/* Is q the nearest point to p inside the edge from a to b, as
- * point_triangle.c computes it? *s is then its share of b. */
+/* Is q the nearest point to p inside the edge from a to b, as point_triangle.c has it? *s: its share of b. */
 static int is_on_query_edge(const double p[3], const double a[3], const double b[3], const double q[3],
                             double *s)
 {
@@ -115,8 +114,7 @@ static double query_scale(const bvxi_closest_tree *tree, const double point[3])
         largest = point[a] > largest ? point[a] : largest;
         largest = -point[a] > largest ? -point[a] : largest;
     }
-    /* Squares stay finite; a power of two changes no digit. */
-    while (largest * s > 0x1p300) s *= 0.5;
+    while (largest * s > 0x1p300) s *= 0.5; /* Squares stay finite; a power of two changes no digit. */
     return s;
 }
 

@@ -134,8 +134,7 @@ static int crossings_pair(const crossings_four *a, int i, const crossings_four *
     return bvxi_triangles_cross_at(&a->plane[i], p, q);
 }
 
-/* Count the crossings between two fours, or of one four with itself; write
- * them to keys where that is not NULL. */
+/* Count the crossings between two fours, or of one four with itself; write them to keys if given. */
 static uint64_t crossings_of_fours(const crossings_four *a, const crossings_four *b, uint64_t *keys)
 {
     uint64_t found = 0;

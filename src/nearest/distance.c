@@ -128,22 +128,6 @@ typedef struct distance_way {
     double mean, max, normal;
 } distance_way;
 
-static void add_distance_blocks(const distance_work *w, distance_way *way)
-{
-    distance_sums all = {0.0, 0.0, 0.0, 0};
-    /* In the order of blocks, whoever computed them. */
-    for (int32_t b = 0; b < w->blocks; b++) {
-        all.sum += w->sums[b].sum;
-        all.max = w->sums[b].max > all.max ? w->sums[b].max : all.max;
-        all.normal_sum += w->sums[b].normal_sum;
-        all.normal_count += w->sums[b].normal_count;
-    }
-    /* Back in the caller's units: a power of two, so nothing is rounded. */
-    way->mean = all.sum / (double)w->samples / w->to->scale;
-    way->max = all.max / w->to->scale;
-    way->normal = all.normal_count != 0 ? all.normal_sum / (double)all.normal_count : 0.0;
-}
-
 static bvx_status measure_distance_one_way(bvx_context *ctx, const bvxi_closest_tree *from,
                                            const bvxi_closest_tree *to, uint64_t samples, uint64_t key,
                                            double progress, distance_way *way)
@@ -161,7 +145,18 @@ static bvx_status measure_distance_one_way(bvx_context *ctx, const bvxi_closest_
     w.sums = sums;
     BVXI_TRY(bvxi_for_pieces(ctx, "distance", progress, progress + 0.4, blocks, w.samples,
                              measure_distance_block, &w));
-    add_distance_blocks(&w, way);
+    distance_sums all = {0.0, 0.0, 0.0, 0};
+    /* In the order of blocks, whoever computed them. */
+    for (int32_t b = 0; b < w.blocks; b++) {
+        all.sum += w.sums[b].sum;
+        all.max = w.sums[b].max > all.max ? w.sums[b].max : all.max;
+        all.normal_sum += w.sums[b].normal_sum;
+        all.normal_count += w.sums[b].normal_count;
+    }
+    /* Back in the caller's units: a power of two, so nothing is rounded. */
+    way->mean = all.sum / (double)w.samples / w.to->scale;
+    way->max = all.max / w.to->scale;
+    way->normal = all.normal_count != 0 ? all.normal_sum / (double)all.normal_count : 0.0;
     return BVX_OK;
 }
 

@@ -24,8 +24,7 @@ static double near_scale(const bvx_lattice *l, const double low[3], const double
         largest = -l->origin[a] > largest ? -l->origin[a] : l->origin[a] > largest ? l->origin[a] : largest;
         largest = end > largest ? end : -end > largest ? -end : largest;
     }
-    /* A power of two, so that scaling rounds nothing. */
-    while (largest * s > 0x1p300) s *= 0.5;
+    while (largest * s > 0x1p300) s *= 0.5; /* A power of two, so that scaling rounds nothing. */
     return s;
 }
 

@@ -27,8 +27,7 @@ static void read_near_pair(const bvxi_near_pairs *p, int32_t i, double point[3],
 static double near_height2(const bvxi_near_pairs *pairs, int32_t i)
 {
     double point[3], t[3][3], n[3], along = 0.0, length;
-    /* How far the point stands from the triangle's plane: of equally near ones the farthest plane faces
-     * it. */
+    /* How far the point stands from the triangle's plane: of equally near ones the farthest faces it. */
     read_near_pair(pairs, i, point, t);
     length = bvxi_facet_normal((const double(*)[3])t, n);
     if (!(length > 0.0)) return 0.0;
@@ -146,8 +145,7 @@ static void settle_near_eight(const bvxi_nearest *n, bvxi_near_worker *w)
         take_near_pair(n, w, w->winners[i].triangle, near_slot(w->eight.group, w->winners[i].centre));
 }
 
-/* The end of a search: where one triangle alone may win, surely within the limit, it is taken without a
- * look. */
+/* The end of a search: where one triangle alone may win within the limit, it is taken at once. */
 static void end_near_eight(const bvxi_nearest *n, float sure2, int32_t parts, bvxi_near_worker *w)
 {
     float most2[8];
@@ -328,8 +326,10 @@ static void find_near_eight(const bvxi_nearest *n, int32_t g, uint32_t active, d
     end_near_eight(n, sure2, parts, w);
 }
 
-static void bound_near_slots(uint64_t wanted, int32_t begin[3], int32_t end[3])
+static void find_near_groups(const bvxi_nearest *n, uint64_t wanted, double limit, bvxi_near_worker *w)
 {
+    int32_t begin[3], end[3], complete;
+
     /* The 64 slots are bits x + 4 y + 16 z, so folding them by shifts gives the shadow along each axis. */
     uint64_t const y = wanted | wanted >> 16 | wanted >> 32 | wanted >> 48, x = y | y >> 4 | y >> 8 | y >> 12;
 
@@ -345,13 +345,7 @@ static void bound_near_slots(uint64_t wanted, int32_t begin[3], int32_t end[3])
             if (is[a]) end[a] = i;
         }
     }
-}
 
-static void find_near_groups(const bvxi_nearest *n, uint64_t wanted, double limit, bvxi_near_worker *w)
-{
-    int32_t begin[3], end[3], complete;
-
-    bound_near_slots(wanted, begin, end);
     begin_near_box(n, begin, end, limit, w);
     complete = bvxi_near_cell_list(n, &w->cell, w->fast, &w->list);
     keep_near_point(w);
@@ -387,8 +381,7 @@ uint64_t bvxi_near_brick_find(const bvxi_nearest *n, uint64_t wanted, double wid
     find_near_groups(n, wanted, width * n->scale * n->box_scale, w);
     settle_near_pairs(n, w);
 
-    /* Boxes promise less than triangles do: what was found beyond the width is dropped by its own
-     * distance. */
+    /* Boxes promise less than triangles do: what lies beyond the width is dropped by its distance. */
     for (uint64_t m = width < HUGE_VAL ? w->evaluated : 0; m != 0; m &= m - 1) {
         int32_t const s = bvxi_lowest(m);
         if (!(sqrt(w->distance2[s]) / n->scale <= width)) w->triangle[s] = BVXI_NEAR_NONE;

@@ -74,8 +74,7 @@ BVXI_VECTOR_INLINE void bound_near_leaf(const bvxi_nearest *n, double corner[9][
                                         near_box *box, float local[9][BVXI_NEAR_WIDTH])
 {
     for (int a = 0; a < 3; a++) {
-        /* Moved and scaled in doubles first, so that a float's digits are spent on the lattice's
-         * surroundings. */
+        /* Moved and scaled in doubles first, so that floats' digits go to the surroundings. */
         double low[BVXI_NEAR_WIDTH], high[BVXI_NEAR_WIDTH];
         for (int k = 0; k < BVXI_NEAR_WIDTH; k++) low[k] = HUGE_VAL, high[k] = -HUGE_VAL;
         for (int v = a; v < 9; v += 3)
@@ -93,8 +92,7 @@ BVXI_VECTOR_INLINE void bound_near_leaf(const bvxi_nearest *n, double corner[9][
         box->low[a] = bvxi_float_below(low[0]);
         box->high[a] = bvxi_float_above(high[0]);
 
-        /* Corners relative to the leaf's box, whose rounded corner is exact: small numbers, small
-         * roundings. */
+        /* Corners relative to the leaf's box, whose rounded corner is exact: so roundings are small. */
         for (int v = a; v < 9; v += 3)
             for (int k = 0; k < BVXI_NEAR_WIDTH; k++)
                 local[v][k] = (float)(corner[v][k] - (double)box->low[a]);
@@ -126,8 +124,7 @@ static void fill_near_leaf(const near_builder *b, uint64_t first, uint32_t count
     double corner[9][BVXI_NEAR_WIDTH];
     float local[9][BVXI_NEAR_WIDTH];
 
-    /* A leaf that is not full holds its last triangle again: eight are always measured, and none needs a
-     * mask. */
+    /* A leaf that is not full holds its last triangle again: eight are always measured. */
     for (uint32_t k = 0; k < BVXI_NEAR_WIDTH; k++) {
         order[k] = bvxi_near_order_number(&b->order, first + (k < count ? k : count - 1));
         prefetch_near(b, first + k, end);
@@ -211,8 +208,7 @@ static inline float near_box_sides(const near_box *b)
     return (b->high[0] - b->low[0]) + (b->high[1] - b->low[1]) + (b->high[2] - b->low[2]);
 }
 
-/* How many of the next boxes, at most eight, make a node: those before the
- * best place to cut, when that is worth it. */
+/* How many of the next boxes, at most eight, make a node: those before the best cut, if worth it. */
 static uint32_t near_box_run(const near_box *boxes, uint64_t left, int cut)
 {
     uint32_t count = left < BVXI_NEAR_WIDTH ? (uint32_t)left : BVXI_NEAR_WIDTH;

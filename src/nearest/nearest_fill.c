@@ -22,8 +22,7 @@ typedef struct fill_work {
 
 enum { FILL_BRICK_ROWS = 16, FILL_RUN_WORDS = BVXI_NEAR_RUN * BVXI_NEAR_CUBE / BVXI_WORD_BITS };
 
-/* A run of cubes: the number of each row's next value, and where along x
- * the rows of each row of bricks have any. */
+/* A run of cubes: the number of each row's next value, and where along x each row of bricks has any. */
 typedef struct fill_ranks {
     uint64_t next[BVXI_NEAR_CUBE][BVXI_NEAR_CUBE]; /* z, y */
     /* row of bricks y + 4 z; bits from the run's first centre on */
@@ -43,8 +42,7 @@ static void begin_fill_ranks(const fill_work *w, const bvxi_near_run *r, fill_ra
             const uint64_t *const row = bvxi_grid_row(w->where, j, k);
             uint64_t n = w->values->first[(uint64_t)k * (uint64_t)w->where->size[1] + (uint64_t)j];
 
-            /* The row's prefix is stored, what lies before the run in its row is counted: once for 64
-             * cubes. */
+            /* The row's prefix is stored, what lies before the run is counted: once for 64 cubes. */
             for (int32_t i = 0; i < words; i++) n += bvxi_popcount(row[i]);
             ranks->next[z][y] = n;
             for (int32_t i = words; i < most; i++)
@@ -128,8 +126,7 @@ static void fill_near_brick(const fill_work *w, const int32_t cube[3], const int
     for (int a = 0; a < 3; a++) index[a] = w->where->low[a] + first[a];
     bvxi_near_brick_begin(w->n, (const int32_t *)index, worker);
 
-    /* Nearest triangles of a brick: remembered ones, and those of slots that nothing is known of by a
-     * search. */
+    /* Nearest triangles of a brick: remembered ones, and of unknown slots by a search. */
     uint64_t unknown = remembered == NULL ? set : 0;
     /* The band remembers what lay within its width; other slots were not asked for. */
     for (uint64_t m = set & ~unknown; m != 0; m &= m - 1)

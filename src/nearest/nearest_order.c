@@ -1,11 +1,10 @@
 /* nearest_order.c - triangles in the order of a curve through space, and where that jumps.
  *
  * Source: Morton. A computer oriented geodetic data base. 1966. The curve runs over the sums of the
- * triangles' corners, ten bits an axis, which one sort of 30-bit keys arranges; where many triangles crowd in
- * few cells all are sorted again by 21 bits an axis. It jumps: eight neighbours may be two groups far apart,
- * in a box that reaches through half of the mesh. Such a run is cut in two where that makes the boxes
- * smaller.
- * The order shows in no answer, so it needs to be no particular one. */
+ * triangles' corners, ten bits an axis, which one sort of 30-bit keys arranges; where many triangles crowd
+ * in few cells all are sorted again by 21 bits an axis. It jumps: eight neighbours may be two groups far
+ * apart, in a box that reaches through half of the mesh. Such a run is cut in two where that makes the boxes
+ * smaller. */
 #include "nearest/nearest_tree.h"
 #include "bits/sort.h"
 #include "mesh/mesh.h"

@@ -84,8 +84,7 @@ double bvxi_closest_on_triangle(const double p[3], const double t[3][3], double 
         return on_face;
     }
 
-    /* Corners, edges, face, as Ericson has them: in this order each test may take those before for
-     * granted. */
+    /* Corners, edges, face, as Ericson has them: in this order each test relies on those before. */
     if (d1 <= 0.0 && d2 <= 0.0) return closest_at(p, t[0], q);
     if (d3 >= 0.0 && d4 <= d3) return closest_at(p, t[1], q);
     if (d6 >= 0.0 && d5 <= d6) return closest_at(p, t[2], q);

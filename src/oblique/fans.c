@@ -34,33 +34,27 @@ static int is_one_fan(uint32_t (*pair)[2], uint64_t count)
     return steps + 1 == count;
 }
 
-static bvx_status fill_fans(bvx_context *ctx, fans_work *w, const uint32_t *triangle, uint64_t triangles,
-                            uint64_t vertices, const uint8_t *asked)
+bvx_status bvxi_fans_check(bvx_context *ctx, const uint32_t *triangle, uint64_t triangles, uint64_t vertices,
+                           const uint8_t *asked, uint64_t *broken)
 {
+    fans_work w = {NULL, NULL};
+    *broken = 0;
     static const char what[] = "the surface's fans";
-    BVXI_TRY(BVXI_ZEROS(ctx, vertices + 2, what, w->first));
-    for (uint64_t c = 0; c < 3 * triangles; c++) w->first[triangle[c] + 2] += asked[triangle[c]];
-    for (uint64_t v = 0; v < vertices; v++) w->first[v + 2] += w->first[v + 1];
-    BVXI_TRY(BVXI_ARRAY(ctx, w->first[vertices + 1] + 1, what, w->pair));
+    BVXI_TRY(BVXI_ZEROS(ctx, vertices + 2, what, w.first));
+    for (uint64_t c = 0; c < 3 * triangles; c++) w.first[triangle[c] + 2] += asked[triangle[c]];
+    for (uint64_t v = 0; v < vertices; v++) w.first[v + 2] += w.first[v + 1];
+    BVXI_TRY(BVXI_ARRAY(ctx, w.first[vertices + 1] + 1, what, w.pair));
     /* first[v + 1] is where v's begin, and in the end where those of the next do */
     for (uint64_t t = 0; t < triangles; t++)
         for (int k = 0; k < 3; k++) {
             const uint32_t *const c = triangle + 3 * t;
             uint32_t *pair;
             if (!asked[c[k]]) continue;
-            pair = w->pair[w->first[c[k] + 1]++];
+            pair = w.pair[w.first[c[k] + 1]++];
             pair[0] = c[(k + 1) % 3];
             pair[1] = c[(k + 2) % 3];
         }
-    return BVX_OK;
-}
 
-bvx_status bvxi_fans_check(bvx_context *ctx, const uint32_t *triangle, uint64_t triangles, uint64_t vertices,
-                           const uint8_t *asked, uint64_t *broken)
-{
-    fans_work w = {NULL, NULL};
-    *broken = 0;
-    BVXI_TRY(fill_fans(ctx, &w, triangle, triangles, vertices, asked));
     for (uint64_t v = 0; v < vertices; v++)
         if (w.first[v + 1] != w.first[v])
             *broken += !is_one_fan(w.pair + w.first[v], w.first[v + 1] - w.first[v]);

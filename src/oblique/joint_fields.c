@@ -271,27 +271,6 @@ static void join_plane(bvxi_oblique *o, uint32_t plane)
     o->report.sections += p->contour_count != 0;
 }
 
-/* Crossings with other planes, as each body has settled them for itself; first: of its points on each
- * plane. */
-static bvx_status join_knots_of(bvxi_oblique *o, const bvxi_oblique *body, uint32_t *first)
-{
-    uint64_t const before = o->knot_count;
-
-    BVXI_TRY(BVXI_RESERVE(o, o->knot, before + body->knot_count, o->knot_room,
-                          "the crossings of contours with planes"));
-    for (uint64_t i = 0; i < body->knot_count; i++) {
-        bvxi_knot *const k = &o->knot[before + i];
-        *k = body->knot[i];
-        k->segment += first[k->plane];
-        k->joined += (uint32_t)before;
-        k->next = o->plane[k->plane].knot;
-        o->plane[k->plane].knot = (uint32_t)(before + i);
-    }
-    o->knot_count += body->knot_count;
-    for (uint32_t p = 0; p < o->plane_count; p++) first[p] += body->plane[p].plane.point_count;
-    return BVX_OK;
-}
-
 static bvx_status join_contours(bvxi_oblique *o)
 {
     uint64_t const n = o->plane_count;
@@ -316,7 +295,24 @@ static bvx_status join_contours(bvxi_oblique *o)
         if (o->plane[p].plane.contour_count != 0) bvxi_plane_tree(&o->plane[p].plane);
     }
     BVXI_TRY(BVXI_ZEROS(o->ctx, n, "the points of planes", first));
-    for (uint32_t b = 0; b < o->body_count; b++) BVXI_TRY(join_knots_of(o, &o->body[b], first));
+    for (uint32_t b = 0; b < o->body_count; b++) {
+        /* Crossings with other planes, as each body settled them; first: of its points on each plane. */
+        const bvxi_oblique *const body = &o->body[b];
+        uint64_t const before = o->knot_count;
+
+        BVXI_TRY(BVXI_RESERVE(o, o->knot, before + body->knot_count, o->knot_room,
+                              "the crossings of contours with planes"));
+        for (uint64_t i = 0; i < body->knot_count; i++) {
+            bvxi_knot *const k = &o->knot[before + i];
+            *k = body->knot[i];
+            k->segment += first[k->plane];
+            k->joined += (uint32_t)before;
+            k->next = o->plane[k->plane].knot;
+            o->plane[k->plane].knot = (uint32_t)(before + i);
+        }
+        o->knot_count += body->knot_count;
+        for (uint32_t p = 0; p < o->plane_count; p++) first[p] += body->plane[p].plane.point_count;
+    }
     return BVX_OK;
 }
 

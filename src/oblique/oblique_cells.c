@@ -94,8 +94,7 @@ static uint64_t contradicted_cells(const bvxi_oblique *o, const oblique_block *b
             int32_t at[3];
             double place[3];
             bvxi_oblique_in_block(b->first, c, at);
-            /* Corners that agree may have a bit of the surface between them all the same, on the plane
-             * alone. */
+            /* Corners that agree may have a bit of the surface between them, on the plane only. */
             if (bvxi_oblique_in_cube(&o->plane[b->plane[i]], at, 1.0, place) &&
                 bvxi_oblique_kind_on(o, b->plane[i], place) != bvxi_oblique_kind_of(o, value[c]))
                 found |= UINT64_C(1) << c;

@@ -14,8 +14,7 @@ enum { CONTOUR_STEPS = 1000000 };
 /* Points and segments between two reports. */
 enum { CONTOUR_REPORT = 1024 };
 
-/* In cells: a place farther outside of every triangle than rounding explains lies where the plane is not
- * split. */
+/* In cells: a place outside of every triangle by more than rounding lies where the plane is not split. */
 #define FACE_MISS 1e-3
 
 /* A cell with more tetrahedra than that is crowded: its triangles are looked for from the point before. */
@@ -54,8 +53,7 @@ static void keep_better_face(const bvxi_oblique *o, uint32_t plane, uint32_t t, 
         which[n++] = k;
     }
 
-    /* Seen from one side or the other, the triangle may run either way: its area's sign says which is
-     * inside. */
+    /* Seen from either side the triangle may run either way: its area's sign decides. */
     area = cross_uv(at[0], at[1], at[2]);
     for (int k = 0; k < 3; k++) {
         const double *const a = at[(k + 1) % 3], *const b = at[(k + 2) % 3];
@@ -302,8 +300,7 @@ static bvx_status insert_segment(bvxi_oblique *o, uint32_t plane, uint32_t from,
         BVXI_TRY(next_step(o, plane, from, to, &step));
         if (step.vertex == BVXI_NONE && step.tetra != BVXI_NONE)
             BVXI_TRY(bvxi_tetra_split_edge(o, step.tetra, step.edge[0], step.edge[1], step.at, &step.vertex));
-        /* Where contours contradict each other a way may lead nowhere: it is counted, and the surface is
-         * closed without it. */
+        /* Where contours contradict each other a way may lead nowhere: it is counted and left out. */
         if (step.vertex == BVXI_NONE || steps == CONTOUR_STEPS) {
             o->report.unkept_edges++;
             return BVX_OK;

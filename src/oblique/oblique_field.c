@@ -10,8 +10,7 @@
  * the weights to the nearest planes' surroundings. Far from its contours a plane only asks for the right
  * sign.
  *
- * Signs on the planes are decided elsewhere. Beyond the contours' box the way to it is taken off: the body
- * ends in a dome. */
+ * Beyond the contours' box the way to it is taken off: the body ends in a dome. */
 #include "oblique/oblique.h"
 
 #include <math.h>

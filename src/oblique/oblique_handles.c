@@ -100,8 +100,7 @@ static bvx_status count_surface_patches(handle_work *w)
     for (uint32_t c = 0; c < 3 * w->triangles; c++) {
         int32_t *const euler = &w->euler[bvxi_root(w->patch, c / 3)];
         BVXI_TRY(report_patches(w, 0.2, c));
-        /* Triangles and vertices count, edges count against them; an inner edge is counted at one of its
-         * sides. */
+        /* Triangles and vertices count for, edges against; an inner edge at one of its sides. */
         if (c % 3 == 0) ++*euler;
         if (bvxi_root(w->fan, c) == c) ++*euler;
         if (w->side[c] != 2) --*euler;
@@ -142,29 +141,6 @@ static bvx_status find_surface_patches(handle_work *w)
     for (uint32_t c = 0; c < 3 * n; c++) w->fan[c] = c;
     BVXI_TRY(join_surface_patches(w, o->triangle));
     return count_surface_patches(w);
-}
-
-/* Edges from plane to plane with both ends on one side get a vertex, on that side as well. */
-static bvx_status loosen_tetrahedron(bvxi_oblique *o, uint32_t t)
-{
-    for (int a = 0; a < 4; a++)
-        for (int b = a + 1; b < 4; b++) {
-            uint32_t const x = o->tetra[t].v[a], y = o->tetra[t].v[b];
-            int const inside = o->vertex[x].sign > 0 || o->vertex[y].sign > 0;
-            uint32_t const ends[2] = {x, y};
-            double at[3];
-            uint32_t m;
-
-            /* An edge within a plane must not be cut: what is on the plane is fixed. */
-            if (bvxi_share_plane(o, ends, 2) || o->vertex[x].sign * o->vertex[y].sign < 0 ||
-                bvxi_first_plane(o, x) == BVXI_NONE || bvxi_first_plane(o, y) == BVXI_NONE)
-                continue;
-            bvxi_oblique_middle(o, ends, 2, at);
-            BVXI_TRY(bvxi_tetra_split_edge(o, t, x, y, at, &m));
-            o->vertex[m].sign = inside ? 1 : -1;
-            o->vertex[m].value = inside ? HANDLE_MIDDLE : -HANDLE_MIDDLE;
-        }
-    return BVX_OK;
 }
 
 /* ---- what lies around ---- */
@@ -210,7 +186,27 @@ static bvx_status look_around_patch(handle_work *w, const uint32_t *owner, uint3
     uint64_t const before = o->vertex_count;
 
     BVXI_TRY(gather_patch(w, owner, patch));
-    for (uint32_t i = 0; i < w->tetras; i++) BVXI_TRY(loosen_tetrahedron(o, w->tetra[i]));
+    for (uint32_t i = 0; i < w->tetras; i++) {
+        /* Edges from plane to plane with both ends on one side get a vertex, on that side as well. */
+        uint32_t const t = w->tetra[i];
+        for (int a = 0; a < 4; a++)
+            for (int b = a + 1; b < 4; b++) {
+                uint32_t const x = o->tetra[t].v[a], y = o->tetra[t].v[b];
+                int const inside = o->vertex[x].sign > 0 || o->vertex[y].sign > 0;
+                uint32_t const ends[2] = {x, y};
+                double at[3];
+                uint32_t m;
+
+                /* An edge within a plane must not be cut: what is on the plane is fixed. */
+                if (bvxi_share_plane(o, ends, 2) || o->vertex[x].sign * o->vertex[y].sign < 0 ||
+                    bvxi_first_plane(o, x) == BVXI_NONE || bvxi_first_plane(o, y) == BVXI_NONE)
+                    continue;
+                bvxi_oblique_middle(o, ends, 2, at);
+                BVXI_TRY(bvxi_tetra_split_edge(o, t, x, y, at, &m));
+                o->vertex[m].sign = inside ? 1 : -1;
+                o->vertex[m].value = inside ? HANDLE_MIDDLE : -HANDLE_MIDDLE;
+            }
+    }
     /* Halves of tetrahedra that were split are no part of what was gathered. */
     if (o->vertex_count > before) BVXI_TRY(gather_patch(w, owner, patch));
     bvxi_drop(o->ctx, w->number);
@@ -238,8 +234,7 @@ static uint32_t count_handle_stretches(handle_work *w, int inside)
     for (uint32_t i = 0; i < w->tetras; i++) {
         const uint32_t *const v = o->tetra[w->tetra[i]].v;
         uint32_t last = BVXI_NONE;
-        /* Vertices of one side that share an edge are one stretch: in a tetrahedron the surface parts the
-         * sides. */
+        /* Vertices of one side that share an edge are one stretch: the surface parts the two sides. */
         for (int k = 0; k < 4; k++) {
             if ((o->vertex[v[k]].sign > 0) != inside) continue;
             if (last != BVXI_NONE) bvxi_join(w->joined, w->number[last], w->number[v[k]]);
@@ -437,8 +432,7 @@ bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t
     w.look = bvxi_look_in(w.block, BVXI_LOOK_MOST);
     BVXI_TRY(find_surface_patches(&w));
     for (uint32_t t = 0; t < w.triangles; t++) {
-        /* Of a patch with that many loops as its border: Euler's number is 2 less the loops and two for
-         * each handle. */
+        /* Of a patch with that many loops as its border: Euler's number is 2 - loops - 2 * handles. */
         int32_t const handles = (2 - w.euler[t] - w.loops[t]) / 2;
         uint64_t const vertices = o->vertex_count;
 

@@ -224,26 +224,6 @@ static bvx_status follow_surface(bvxi_oblique *o)
 
 /* ---- contours ---- */
 
-/* Cells within reach of a place; vertices may have moved by PLACE_SNAP. */
-static void mark_place(bvxi_oblique *o, const double at[3])
-{
-    int32_t low[3], high[3], c[3];
-
-    for (int k = 0; k < 3; k++) {
-        low[k] = (int32_t)floor(at[k] - MARK_REACH);
-        high[k] = (int32_t)floor(at[k] + MARK_REACH);
-        if (low[k] < 0) low[k] = 0;
-        if (high[k] > o->side[k] - 2) high[k] = o->side[k] - 2;
-    }
-    for (c[2] = low[2]; c[2] <= high[2]; c[2]++)
-        for (c[1] = low[1]; c[1] <= high[1]; c[1]++)
-            for (c[0] = low[0]; c[0] <= high[0]; c[0]++) {
-                int bit;
-                uint64_t const block = bvxi_oblique_block(o, c, &bit);
-                o->contour_cells[block] |= UINT64_C(1) << bit;
-            }
-}
-
 static void mark_segment(bvxi_oblique *o, const double a[3], const double b[3])
 {
     double square = 0.0;
@@ -253,7 +233,23 @@ static void mark_segment(bvxi_oblique *o, const double a[3], const double b[3])
     for (int32_t i = 0; i <= steps; i++) {
         double const t = (double)i / steps;
         double const at[3] = {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
-        mark_place(o, at);
+
+        /* Cells within reach of a place; vertices may have moved by PLACE_SNAP. */
+        int32_t low[3], high[3], c[3];
+
+        for (int k = 0; k < 3; k++) {
+            low[k] = (int32_t)floor(at[k] - MARK_REACH);
+            high[k] = (int32_t)floor(at[k] + MARK_REACH);
+            if (low[k] < 0) low[k] = 0;
+            if (high[k] > o->side[k] - 2) high[k] = o->side[k] - 2;
+        }
+        for (c[2] = low[2]; c[2] <= high[2]; c[2]++)
+            for (c[1] = low[1]; c[1] <= high[1]; c[1]++)
+                for (c[0] = low[0]; c[0] <= high[0]; c[0]++) {
+                    int bit;
+                    uint64_t const block = bvxi_oblique_block(o, c, &bit);
+                    o->contour_cells[block] |= UINT64_C(1) << bit;
+                }
     }
 }
 

@@ -131,8 +131,7 @@ static bvx_status find_events(bvxi_oblique *o, oblique_line_work *w, uint32_t pl
         bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[n], b);
         ha = bvxi_oblique_height(&o->plane[other], a);
         hb = bvxi_oblique_height(&o->plane[other], b);
-        /* A point on the other plane but for rounding is on it, for the segments before and after it
-         * alike. */
+        /* A point on the other plane but for rounding is on it, for both its segments alike. */
         if (bvxi_absolute(ha) <= BVXI_OBLIQUE_NEAR) ha = 0.0;
         if (bvxi_absolute(hb) <= BVXI_OBLIQUE_NEAR) hb = 0.0;
         if ((ha < 0.0) == (hb < 0.0)) continue;
@@ -183,8 +182,7 @@ static bvx_status refuse_gap(bvxi_oblique *o, uint32_t a, uint32_t b, const doub
         o->origin[2] + o->step * at[2], gap * o->step, o->agree * o->step);
 }
 
-/* How far a contour would have to move at most: along the line, or across it where one only just reaches
- * it. */
+/* How far a contour would have to move at most: along the line, or across it where it just reaches it. */
 static double way_apart(const bvxi_oblique *o, uint32_t a, uint32_t b, const line_event *from,
                         const line_event *to)
 {

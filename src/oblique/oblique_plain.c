@@ -5,8 +5,7 @@
  *
  * All edges of those tetrahedra run from a vertex of the lattice along one to three axes at once: seven
  * ways. So the crossed edges of a block are seven words of bits, found by comparing the block's signs with
- * themselves moved by one, and the number of an edge's vertex is a rank among those bits. Blocks are
- * computed apart from each other, and the numbers do not depend on who computes them. */
+ * themselves moved by one, and the number of an edge's vertex is a rank among those bits. */
 #include "oblique/oblique.h"
 
 #include "bits/bits.h"
@@ -24,8 +23,7 @@ const uint8_t bvxi_kuhn[6][4] = {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7},
 
 /* ---- tetrahedra by the signs of their corners ---- */
 
-/* Edges (inside, outside) round the surface in a positive tetrahedron, seen counter-clockwise from
- * outside. */
+/* Edges (inside, outside) around a surface in a positive tetrahedron, seen counter-clockwise from outside. */
 int bvxi_oblique_case(int inside, uint8_t edge[4][2])
 {
     /* the other three corners, in the order in which they are seen from a corner outwards */

@@ -28,8 +28,7 @@ static bvx_status lay_lattice(bvxi_oblique *o, const double low[3], const double
     if (!(longest > 0.0))
         return bvxi_fail_for(o->ctx, BVX_ERR_EMPTY, BVX_REASON_EMPTY, "%s: all points are one", o->function);
 
-    /* Contours far from the origin have few digits left for their extent; beyond this, places in a cell are
-     * noise. */
+    /* Contours far from the origin have few digits left for their extent; beyond this, cells are noise. */
     if (!(longest > 1e-9 * largest) || !(longest < 1e300))
         return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: the contours' extent %g is too small beside their coordinates", o->function,
@@ -44,8 +43,7 @@ static bvx_status lay_lattice(bvxi_oblique *o, const double low[3], const double
     o->step = o->options.spacing > 0.0 ? o->options.spacing : longest / cells;
     o->longest = cells;
 
-    /* The body may bulge beyond its contours by an eighth; three cells more keep the lattice's border outside
-     * of it. */
+    /* The body may bulge beyond its contours by an eighth; three cells more keep the border outside. */
     int32_t const pad = (int32_t)(cells / 8.0) + 3;
     for (int k = 0; k < 3; k++) {
         /* Whole blocks, so that no block needs a look at where the lattice ends. */
@@ -80,26 +78,6 @@ static bvx_status bound_contours(bvxi_oblique *o)
 
 /* ---- planes ---- */
 
-static bvx_status frame_plane(bvxi_oblique *o, uint32_t i)
-{
-    bvxi_oblique_plane *const p = &o->plane[i];
-    double axis[3][3], world;
-
-    BVXI_TRY(bvxi_section_frame(o->ctx, o->function, o->given->normals + 3 * (uint64_t)i, axis));
-    memcpy(p->axis, axis, sizeof p->axis);
-    memcpy(p->normal, axis[2], sizeof p->normal);
-
-    /* The plane in cells: its offset is counted from the lattice's origin, whose own height is taken off
-     * first. */
-    world = (p->normal[0] * o->origin[0] + p->normal[1] * o->origin[1]) + p->normal[2] * o->origin[2];
-    p->offset = (o->given->positions[i] - world) / o->step;
-
-    p->knot = BVXI_NONE;
-    p->plane.section = i;
-    p->plane.w = o->given->positions[i];
-    return BVX_OK;
-}
-
 static bvx_status place_points(bvxi_oblique *o, bvxi_oblique_plane *f)
 {
     bvxi_plane *const p = &f->plane;
@@ -113,8 +91,7 @@ static bvx_status place_points(bvxi_oblique *o, bvxi_oblique_plane *f)
 
         bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[i], at);
         bvxi_oblique_uv(f, at, p->uv[i]);
-        /* A point beside its plane counts as its foot on it, but keeps its coordinates as a vertex: it may
-         * not be far. */
+        /* A point beside its plane counts as its foot on it, but keeps its coordinates as a vertex. */
         off = bvxi_absolute(bvxi_oblique_height(f, at));
         if (off > OBLIQUE_OFF * o->longest)
             return bvxi_fail_for(
@@ -209,7 +186,22 @@ bvx_status bvxi_oblique_lay_planes(bvxi_oblique *o)
     o->report.planes = n;
 
     o->agree = o->options.agree > 0.0 ? o->options.agree / o->step : 0.01 * o->longest;
-    for (uint32_t i = 0; i < o->plane_count; i++) BVXI_TRY(frame_plane(o, i));
+    for (uint32_t i = 0; i < o->plane_count; i++) {
+        bvxi_oblique_plane *const p = &o->plane[i];
+        double axis[3][3], world;
+
+        BVXI_TRY(bvxi_section_frame(o->ctx, o->function, o->given->normals + 3 * (uint64_t)i, axis));
+        memcpy(p->axis, axis, sizeof p->axis);
+        memcpy(p->normal, axis[2], sizeof p->normal);
+
+        /* The plane in cells: its offset is counted from the lattice's origin. */
+        world = (p->normal[0] * o->origin[0] + p->normal[1] * o->origin[1]) + p->normal[2] * o->origin[2];
+        p->offset = (o->given->positions[i] - world) / o->step;
+
+        p->knot = BVXI_NONE;
+        p->plane.section = i;
+        p->plane.w = o->given->positions[i];
+    }
     return refuse_one_plane(o);
 }
 

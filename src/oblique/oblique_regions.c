@@ -35,8 +35,7 @@ static void vote_for(const bvxi_oblique *o, oblique_region_work *w, uint32_t pla
     w->vote[z] += (x > y) == (edge & 1) ? area : -area;
 }
 
-/* Arrays over all vertices, made ready for this plane's alone, as others may have used them; then joins and
- * votes. */
+/* Arrays over all vertices, made ready for this plane's; then joins and votes. */
 static void vote_on_plane(const bvxi_oblique *o, oblique_region_work *w, uint32_t plane)
 {
     uint64_t const begin = w->first[plane], end = w->first[plane + 1];
@@ -83,8 +82,7 @@ static bvx_status settle_region(bvxi_oblique *o, oblique_region_work *w, uint32_
             uint32_t const x = v[k];
             double const vote = o->vertex[x].sign == 0 ? 0.0 : w->vote[bvxi_root(w->joined, x)];
             if (vote == 0.0 || (vote > 0.0) == (o->vertex[x].sign > 0)) continue;
-            /* One that lies on several planes has the first one's sign; that the others differ is
-             * remembered. */
+            /* One that lies on several planes has the first one's sign; a difference is recorded. */
             if (bvxi_first_plane(o, x) == plane) {
                 bvxi_flip_sign(o, x);
                 continue;

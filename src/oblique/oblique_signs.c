@@ -2,16 +2,13 @@
  * through the contours.
  *
  * A vertex on a plane has the sign of its region there, on the left or right of its contours; one on a
- * contour has none. The surface is to run through
- * a contour's edges and nothing else of a plane, once, and through a contour's vertex once. So:
- * - an edge between two contour vertices that is no contour's, and a face between three, gets a vertex;
- * - a vertex on two planes whose contours contradict each other there, or on none next to the surface, has the
- *   sign that makes no bridge and no hole of what lies round it, where there is one;
- * - round a contour's edge, inside and outside must each be one stretch: a vertex in between that is not gets
- *   one of the other sign between itself and the edge;
- * - round a contour's vertex inside and outside must each hang together: what does not is parted from it in
- *   the same way.
- * Each step leaves what the ones before it made. */
+ * contour has none. The surface is to run through a contour's edges and nothing else of a plane, once, and
+ * through a contour's vertex once. So: - an edge between two contour vertices that is no contour's, and a
+ * face between three, gets a vertex; - a vertex on two planes whose contours contradict each other there, or
+ * on none next to the surface, has the sign that makes no bridge and no hole of what lies round it, where
+ * there is one; - round a contour's edge, inside and outside must each be one stretch: a vertex in between
+ * that is not gets one of the other sign between itself and the edge; - round a contour's vertex inside and
+ * outside must each hang together: what does not is parted from it in the same way. */
 #include "oblique/oblique.h"
 
 #define FREE_VALUE 0.1F /* cells: a vertex of the lattice no farther from the surface may be on either side */

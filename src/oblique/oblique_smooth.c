@@ -204,11 +204,9 @@ static void pull_row(const smooth_work *w, int64_t first, const double *x, doubl
     uint64_t const room = w->padding + w->nodes;
     const float *band = w->band + w->padding + first;
     int32_t const n = w->grid.size[0];
-
     for (int32_t i = 0; i < n; i++) out[i] += (double)band[i] * x[i];
     for (int axis = 0; axis < 3; axis++)
-        /* A band holds the pair of a node and the one d on; the pair with the one d before stands at that
-         * node. */
+        /* A band pairs a node with the one d on; the pair with the one d before stands there. */
         for (int d = 1; d <= 3; d++) {
             int64_t const s = d * w->step[axis];
             band += room;

@@ -221,23 +221,6 @@ static bvx_status close_handles(bvxi_oblique *o)
     return BVX_OK;
 }
 
-/* Contours' points have the coordinates given. */
-static void give_contour_points(bvxi_oblique *o)
-{
-    uint32_t first = 0;
-    for (uint32_t i = 0; i < o->plane_count; i++) {
-        const bvxi_plane *const p = &o->plane[i].plane;
-        for (uint32_t n = 0; n < p->point_count; n++) {
-            uint32_t const v = o->point_vertex[first + n];
-            if (v == BVXI_NONE || o->output[v] == BVXI_NONE || o->kept[o->output[v]]) continue;
-            o->kept[o->output[v]] = 1; /* the first of two points at one vertex */
-            memcpy(o->position + 3 * (uint64_t)o->output[v], o->given->points + 3 * (uint64_t)p->given[n],
-                   24);
-        }
-        first += p->point_count;
-    }
-}
-
 static void oblique_count_unkept(bvxi_oblique *o, const uint32_t *renumbered)
 {
     double const most = ONE_PLACE * o->longest * o->step;
@@ -335,8 +318,7 @@ static bvx_status keep_bodies(bvxi_oblique *o, uint32_t *joined, uint64_t *verti
 static bvx_status refuse_torn(bvxi_oblique *o)
 {
     uint64_t broken = 0;
-    /* Plain cells' vertices count where a tetrahedron's triangle meets them: all their triangles are
-     * looked at. */
+    /* Plain cells' vertices count where a tetrahedron's triangle meets them: all triangles are tested. */
     memset(o->kept, 0, (size_t)o->position_count);
     for (uint64_t c = 3 * o->plain_triangles; c < 3 * o->triangle_count; c++) o->kept[o->triangle[c]] = 1;
     BVXI_TRY(BVXI_SCOPE(o->ctx, bvxi_fans_check(o->ctx, o->triangle, o->triangle_count, o->position_count,
@@ -354,7 +336,21 @@ static bvx_status write_surface(bvxi_oblique *o, uint32_t *joined, bvx_mesh *mes
 
     BVXI_TRY(refuse_torn(o));
     memset(o->kept, 0, (size_t)o->position_count);
-    give_contour_points(o);
+
+    /* Contours' points have the coordinates given. */
+    uint32_t first = 0;
+    for (uint32_t i = 0; i < o->plane_count; i++) {
+        const bvxi_plane *const p = &o->plane[i].plane;
+        for (uint32_t n = 0; n < p->point_count; n++) {
+            uint32_t const v = o->point_vertex[first + n];
+            if (v == BVXI_NONE || o->output[v] == BVXI_NONE || o->kept[o->output[v]]) continue;
+            o->kept[o->output[v]] = 1; /* the first of two points at one vertex */
+            memcpy(o->position + 3 * (uint64_t)o->output[v], o->given->points + 3 * (uint64_t)p->given[n],
+                   24);
+        }
+        first += p->point_count;
+    }
+
     BVXI_TRY(keep_bodies(o, joined, &vertices));
     oblique_count_unkept(o, joined);
     if (o->triangle_count == 0)

@@ -54,8 +54,7 @@ static bvx_status add_to_ring(bvxi_oblique *o, uint32_t tetra)
     return BVX_OK;
 }
 
-/* Collect the tetrahedra around edge a b, leaving each over the face opposite corner `leave`, until a border
- * or start. */
+/* Collect the tetrahedra around edge a b, over the face opposite corner `leave`, until a border or start. */
 static bvx_status ring_on(bvxi_oblique *o, uint32_t start, uint32_t a, uint32_t b, int leave, int *closed)
 {
     uint32_t at = start;

@@ -152,8 +152,8 @@ typedef struct boolean_job {
     bvx_grid inside;
     uint64_t grid_bytes;
     bvx_boolean_report report;
-    uint64_t holes;      /* of both meshes */
-    double longest_hole; /* [Units: world] */
+    uint64_t holes; /* of both meshes */
+    bvxi_rim longest_rim;
 } boolean_job;
 
 /* ---- Checks ---- */
@@ -281,12 +281,11 @@ static bvx_status judge_body(boolean_job *job, int32_t i, uint64_t voxels)
         /* they were not requested; what would show them is */
         if (!r->thin_checked) BVXI_TRY(keep_thin_walls(job, i));
         advised = resolution_of_lost_body(job, i, sides.shortest);
-        if (advised == 0)
+        if (bvxi_advised(advised) == 0.0)
             return bvxi_fail(
                 job->ctx, BVX_ERR_EMPTY,
-                "%s: none of %d x %d x %d voxels has its centre inside: the body encloses nothing that any "
-                "resolution would "
-                "show; repair it first",
+                "%s: none of %d x %d x %d voxels has its centre inside: the body is thinner than they are "
+                "at any resolution of up to 4096, or encloses nothing; repair it first",
                 boolean_mesh[i], (int64_t)n[0], (int64_t)n[1], (int64_t)n[2]);
         return bvxi_fail(
             job->ctx, BVX_ERR_EMPTY,
@@ -434,16 +433,14 @@ static bvx_status open_boolean_lids(boolean_job *job, int32_t i, bvxi_holes *hol
     const bvx_solid_report *const r = i == 0 ? &job->report.solid_a : &job->report.solid_b;
     boolean_body *const b = &job->body[i];
     bvxi_winding *winding;
-    double longest;
 
     b->lids.lattice = &job->lattice;
     if ((r->fill != BVX_FILL_WINDING && r->fill != BVX_FILL_VOTE) || r->turned != 0) return BVX_OK;
     BVXI_TRY(bvxi_holes_open_rule(job->ctx, boolean_name, b->mesh, &job->lattice, r->fill, holes));
     BVXI_TRY(bvxi_winding_open(job->ctx, boolean_name, b->mesh, &job->lattice, r->fill, holes, &winding));
     b->lids.winding = winding;
-    longest = bvxi_longest_loop(b->mesh, holes);
+    bvxi_longest_rim(b->mesh, holes, &job->longest_rim);
     job->holes += holes->loops;
-    job->longest_hole = longest > job->longest_hole ? longest : job->longest_hole;
     return BVX_OK;
 }
 
@@ -554,70 +551,55 @@ static bvx_status warn_of_operands_volume(boolean_job *job, double volume, doubl
     return BVX_OK;
 }
 
-enum { BOOLEAN_BOXES = 1024 };
-
-typedef struct piece_box {
-    double low[3], high[3];
-} piece_box;
-
-/* The boxes of one mesh's pieces, after those of the other; *count is more than BOOLEAN_BOXES where they do not
- * fit. */
-static bvx_status add_piece_boxes(boolean_job *job, const bvx_mesh_view *mesh, const uint32_t *piece,
-                                  piece_box *box, uint32_t *count)
+/* Both meshes as one. */
+static bvx_status put_together(boolean_job *job, bvx_mesh_view *both)
 {
-    uint32_t *number;
+    const bvx_mesh_view *const a = job->body[0].mesh, *const b = job->body[1].mesh;
+    uint64_t const vertices = a->vertex_count + b->vertex_count;
+    uint64_t const triangles = a->triangle_count + b->triangle_count;
+    uint32_t *index;
+    double *position;
 
-    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, mesh->vertex_count * 4, "the pieces' numbers", &number));
-    for (uint64_t t = 0; t < mesh->triangle_count; t++) {
-        uint32_t c[3], *n;
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, vertices * 24, "both meshes' places", &position));
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, triangles * 12, "both meshes' triangles", &index));
+    *both = (bvx_mesh_view){.positions = position,
+                            .indices = index,
+                            .vertex_count = vertices,
+                            .triangle_count = triangles,
+                            .position_type = BVX_F64,
+                            .index_type = BVX_U32};
+    for (uint64_t v = 0; v < vertices; v++)
+        if (v < a->vertex_count) bvxi_view_position(a, v, position + 3 * v);
+        else bvxi_view_position(b, v - a->vertex_count, position + 3 * v);
+    for (uint64_t t = 0; t < triangles; t++) {
+        uint64_t const first = t < a->triangle_count ? 0 : a->vertex_count;
 
-        bvxi_view_triangle(mesh, t, c);
-        if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) continue;
-        n = &number[piece[c[0]]];
-        if (*n == 0) {
-            if (*count == BOOLEAN_BOXES) return (*count)++, BVX_OK;
-            box[*count] = (piece_box){{1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}};
-            *n = ++*count;
-        }
-        for (int k = 0; k < 3; k++) {
-            piece_box *const b = &box[*n - 1];
-            double p[3];
-
-            bvxi_view_position(mesh, c[k], p);
-            for (int a = 0; a < 3; a++) {
-                b->low[a] = p[a] < b->low[a] ? p[a] : b->low[a];
-                b->high[a] = p[a] > b->high[a] ? p[a] : b->high[a];
-            }
-        }
+        bvxi_view_triangle(first == 0 ? a : b, first == 0 ? t : t - a->triangle_count, index + 3 * t);
+        for (int k = 0; k < 3; k++) index[3 * t + (uint64_t)k] += (uint32_t)first;
     }
     return BVX_OK;
 }
 
-static int boxes_meet(const piece_box *a, const piece_box *b)
+/* The bodies that a union of closed meshes has; 0: not known, or no more than parts. */
+static bvx_status count_apart(boolean_job *job, uint64_t parts, uint64_t *bodies)
 {
-    for (int k = 0; k < 3; k++)
-        if (a->low[k] > b->high[k] || b->low[k] > a->high[k]) return 0;
-    return 1;
-}
+    const bvx_boolean_report *const r = &job->report;
+    uint64_t pieces = 0;
+    bvx_mesh_view both;
 
-/* Groups of pieces whose boxes meet: a union of closed meshes has no fewer parts. 0: too many to compare. */
-static bvx_status count_apart(boolean_job *job, uint64_t *groups)
-{
-    uint32_t group[BOOLEAN_BOXES], count = 0;
-    piece_box *box;
-
-    for (int i = 0; i < 2; i++) BVXI_TRY(bvxi_know_pieces(job->ctx, &job->source[i]));
-    BVXI_TRY(
-        bvxi_alloc(job->ctx, BVXI_SCRATCH, BOOLEAN_BOXES * sizeof *box, "the boxes of the pieces", &box));
-    for (int i = 0; i < 2 && count <= BOOLEAN_BOXES; i++)
-        BVXI_TRY(add_piece_boxes(job, job->body[i].mesh, job->source[i].piece, box, &count));
-    *groups = 0;
-    for (uint32_t i = 0; i < count && count <= BOOLEAN_BOXES; i++) {
-        group[i] = i;
-        ++*groups;
-        for (uint32_t k = 0; k < i; k++) *groups -= boxes_meet(&box[i], &box[k]) && bvxi_join(group, i, k);
+    *bodies = 0;
+    for (int i = 0; i < 2; i++) {
+        BVXI_TRY(bvxi_know_pieces(job->ctx, &job->source[i]));
+        for (uint64_t v = 0; v < job->body[i].mesh->vertex_count; v++) pieces += job->source[i].piece[v] == v;
     }
-    return BVX_OK;
+    /* Two that have voxels in common are one, but for those that were put to thin walls. */
+    if (parts >= pieces ||
+        (pieces == 2 && r->voxels + job->body[0].thin.near.count + job->body[1].thin.near.count <
+                            r->voxels_a + r->voxels_b) ||
+        job->body[0].mesh->vertex_count + job->body[1].mesh->vertex_count > UINT32_MAX)
+        return BVX_OK;
+    BVXI_TRY(put_together(job, &both));
+    return bvxi_bodies_apart(job->ctx, boolean_name, &both, bodies);
 }
 
 /* A union has no more parts than its meshes have together, which are counted only where that is in question; and no
@@ -640,7 +622,7 @@ static bvx_status warn_of_operands_parts(boolean_job *job, uint64_t parts, doubl
     /* Of bodies beyond the lattice pieces are missing, whatever its resolution is. */
     for (int i = 0; i < 2; i++)
         if (!bvxi_sides_on_lattice(&job->box[i], &job->lattice).whole) return BVX_OK;
-    BVXI_TRY(BVXI_SCOPE(job->ctx, count_apart(job, &apart)));
+    BVXI_TRY(BVXI_SCOPE(job->ctx, count_apart(job, parts, &apart)));
     if (parts < apart) BVXI_WARN(job->ctx, BVX_WARN_JOINED, (double)parts, (double)apart, finer);
     return BVX_OK;
 }
@@ -649,7 +631,7 @@ static void warn_of_operand(boolean_job *job, int32_t i)
 {
     const bvx_solid_report *const r = i == 0 ? &job->report.solid_a : &job->report.solid_b;
 
-    bvxi_warn_of_fill(job->ctx, &job->body[i].solid, r, i);
+    bvxi_warn_of_fill(job->ctx, r, i);
     if ((job->report.thin_kept & (i == 0 ? BVX_KEPT_A : BVX_KEPT_B)) == 0)
         bvxi_warn_of_walls(job->ctx, &job->lattice, r, i);
     /* A body of so few voxels has lost its shape; the resolution that keeps it follows from its size. */
@@ -710,7 +692,7 @@ static bvx_status warn_of_boolean(boolean_job *job, const bvx_mesh *result)
     /* A vertex for each crossed edge. */
     if (result->triangle_count != 0)
         bvxi_warn_of_lids(job->ctx, (double)r->surface.lids / (double)result->vertex_count, job->holes,
-                          job->longest_hole);
+                          &job->longest_rim);
     r->warnings = bvxi_warned(job->ctx);
     return BVX_OK;
 }

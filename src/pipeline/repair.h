@@ -5,14 +5,16 @@
 
 #include "grid/grid.h"
 #include "mesh/topology.h"
+#include "pipeline/steps.h"
 #include "pipeline/thicken.h"
 #include "winding/holes.h"
 
 /* What warnings need to know beside the report. */
 typedef struct bvxi_repair_facts {
-    double longest_hole;   /* [Units: world] */
-    uint64_t sheet_edges;  /* crossings of the result far from the input's surface: on lids over holes */
-    uint64_t overlaps;     /* voxels in more than one turn of the surface, where sizes changed */
+    bvxi_rim longest_rim;
+    uint64_t sheet_edges; /* crossings of the result far from the input's surface: on lids over holes */
+    uint64_t bodies;      /* of closed parts, those that cross as one; 0: no more than the result has parts */
+    uint64_t overlaps;    /* voxels in more than one turn of the surface, where sizes changed */
     uint64_t thin_shelled; /* of shelled_triangles, those of components with a volume but few voxels */
     double shelled_area;   /* of shelled_triangles [Units: world^2] */
     double parts_volume;   /* sum of the components' volumes; 0: open, or sides are unknown [Units: world] */

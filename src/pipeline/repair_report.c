@@ -6,31 +6,33 @@
 
 #include <math.h>
 
-double bvxi_longest_loop(const bvx_mesh_view *mesh, const bvxi_holes *holes)
+void bvxi_longest_rim(const bvx_mesh_view *mesh, const bvxi_holes *holes, bvxi_rim *longest)
 {
     uint64_t begin = 0;
-    double longest = 0;
 
     /* Loop by loop, from its first vertex around to it. */
     for (uint64_t l = 0; l < holes->loops; begin = holes->loop_end[l++]) {
-        double length = 0;
+        bvxi_rim rim = {0.0, {1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}};
         for (uint64_t i = begin; i < holes->loop_end[l]; i++) {
             uint64_t const next = i + 1 == holes->loop_end[l] ? begin : i + 1;
             double p[3], q[3], sum = 0;
             bvxi_view_position(mesh, holes->vertex[i], p);
             bvxi_view_position(mesh, holes->vertex[next], q);
-            for (int a = 0; a < 3; a++) sum += (q[a] - p[a]) * (q[a] - p[a]);
-            length += sqrt(sum);
+            for (int a = 0; a < 3; a++) {
+                sum += (q[a] - p[a]) * (q[a] - p[a]);
+                rim.low[a] = p[a] < rim.low[a] ? p[a] : rim.low[a];
+                rim.high[a] = p[a] > rim.high[a] ? p[a] : rim.high[a];
+            }
+            rim.length += sqrt(sum);
         }
-        longest = length > longest ? length : longest;
+        if (rim.length > longest->length) *longest = rim;
     }
-    return longest;
 }
 
 static void measure_loops(bvxi_repair_job *job, const bvxi_holes *holes)
 {
     job->report.holes = holes->loops;
-    job->facts.longest_hole = bvxi_longest_loop(&job->mesh, holes);
+    bvxi_longest_rim(&job->mesh, holes, &job->facts.longest_rim);
 }
 
 static bvx_status find_holes(bvxi_repair_job *job)
@@ -111,6 +113,17 @@ static bvx_status compare_handles(bvxi_repair_job *job)
     return bvx_mesh_crossings(job->ctx, &job->mesh, &r->crossings, NULL, 0);
 }
 
+/* Parts that cross become one; one that crosses none, or a gap, may be lost. */
+static bvx_status count_bodies(bvxi_repair_job *job)
+{
+    const bvx_repair_report *const r = &job->report;
+
+    if (!r->before.closed || r->needs == BVX_NEEDS_NOTHING || r->after.components >= r->before.components ||
+        r->shelled_triangles != 0)
+        return BVX_OK;
+    return bvxi_bodies_apart(job->ctx, bvxi_repair_name, &job->mesh, &job->facts.bodies);
+}
+
 int bvxi_has_own_size(const bvx_repair_report *r, const bvxi_repair_facts *f)
 {
     return r->before.closed && r->before.oriented && f->overlaps == 0 && r->turned == 0 &&
@@ -133,7 +146,8 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.2, bvx_mesh_check(job->ctx, &result, 0, &job->report.after)));
     if (job->report.before.boundary_edges + job->report.before.nonmanifold_edges != 0)
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.2, 0.22, find_holes(job)));
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.22, 0.25, compare_handles(job)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.22, 0.24, compare_handles(job)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.24, 0.25, BVXI_SCOPE(job->ctx, count_bodies(job))));
 
     if (has_other_size(&job->report))
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.25, 0.4, BVXI_SCOPE(job->ctx, count_overlaps(job))));
@@ -149,6 +163,7 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
 
 #define REPAIR_SHELLED 0.03 /* of the mesh's area, the same */
 #define REPAIR_LIDS    0.05 /* of the result's area, the same */
+#define REPAIR_INWARD  0.5  /* of the result's volume, the same */
 
 /* 1: parts were dropped or cavities filled as options ask, beside crumbs: sizes changed as they were to. */
 static int changed_as_asked(const bvx_repair_report *r)
@@ -175,12 +190,12 @@ static void warn_of_topology(bvx_context *ctx, const bvx_repair_report *r, const
                              double finer)
 {
     double const after = (double)r->after.components, before = (double)r->before.components;
+    double const apart = r->needs == BVX_NEEDS_NOTHING ? before : (double)f->bodies;
     int64_t const has = lidded_handles(&r->after, 0);
 
     if (after > before) BVXI_WARN(ctx, BVX_WARN_PARTS, after, before, finer);
-    /* Parts that cross become one as they should. */
-    if (after < before && r->needs == BVX_NEEDS_NOTHING && !changed_as_asked(r) && !has_lost_walls(r))
-        BVXI_WARN(ctx, BVX_WARN_JOINED, after, before, finer);
+    if (after < apart && !changed_as_asked(r) && !has_lost_walls(r))
+        BVXI_WARN(ctx, BVX_WARN_JOINED, after, apart, finer);
     if (f->handles >= 0 && (r->shelled_triangles == 0 || r->before.closed) &&
         has > f->handles + (int64_t)r->crossings)
         BVXI_WARN(ctx, BVX_WARN_HANDLES, (double)has, (double)f->handles, finer);
@@ -188,10 +203,21 @@ static void warn_of_topology(bvx_context *ctx, const bvx_repair_report *r, const
         BVXI_WARN(ctx, BVX_WARN_SHELLS, (double)r->shelled_triangles, f->shelled_area, r->before.area);
 }
 
-void bvxi_warn_of_lids(bvx_context *ctx, double share, uint64_t holes, double longest)
+void bvxi_warn_of_lids(bvx_context *ctx, double share, uint64_t holes, const bvxi_rim *longest)
 {
-    if (holes != 0 && share > REPAIR_LIDS)
-        BVXI_WARN(ctx, BVX_WARN_LIDS, (double)holes, (double)(int)(100.0 * share + 0.5), longest);
+    bvx_warning *w;
+
+    if (holes == 0 || share <= REPAIR_LIDS) return;
+    w = BVXI_WARN(ctx, BVX_WARN_LIDS, (double)holes, (double)(int)(100.0 * share + 0.5), longest->length);
+    w->placed = 1;
+    memcpy(w->low, longest->low, sizeof w->low);
+    memcpy(w->high, longest->high, sizeof w->high);
+}
+
+/* An open mesh may be the inside of a room: faces that look inward enclose about as much as the result. */
+static int encloses_inward(const bvx_repair_report *r)
+{
+    return r->before.boundary_edges != 0 && r->before.volume < -REPAIR_INWARD * r->after.volume;
 }
 
 /* A surface crosses three lattice edges for two faces of a voxel's area, on average over all directions. */
@@ -237,7 +263,8 @@ void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *r, const bvxi_repair_
         longest = r->lattice.dims[a] > longest ? r->lattice.dims[a] : longest;
     if (has_lost_walls(r)) warn_of_walls(ctx, r, f);
     warn_of_topology(ctx, r, f, bvxi_advised(2.0 * longest));
-    bvxi_warn_of_lids(ctx, share_of_lids(r, f), r->holes, f->longest_hole);
+    bvxi_warn_of_lids(ctx, share_of_lids(r, f), r->holes, &f->longest_rim);
+    if (encloses_inward(r)) BVXI_WARN(ctx, BVX_WARN_TURNED, 0.0, -r->before.volume);
     warn_of_size(ctx, r, f, bvxi_advised(2.0 * longest), (double)collapsed);
     r->warnings = bvxi_warned(ctx);
 }

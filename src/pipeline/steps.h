@@ -27,10 +27,20 @@ typedef struct bvxi_lids {
 
 void bvxi_lid_ratios(const void *user, int32_t count, const bvxi_missing_edge *edge, double *ratio);
 
+/* bodies_apart.c: of a mesh without boundary; 0: there are too many pieces. Scratch: 12 bytes a vertex, what welding
+ * needs, and bvx_mesh_crossings of all pairs. */
+bvx_status bvxi_bodies_apart(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                             uint64_t *bodies);
+
+/* The edge around a hole: its length and its box. [Units: world] */
+typedef struct bvxi_rim {
+    double length, low[3], high[3];
+} bvxi_rim;
+
 /* repair_report.c: warn where lids are a large share of the surface. */
-void bvxi_warn_of_lids(bvx_context *ctx, double share, uint64_t holes, double longest);
-/* The longest loop of a mesh's holes. */
-double bvxi_longest_loop(const bvx_mesh_view *mesh, const bvxi_holes *holes);
+void bvxi_warn_of_lids(bvx_context *ctx, double share, uint64_t holes, const bvxi_rim *longest);
+/* *longest becomes the longest rim of a mesh's holes, if that is longer. */
+void bvxi_longest_rim(const bvx_mesh_view *mesh, const bvxi_holes *holes, bvxi_rim *longest);
 
 /* ---- Small parts of a solid that the meshes it was made from have no part for ---- */
 

@@ -71,9 +71,7 @@ static inline uint32_t child_projection_misses(const int32_t (*p)[3], int u, int
     int64_t const area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
     const uint8_t *const hu = child_half[u], *const hv = child_half[v];
     uint32_t missed = 0;
-
-    /* Without an area both turns are asked: what is outside by either is missed, which is right for a
-     * segment. */
+    /* Without an area both turns are asked: outside by either is missed: right for a segment. */
     if (area >= 0)
         missed |= child_edge_misses(a, b, 1, half, hu, hv) | child_edge_misses(b, c, 1, half, hu, hv) |
                   child_edge_misses(c, a, 1, half, hu, hv);

@@ -79,7 +79,6 @@ static void expand_octet(const expand_job *job, int32_t level, uint64_t octet, c
     const bvxi_octets *const o = &job->tree->octets[level];
 
     step->enter = 0;
-
     if (level + 1 == job->level) {
         set_expanded_children(job, v, bvxi_octet_in_states(o, octet, job->states));
         return;

@@ -41,8 +41,7 @@ int bvxi_refine_is_flat(const bvxi_refine_job *job, const uint32_t *list, const 
     int32_t origin[3] = {0, 0, 0};
     uint32_t best = UINT32_MAX;
 
-    /* The largest triangle has the plane that is known best; of equals the least number, so that order
-     * does not show. */
+    /* The largest triangle has the plane that is known best; of equals the least number. */
     for (uint64_t i = 0; i < count; i++) {
         uint32_t corner[3];
         int32_t first[3];

@@ -69,8 +69,7 @@ static bvx_status check_refine_arguments(bvx_context *ctx, const bvx_mesh_view *
                              "%s: outer_levels is %d; 0 to levels (%d) are possible", bvx_refine_name,
                              (int64_t)o->outer_levels, (int64_t)o->levels);
 
-    /* A tolerance looks at the triangles of each voxel from the base on, so no grid can stand in for
-     * levels. */
+    /* A tolerance looks at the triangles of each voxel from the base on, so no grid replaces levels. */
     if (o->tolerance > 0 && o->start_level > 0)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: a tolerance starts at level 0, not %d", bvx_refine_name,
@@ -121,15 +120,13 @@ static int window_is_small(const bvxi_refine_job *job)
     return share < 0.125;
 }
 
-/* A tolerance looks at lists, so it has them from the base on; beyond a
- * small window a grid would be for nothing. */
+/* A tolerance looks at lists, so it has them from the base on; a small window needs no grid. */
 static int32_t choose_start(const bvxi_refine_job *job)
 {
     const bvx_octree *const tree = job->tree;
     int32_t start = job->windowed && window_is_small(job) ? job->outer : tree->levels;
     if (job->tolerance > 0) return 0;
-    /* One grid of the last level is the fastest way while it is small: rows of bits, and no lists of
-     * triangles at all. */
+    /* One grid of the last level is the fastest way while it is small: rows of bits, no lists. */
     if (bvxi_refine_grid_words(tree, start) <= BVXI_REFINE_WHOLE_GRID / 8) return start;
     while (start > 0 && bvxi_refine_grid_words(tree, start) > BVXI_REFINE_START_GRID / 8) start--;
     return start;

@@ -1,12 +1,10 @@
 /* refine_level.c - one level of refinement: the touched voxels of a level become octets.
  *
  * Source: Liu, Jing, Zhang, Zhao. Refinement of surface voxels by boundary states (docs/papers.md, 4),
- * section 1.4.1. Down to the start level the children's bits are read from a grid; below it every triangle of
- * a voxel's list is tested against its eight children at once (children.c). The first pass over the voxels,
- * in pieces, makes the masks and counts what each piece passes on; the second one, knowing each piece's
- * places, writes the next level's voxels and lists. For the last level the masks are all, and a voxel whose
- * children are all touched looks at no more triangles.
- * Guarantee: exact; the same for any threads. */
+ * section 1.4.1. Down to the start level the children's bits are read from a grid; below it every triangle
+ * of a voxel's list is tested against its eight children at once (children.c). The first pass over the
+ * voxels, in pieces, makes the masks and counts what each piece passes on; the second one, knowing each
+ * piece's places, writes the next level's voxels and lists. Guarantee: exact; the same for any threads. */
 #include "refine/cubes.h"
 #include "refine/refine.h"
 

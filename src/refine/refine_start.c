@@ -92,8 +92,7 @@ static void touch_large_voxels(bvxi_surface_tile *tile, const bvxi_refine_job *r
     /* Bits are needed everywhere, lists only where voxels will be split. */
     if (tile->job->task != BVXI_TOUCH_SET && start_misses_window(refine, low, high)) return;
 
-    /* Long ones by rows; those of at most two voxels along each axis as octants of one cube; the rest
-     * need no test. */
+    /* Long ones by rows; those of at most two voxels along each axis as octants of one cube. */
     if (thick > 1 && widest > 1) {
         bvxi_touch_rows(tile, (const int32_t(*)[3])p, t);
     } else if (thick > 1) {
@@ -198,22 +197,6 @@ static bvx_status make_start_lists(bvxi_refine_job *job, start_job *start)
     return BVX_OK;
 }
 
-static void start_surface(const bvxi_refine_job *job, const bvx_grid *grid, bvxi_surface_job *surface)
-{
-    const bvx_octree *const tree = job->tree;
-    for (int a = 0; a < 3; a++) surface->size[a] = tree->base[a] << job->start;
-    surface->view = job->view;
-    surface->solid = NULL;
-    surface->grid = grid;
-    surface->snapped = job->snapped;
-    surface->fraction_bits = tree->lattice.fraction_bits + tree->levels - job->start;
-    surface->mode = BVX_SURFACE_CONSERVATIVE;
-    surface->cpu = bvxi_cpu(job->ctx);
-    /* One thread has no use for tiles, and each would look at its triangles anew. */
-    bvxi_tiles_choose(&surface->tiles, surface->size[1], surface->size[2],
-                      bvxi_threads(job->ctx) == 1 ? 1 : BVXI_SURFACE_TILES);
-}
-
 static bvx_status touch_start_grid(bvxi_refine_job *job)
 {
     const bvx_octree *const tree = job->tree;
@@ -224,7 +207,18 @@ static bvx_status touch_start_grid(bvxi_refine_job *job)
     grid.words = job->grids.words[job->start];
     grid.words_per_row = bvxi_refine_row_words(tree, job->start);
     start->refine = job;
-    start_surface(job, &grid, &start->surface);
+    for (int a = 0; a < 3; a++) start->surface.size[a] = tree->base[a] << job->start;
+    start->surface.view = job->view;
+    start->surface.solid = NULL;
+    start->surface.grid = &grid;
+    start->surface.snapped = job->snapped;
+    start->surface.fraction_bits = tree->lattice.fraction_bits + tree->levels - job->start;
+    start->surface.mode = BVX_SURFACE_CONSERVATIVE;
+    start->surface.cpu = bvxi_cpu(job->ctx);
+    /* One thread has no use for tiles, and each would look at its triangles anew. */
+    bvxi_tiles_choose(&start->surface.tiles, start->surface.size[1], start->surface.size[2],
+                      bvxi_threads(job->ctx) == 1 ? 1 : BVXI_SURFACE_TILES);
+
     BVXI_TRY(bvxi_bins_open(job->ctx, refine_name, &start->surface));
     BVXI_TRY(touch_start(job->ctx, start, BVXI_TOUCH_SET, 0.2, job->start < tree->levels ? 0.6 : 0.95));
 

@@ -22,8 +22,7 @@ typedef struct row_state_step {
 
 static int centre_is_inside(const row_states_job *job, const int32_t v[3], int32_t level)
 {
-    /* Coarse leaves ask the solid of level outer, at the voxel of their low corner: all of a leaf is on
-     * one side. */
+    /* Coarse leaves ask the solid of level outer, at the voxel of their low corner: a leaf has one side. */
     int32_t const down = level <= job->outer ? job->outer - level : 0;
     const bvx_grid *const g = &job->solid[level + down];
     return bvx_grid_get(g, (v[0] << down) - g->low[0], (v[1] << down) - g->low[1],

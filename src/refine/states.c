@@ -165,8 +165,7 @@ static void expose_sides(bvxi_states_job *job)
  * Neighbours are found by going up to the first octet that holds both, or over the base, and down again on
  * the other side. The base is flooded by rows of bits (states.c). Guarantee: exact. */
 
-/* An octet of the same level, or a leaf of the same size or larger: child
- * `bit` of an octet, or a bit of the base. */
+/* An octet of the same level, or a leaf at least as large: child `bit` of an octet, or a bit of the base. */
 typedef struct octree_neighbour {
     int32_t level; /* of the octet */
     int32_t kind;  /* NEIGHBOUR_... */
@@ -257,23 +256,6 @@ static inline uint32_t beside_in_octet(uint32_t m)
            (m & 0xf0) >> 4;
 }
 
-/* To children that are split, where the children beside them have become
- * outside or all of the octet's face is. */
-static void pass_down(bvxi_states_job *job, int32_t level, uint64_t octet, const bvxi_octet_news *o,
-                      uint32_t news)
-{
-    uint64_t below = octet_below(job, level, octet, 0);
-    /* Split children are ranked in the order of their bits, so one running index finds each. */
-    for (uint32_t p = 0; p < 8; p++) {
-        uint32_t state = o->state & bvxi_octet_inherits(p);
-        if ((o->split >> p & 1) == 0) continue;
-        for (uint32_t a = 0; a < 3; a++)
-            if ((news >> (p ^ 1u << a) & 1) != 0) state |= 1u << (p >> a & 1 ? a : a + 3);
-        if (state != 0) bvxi_expose_octet(job, level + 1, below, state);
-        below++;
-    }
-}
-
 /* Children of the octet beyond face d, beside `children` of this one. */
 static void pass_to_octet(bvxi_states_job *job, int32_t level, uint64_t octet, int d, uint32_t children)
 {
@@ -320,12 +302,23 @@ static void work_on_octet(bvxi_states_job *job, int32_t level, uint64_t octet)
         news |= beside_in_octet(news) & open;
     }
 
-    /* Off the list before anything is passed on: a neighbour may expose more of this octet and must be able
-     * to list it again. */
+    /* Off the list before anything is passed on: a neighbour may expose more of it and list it again. */
     o->state = (uint8_t)(o->state & ~BVXI_IN_LIST);
     o->fresh = 0;
     o->outside = (uint8_t)(o->outside | news);
-    if (o->split != 0) pass_down(job, level, octet, o, news);
+    if (o->split != 0) {
+        /* To split children where those beside them, or all of the octet's face, became outside. */
+        uint64_t below = octet_below(job, level, octet, 0);
+        /* Split children are ranked in the order of their bits, so one running index finds each. */
+        for (uint32_t p = 0; p < 8; p++) {
+            uint32_t state = o->state & bvxi_octet_inherits(p);
+            if ((o->split >> p & 1) == 0) continue;
+            for (uint32_t a = 0; a < 3; a++)
+                if ((news >> (p ^ 1u << a) & 1) != 0) state |= 1u << (p >> a & 1 ? a : a + 3);
+            if (state != 0) bvxi_expose_octet(job, level + 1, below, state);
+            below++;
+        }
+    }
     for (int d = 0; d < BVXI_DIRECTIONS; d++) {
         uint32_t const children = news & bvxi_octet_side(d);
         if (children == 0) continue;

@@ -3,9 +3,8 @@
  * Idea: of a voxel's six faces the eye can see three. A row of such faces comes out of word operations (set
  * here, empty in the neighbour), neighbours along x in one word are drawn as one strip. All corners lie on
  * one lattice of integers in the frame (the three edges of a voxel are snapped once), so strips of different
- * lengths meet without gaps. A band of the picture visits only slices, rows and words that reach it.
- * A cut keeps ranges of indices: words at its border are masked as they are read, nothing is copied. Two sets
- * are drawn as the union of their words, and each strip belongs to both or to one of them. */
+ * lengths meet without gaps. A band of the picture visits only slices, rows and words that reach it. Two
+ * sets are drawn as the union of their words, and each strip belongs to both or to one of them. */
 #include "render/scenes.h"
 
 #include <math.h>
@@ -154,8 +153,7 @@ static void place_grid(bvxi_grid_scene *s)
     for (int a = 0; a < 2; a++) {
         s->base[a] = snap_to_fixed(at[a], bits);
         s->low[a] = s->high[a] = 0;
-        /* Every edge is snapped once; strips of any length
-         * are whole multiples of it and meet without gaps. */
+        /* Every edge is snapped once; strips are whole multiples of it and meet without gaps. */
         for (int e = 0; e < 3; e++) {
             s->step[e][a] = snap_to_fixed((a == 0 ? s->edge[e][0] : -s->edge[e][1]) * c->scale, bits);
             if (s->step[e][a] < 0) s->low[a] += (int32_t)s->step[e][a];
@@ -278,8 +276,7 @@ static voxel_row row_beside(const bvxi_grid_scene *s, int32_t j, int32_t k)
     return r;
 }
 
-/* Faces of word at[0] of row (at[1], at[2]) to draw: those that the cut laid bare apart, and those of either
- * set apart. */
+/* Faces of word at[0] of row (at[1], at[2]) to draw: apart those laid bare by the cut, and of either set. */
 static void draw_faces_by_kind(const face_work *w, int axis, uint64_t faces, uint64_t bare,
                                const voxel_row *row, const int32_t at[3])
 {
@@ -312,8 +309,7 @@ static void draw_row(const face_work *w, int32_t j, int32_t k, int32_t begin, in
             uint64_t set = set_in_row(&beside[axis], i), kept = kept_in_row(s, &beside[axis], i);
             /* Nearly edge-on, a face covers no sample but might show as a line of noise. */
             if (facing < GRID_EDGE_ON && facing > -GRID_EDGE_ON) continue;
-            /* Along x the neighbours are bits of the same row:
-             * shifted by one, with a bit of the next word. */
+            /* Along x the neighbours are bits of the same row: shifted, with a bit of the next word. */
             if (axis == 0) {
                 int const in = next >= 0 && next < s->grid->words_per_row;
                 uint64_t const next_set = in ? set_in_row(&here, next) : 0;
@@ -346,8 +342,7 @@ void bvxi_grid_scene_draw(const void *user, const bvxi_raster *raster, bvxi_rast
     int32_t const size[3] = {s->end[0] - s->begin[0], s->end[1] - s->begin[1], s->end[2] - s->begin[2]};
     int64_t const along_x = (int64_t)(size[0] - 1) * s->step[0][1];
 
-    /* Each range is widened by what the inner loops may add: a
-     * slice is left out only when none of its rows can show. */
+    /* Each range is widened by what the inner loops may add: slices are left out only if no row can show. */
     int64_t const along_y = (int64_t)(size[1] - 1) * s->step[1][1];
     /* for the low corner of a voxel */
     int64_t const row_low = top - s->high[1], row_high = bottom - s->low[1];

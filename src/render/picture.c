@@ -141,8 +141,7 @@ static bvx_status draw_and_shade(bvx_context *ctx, bvxi_picture *p, uint64_t sam
     picture_work work = {p, NULL};
     bvxi_shade *shade = NULL;
 
-    /* Shading needs all depths of the frame, since light
-     * comes from around each sample: so it is a second pass. */
+    /* Shading needs all depths of the frame, as light comes from around: so it is a second pass. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, samples * 4, "the picture's depths", &p->raster.depth));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, samples * 4, "the picture's samples", &p->raster.id));
     BVXI_TRY(bvxi_each_long(ctx, "render", 0.2, 0.5, bands, (double)samples / bands * NANOSECONDS_TO_DRAW,

@@ -172,24 +172,6 @@ static void fill_bins_piece(void *user, int32_t index)
     walk_bins_piece(user, index, 1);
 }
 
-static void place_bins(const bins_work *w)
-{
-    uint64_t sum = 0;
-
-    /* Bands outermost, so that in each of them the pieces stand in their order. */
-    for (int32_t b = 0; b < w->bins->bands; b++) {
-        w->bins->begin[b] = sum;
-        for (int32_t p = 0; p < w->pieces; p++) {
-            uint64_t *const place = &w->place[(size_t)p * (size_t)w->bins->bands + (size_t)b];
-            uint64_t const n = *place;
-            *place = sum;
-            sum += n;
-        }
-    }
-    w->bins->begin[w->bins->bands] = sum;
-    w->bins->total = sum;
-}
-
 bvx_status bvxi_triangle_bins_open(bvx_context *ctx, uint64_t triangle_count, int32_t bands,
                                    bvxi_bands_fn *reach, const void *user, bvxi_triangle_bins *bins)
 {
@@ -200,7 +182,21 @@ bvx_status bvxi_triangle_bins_open(bvx_context *ctx, uint64_t triangle_count, in
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, ((uint64_t)bands + 1) * 8, "the picture's bands", &bins->begin));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, places * 8, "the picture's bands", &w.place));
     BVXI_TRY(bvxi_each(ctx, "render", 0.1, 0.15, w.pieces, count_bins_piece, &w));
-    place_bins(&w);
+    uint64_t sum = 0;
+
+    /* Bands outermost, so that in each of them the pieces stand in their order. */
+    for (int32_t b = 0; b < w.bins->bands; b++) {
+        w.bins->begin[b] = sum;
+        for (int32_t p = 0; p < w.pieces; p++) {
+            uint64_t *const place = &w.place[(size_t)p * (size_t)w.bins->bands + (size_t)b];
+            uint64_t const n = *place;
+            *place = sum;
+            sum += n;
+        }
+    }
+    w.bins->begin[w.bins->bands] = sum;
+    w.bins->total = sum;
+
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bins->total * 4, "the picture's triangles", &bins->triangle));
     BVXI_TRY(bvxi_each(ctx, "render", 0.15, 0.2, w.pieces, fill_bins_piece, &w));
     bvxi_drop(ctx, w.place);
@@ -253,8 +249,7 @@ int32_t bvxi_cut_triangle(const bvxi_cut *cut, const double triangle[3][3], doub
 
     memcpy(corner, triangle, 3 * sizeof *corner);
 
-    /* Two arrays take turns; a plane that cuts nothing off
-     * is skipped, so most triangles stay where they are. */
+    /* Two arrays take turns; a plane that cuts nothing off is skipped: most triangles stay in place. */
     for (int a = 0; a < 3; a++)
         for (int high = 0; high < 2 && n > 0; high++) {
             double const plane = high ? cut->high[a] : cut->low[a], sign = high ? -1.0 : 1.0;

@@ -13,8 +13,7 @@
 
 static const uint8_t removed_colour[3] = {200, 60, 50}, added_colour[3] = {70, 160, 70};
 
-/* The voxel whose face on an axis a sample shows, and where on the face it lies (0 to 1 along the other
- * axes). */
+/* The voxel whose face on an axis a sample shows, and where on it (0 to 1 along the other axes). */
 static void voxel_of_sample(const bvxi_grid_scene *s, double depth, int axis, int32_t x, int32_t y,
                             int32_t voxel[3], double part[3])
 {

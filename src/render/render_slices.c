@@ -244,8 +244,7 @@ static void draw_sheet_row(const slice_sheet *s, int32_t y, uint8_t *row)
 {
     int32_t cell = 0, inside;
 
-    /* The row of cells in which the pixel lies, and where it
-     * lies inside the slice; the slice stands in the middle. */
+    /* The row of cells in which the pixel lies, and where it lies inside the slice; the slice is centred. */
     while (cell + 1 < s->up.cells && cell_begin(&s->up, cell + 1) <= y) cell++;
     inside = y - cell_begin(&s->up, cell);
     inside -= (cell_begin(&s->up, cell + 1) - cell_begin(&s->up, cell) + (cell > 0) - s->up.pixels) / 2;

@@ -55,8 +55,7 @@ static void blend_vertex_normals(const bvxi_mesh_scene *s, const uint32_t c[3], 
         double const area = area_across(p, k, x, y);
         double m[3];
         for (int i = 0; i < 3; i++) m[i] = (double)s->normal[(size_t)c[k] * 3 + (size_t)i];
-        /* A corner whose mean is far from the facet is a
-         * sharp edge's: its own normal keeps the edge sharp. */
+        /* A corner whose mean is far from the facet is a sharp edge's: its own normal keeps it sharp. */
         int const sharp = scene_unit(m) == 0.0 || bvxi_vec_dot(m, flat) < SCENE_SHARP;
         for (int i = 0; i < 3; i++) blend[i] += area * (sharp ? flat[i] : m[i]);
         whole += area; /* negative where the facet is seen from behind: so are all three */

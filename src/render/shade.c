@@ -221,8 +221,7 @@ static int shade_is_outline(const bvxi_shade *s, int32_t x, int32_t y, const dou
     int32_t const away = s->picture->options.samples;
     double const z = (double)r->depth[(size_t)y * (size_t)r->width + (size_t)x];
 
-    /* A surface seen at a flat angle falls away fast: the
-     * slope is bounded, or it would be an outline all over. */
+    /* A surface seen at a flat angle falls away fast: the slope is bounded, or all would be outline. */
     double const steep = n[2] > 0.1 ? n[2] : 0.1;
 
     for (int k = 0; k < 4; k++) {

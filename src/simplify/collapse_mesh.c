@@ -14,6 +14,7 @@
 enum {
     COLLAPSE_CURVE_BITS = 21, /* of the order in space along each axis */
     COLLAPSE_BUCKET = 32,     /* triangles that are ordered by insertion */
+    COLLAPSE_GRAIN = 4096,    /* vertices of a task */
     COLLAPSE_IDLE = 8,        /* sweeps without a collapse until all edges are looked at anew */
     COLLAPSE_JUDGED = 4,      /* crossings are looked for after so many triangles have become one, */
     COLLAPSE_MANY = 1 << 16,  /* and in closed meshes of so many, where few cross, after twice as many */
@@ -174,6 +175,7 @@ bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, doub
 /* ---- The mesh in an order of space ---- */
 
 typedef struct collapse_order {
+    bvxi_collapse *c;
     const bvx_mesh_view *view;
     const uint32_t *packed; /* its indices where sheets have them, or NULL */
     uint64_t *key;          /* of vertices, then of triangles */
@@ -181,6 +183,7 @@ typedef struct collapse_order {
     /* of each vertex of the view: UINT32_MAX where no triangle uses it, else 0 until take_mesh writes its
      * number in the new order */
     uint32_t *rank;
+    uint32_t *begin; /* of each vertex's triangles: where the next one goes [Size: vertices + 1] */
     double low[3], scale;
 } collapse_order;
 
@@ -241,24 +244,27 @@ static int ranked_triangle(const collapse_order *o, uint64_t t, uint32_t to[3])
     return first;
 }
 
-/* Triangles that begin with one vertex by the one after it: few, but where a vertex has very many. */
-static bvx_status order_bucket(bvxi_collapse *c, collapse_order *o, uint64_t begin, uint64_t end)
+/* Triangles that begin with one vertex by the one after it, where a vertex has very many. */
+static bvx_status order_crowd(collapse_order *o, uint64_t begin, uint64_t end)
 {
-    bvxi_corner_triangle *const t = c->mesh.triangle;
+    bvxi_corner_triangle *const t = o->c->mesh.triangle;
 
-    if (end - begin > COLLAPSE_BUCKET) {
-        for (uint64_t i = begin; i < end; i++) {
-            o->key[i - begin] = (uint64_t)t[i].vertex[1] << 32 | t[i].vertex[2];
-            o->index[i - begin] = (uint32_t)t[i].left[0];
-        }
-        BVXI_TRY(bvxi_radix_sort(c->ctx, o->key, o->index, end - begin));
-        for (uint64_t i = begin; i < end; i++) {
-            t[i].vertex[1] = (uint32_t)(o->key[i - begin] >> 32);
-            t[i].vertex[2] = (uint32_t)o->key[i - begin];
-            t[i].left[0] = (int32_t)o->index[i - begin];
-        }
-        return BVX_OK;
+    for (uint64_t i = begin; i < end; i++) {
+        o->key[i - begin] = (uint64_t)t[i].vertex[1] << 32 | t[i].vertex[2];
+        o->index[i - begin] = (uint32_t)t[i].left[0];
     }
+    BVXI_TRY(bvxi_radix_sort(o->c->ctx, o->key, o->index, end - begin));
+    for (uint64_t i = begin; i < end; i++) {
+        t[i].vertex[1] = (uint32_t)(o->key[i - begin] >> 32);
+        t[i].vertex[2] = (uint32_t)o->key[i - begin];
+        t[i].left[0] = (int32_t)o->index[i - begin];
+    }
+    return BVX_OK;
+}
+
+/* The same of few. */
+static void order_bucket(bvxi_corner_triangle *t, uint64_t begin, uint64_t end)
+{
     for (uint64_t i = begin + 1; i < end; i++) {
         bvxi_corner_triangle const moving = t[i];
         uint64_t j = i;
@@ -270,7 +276,21 @@ static bvx_status order_bucket(bvxi_collapse *c, collapse_order *o, uint64_t beg
             t[j] = t[j - 1];
         t[j] = moving;
     }
-    return BVX_OK;
+}
+
+/* Each vertex's triangles end where its next one would go, which is where those of the vertex before end. */
+static void buckets_piece(void *user, int32_t index)
+{
+    const collapse_order *const o = user;
+    uint64_t const n = o->c->mesh.vertices;
+    uint64_t begin, end;
+
+    bvxi_piece(n, bvxi_piece_count(n, COLLAPSE_GRAIN), index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        uint64_t const from = i == 0 ? 0 : o->begin[i - 1];
+
+        if (o->begin[i] - from <= COLLAPSE_BUCKET) order_bucket(o->c->mesh.triangle, from, o->begin[i]);
+    }
 }
 
 /* Triangles by their least vertex, which comes first, and the ones after it: the order depends on the mesh
@@ -302,14 +322,35 @@ static bvx_status order_triangles(bvxi_collapse *c, collapse_order *o)
         to->left[0] = (int32_t)(t << 2) | first;
     }
 
-    /* Each bucket ends where the next one began. */
+    o->begin = begin;
+    bvxi_tasks(c->ctx, bvxi_piece_count(c->mesh.vertices, COLLAPSE_GRAIN), buckets_piece, o);
     for (uint64_t i = 0; i < c->mesh.vertices; i++)
-        BVXI_TRY(order_bucket(c, o, i == 0 ? 0 : begin[i - 1], begin[i]));
+        if (begin[i] - (i == 0 ? 0 : begin[i - 1]) > COLLAPSE_BUCKET)
+            BVXI_TRY(order_crowd(o, i == 0 ? 0 : begin[i - 1], begin[i]));
     bvxi_drop(c->ctx, begin);
     if (!bvxi_collapse_needs_sources(c->given, &c->options)) return BVX_OK;
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 4, "the triangles' sources", &c->from));
     for (uint64_t t = 0; t < n; t++) c->from[t] = (uint32_t)c->mesh.triangle[t].left[0];
     return BVX_OK;
+}
+
+static void positions_piece(void *user, int32_t index)
+{
+    const collapse_order *const o = user;
+    bvxi_corners *const m = &o->c->mesh;
+    uint64_t begin, end;
+
+    bvxi_piece(m->vertices, bvxi_piece_count(m->vertices, COLLAPSE_GRAIN), index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        bvxi_corner_vertex at = {.q = {.c = 0}};
+
+        bvxi_view_position(o->view, o->index[i], at.p);
+        /* Rounded to the type of the result from the start, so that what is judged is what is given. */
+        for (int a = 0; a < 3; a++) at.p[a] = bvxi_collapse_rounded(o->c, at.p[a]);
+        m->at[i] = at;
+        m->source[i] = o->index[i];
+        o->rank[o->index[i]] = (uint32_t)i;
+    }
 }
 
 /* The mesh in an order of space, and its positions as the result will have them. */
@@ -322,16 +363,7 @@ static bvx_status take_mesh(bvxi_collapse *c, collapse_order *o)
     order_equal_keys(o, used);
 
     c->mesh.vertices = used;
-    for (uint64_t i = 0; i < used; i++) {
-        bvxi_corner_vertex at = {.q = {.c = 0}};
-
-        bvxi_view_position(o->view, o->index[i], at.p);
-        /* Rounded to the type of the result from the start, so that what is judged is what is given. */
-        for (int a = 0; a < 3; a++) at.p[a] = bvxi_collapse_rounded(c, at.p[a]);
-        c->mesh.at[i] = at;
-        c->mesh.source[i] = o->index[i];
-        o->rank[o->index[i]] = (uint32_t)i;
-    }
+    bvxi_tasks(c->ctx, bvxi_piece_count(used, COLLAPSE_GRAIN), positions_piece, o);
     return order_triangles(c, o);
 }
 
@@ -359,7 +391,8 @@ static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const 
     uint64_t const items = mesh->vertex_count > mesh->triangle_count ? mesh->vertex_count
                                                                      : mesh->triangle_count;
     uint64_t const bytes = items * 12 + mesh->vertex_count * 4; /* a bucket may have all triangles */
-    collapse_order o = {.view = mesh,
+    collapse_order o = {.c = c,
+                        .view = mesh,
                         .packed = c->sheets->corner,
                         .scale = size > 0 ? ((1 << COLLAPSE_CURVE_BITS) - 1) / size : 0};
     unsigned char *block;
@@ -395,22 +428,27 @@ static void add_plane(bvxi_corner_vertex *at, const double n[3], double weight)
         for (int j = i; j < 3; j++) at->q.a[index++] += weight * n[i] * n[j];
 }
 
-/* Each triangle's plane to its corners, by area; b, 0 after add_lines, sums the triangles' area normals. */
-static void add_planes(bvxi_collapse *c)
+/* Each triangle's plane to those of its corners from begin to end, by area; b, 0 after add_lines, sums the triangles'
+ * area normals. Its doubled area waits in a field that is not set yet. */
+static void add_planes(bvxi_collapse *c, uint64_t begin, uint64_t end)
 {
     const bvxi_corners *const m = &c->mesh;
 
     for (uint64_t t = 0; t < m->triangles; t++) {
         const uint32_t *const v = m->triangle[t].vertex;
+        int const own[3] = {v[0] - begin < end - begin, v[1] - begin < end - begin,
+                            v[2] - begin < end - begin};
         double n[3], a[6], length, inverse, weight;
         int index = 0;
 
+        if (!(own[0] | own[1] | own[2])) continue;
         bvxi_area_normal(m->at[v[0]].p, m->at[v[1]].p, m->at[v[2]].p, n);
         length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 
         /* A triangle without an area has no plane. */
+        if (!(length > 0)) length = 0;
+        if (own[0]) memcpy(m->triangle[t].cost, &length, sizeof length);
         if (!(length > 0)) continue;
-        c->area += 0.5 * length * c->scale * c->scale;
 
         inverse = 1 / length;
         weight = inverse * c->scale * c->scale;
@@ -419,6 +457,7 @@ static void add_planes(bvxi_collapse *c)
 
         /* Weighed by area, so that cutting a triangle in two changes nothing. */
         for (int i = 0; i < 3; i++) {
+            if (!own[i]) continue;
             for (int k = 0; k < 6; k++) m->at[v[i]].q.a[k] += a[k];
             for (int k = 0; k < 3; k++) m->at[v[i]].q.b[k] += n[k];
         }
@@ -427,9 +466,9 @@ static void add_planes(bvxi_collapse *c)
 
 /* The squared distance to the line through each vertex along its normal, b: to the vertex, less that along the
  * normal. */
-static void add_lines(bvxi_collapse *c)
+static void add_lines(bvxi_collapse *c, uint64_t begin, uint64_t end)
 {
-    for (uint64_t v = 0; v < c->mesh.vertices; v++) {
+    for (uint64_t v = begin; v < end; v++) {
         bvxi_corner_vertex *const at = &c->mesh.at[v];
         double const length = bvxi_vec_length(at->q.b);
         double const weight = c->options.even * (at->q.a[0] + at->q.a[3] + at->q.a[5]);
@@ -444,6 +483,18 @@ static void add_lines(bvxi_collapse *c)
         for (int i = 0; i < 3 && length > 0; i++)
             for (int j = i; j < 3; j++) at->q.a[index++] += weight * ((i == j) - n[i] * n[j]);
     }
+}
+
+/* The quadrics of some vertices, whose sums go in the order of triangles. */
+static void quadrics_piece(void *user, int32_t index)
+{
+    bvxi_collapse *const c = user;
+    uint64_t begin, end;
+
+    bvxi_piece(c->mesh.vertices, bvxi_threads(c->ctx), index, &begin, &end);
+    add_planes(c, begin, end);
+    /* After it: the weight of lines is a share of that of planes. */
+    add_lines(c, begin, end);
 }
 
 /* A plane upright on a triangle along one of its edges, to both ends of it. */
@@ -531,8 +582,13 @@ static bvx_status open_arrays(bvxi_collapse *c)
 
     memset(c->last, 0xff, (size_t)n * sizeof *c->last);
     memset(c->stale, 1, (size_t)n);
-    for (uint64_t t = 0; t < m->triangles + m->ghosts; t++)
+    for (uint64_t t = 0; t < m->triangles + m->ghosts; t++) {
+        double length = 0;
+
+        if (t < m->triangles) memcpy(&length, m->triangle[t].cost, sizeof length);
+        c->area += 0.5 * length * c->scale * c->scale;
         for (int k = 0; k < 3; k++) m->triangle[t].cost[k] = COLLAPSE_NEVER;
+    }
     bvxi_collapse_index(c);
     c->alive = n;
     c->crumpled = CRUMPLED_MOST;
@@ -570,9 +626,7 @@ static bvx_status open_steps(bvxi_collapse *c, const bvx_mesh_view *mesh)
     BVXI_TRY(bvxi_corners_connect(c->ctx, c->function, &c->mesh, c->options.borders));
     c->counts.split = c->mesh.split;
     BVXI_TRY(bvxi_progress(c->ctx, "collapse", 0.07));
-    /* In this order: the weight of lines is a share of that of planes. */
-    add_planes(c);
-    add_lines(c);
+    bvxi_tasks(c->ctx, bvxi_threads(c->ctx), quadrics_piece, c);
     return open_arrays(c);
 }
 

@@ -9,7 +9,10 @@
 
 /* ---- Connecting ---- */
 
-enum { EDGE_CROWD = 48 }; /* triangles around a vertex whose list would be too long */
+enum {
+    EDGE_CROWD = 48,  /* triangles around a vertex whose list would be too long */
+    FAN_GRAIN = 4096, /* vertices of a task */
+};
 
 /* A corner whose edge waits at one of its ends for its second side. */
 typedef struct edge_wait {
@@ -20,9 +23,16 @@ typedef struct edge_wait {
 typedef struct edge_lists {
     int32_t *first;   /* the last that began to wait at each vertex, or -1 [Size: vertices] */
     uint32_t *around; /* triangles of each vertex [Size: vertices] */
-    edge_wait *wait;  /* [Size: triangles * 3] */
-    int32_t count;
+    edge_wait *wait;  /* of each corner [Size: triangles * 3] */
 } edge_lists;
+
+/* Edges whose end with the list is of some vertices are paired by a task. */
+typedef struct edge_job {
+    bvxi_corners *m;
+    edge_lists *lists;
+    int32_t borders, pieces;
+    int32_t failed[BVXI_MOST_PIECES]; /* of each piece: the first corner that it refused, or that after all */
+} edge_job;
 
 /* Across the edge of the first corner that waited at an edge whose sides are all borders. */
 #define CORNER_CUT (-2)
@@ -65,18 +75,20 @@ static void cut_both_sides(bvxi_corners *m, int32_t waiting)
     bvxi_corner_put_left(m, bvxi_corner_previous(waiting), CORNER_CUT);
 }
 
-/* Join a corner, whose edge runs from u to v, with the one that waits across it, or let it wait; 0 when the edge
- * has too many sides, or two that run the same way. */
+/* Join a corner, whose edge runs from u to v, with the one that waits across it, or let it wait, where its list is of
+ * vertex begin or one of `count` from there on; 0 when the edge has too many sides, or two that run the same way. */
 BVXI_VECTOR_INLINE int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c, uint32_t u, uint32_t v,
-                                   int borders)
+                                   int borders, uint64_t begin, uint64_t count)
 {
     /* The lower end has the list, or that of fewer triangles where the lower one has very many. */
     uint32_t const low = u < v ? u : v, high = u < v ? v : u;
     int const crowded = BVXI_UNLIKELY(lists->around[low] > EDGE_CROWD) &&
                         lists->around[high] < lists->around[low];
     uint32_t const end = crowded ? high : low, other = crowded ? low : high;
+    int32_t const own = c - (c >> 2);
     edge_wait *wait;
 
+    if (end - begin >= count) return 1;
     for (int32_t i = lists->first[end]; i >= 0; i = wait->next) {
         int32_t e;
 
@@ -96,12 +108,38 @@ BVXI_VECTOR_INLINE int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c
         return 1;
     }
 
-    wait = &lists->wait[lists->count];
+    wait = &lists->wait[own];
     wait->other = other;
     wait->corner = c;
     wait->next = lists->first[end];
-    lists->first[end] = lists->count++;
+    lists->first[end] = own;
     return u != v;
+}
+
+/* Corners of all triangles in their order: edges have one list each, so no two tasks write the same. */
+static void edges_piece(void *user, int32_t index)
+{
+    edge_job *const job = user;
+    bvxi_corners *const m = job->m;
+    int32_t const last = (int32_t)(4 * m->triangles);
+    uint64_t begin, count;
+
+    bvxi_piece(m->vertices, job->pieces, index, &begin, &count);
+    count -= begin;
+    for (int32_t c = 0; c < last; c += 4) {
+        const bvxi_corner_triangle *const t = &m->triangle[c >> 2];
+        uint32_t const u = t->vertex[0], v = t->vertex[1], w = t->vertex[2];
+        int32_t *const failed = &job->failed[index];
+
+        if (!((u - begin < count) | (v - begin < count) | (w - begin < count))) continue;
+        *failed = c;
+        if (!pair_corner(m, job->lists, c, v, w, job->borders, begin, count)) return;
+        *failed = c + 1;
+        if (!pair_corner(m, job->lists, c + 1, w, u, job->borders, begin, count)) return;
+        *failed = c + 2;
+        if (!pair_corner(m, job->lists, c + 2, u, v, job->borders, begin, count)) return;
+    }
+    job->failed[index] = last;
 }
 
 static int is_border(const bvxi_corners *m, int32_t c)
@@ -148,25 +186,24 @@ static bvx_status pair_corners(bvx_context *ctx, const char *function, bvxi_corn
 {
     int32_t const end = (int32_t)(4 * m->triangles);
 
+    edge_job job = {.m = m, .lists = lists, .borders = borders, .pieces = bvxi_threads(ctx)};
+    int32_t failed = end;
+
     for (uint64_t v = 0; v < m->vertices; v++) {
         lists->first[v] = -1;
         lists->around[v] = 0;
     }
     for (uint64_t t = 0; t < m->triangles; t++)
-        for (int k = 0; k < 3; k++) lists->around[m->triangle[t].vertex[k]]++;
+        for (int k = 0; k < 3; k++) {
+            lists->around[m->triangle[t].vertex[k]]++;
+            m->triangle[t].left[k] = -1;
+        }
 
     /* Corners are numbered by fours: the fourth is left out. */
-    for (int32_t c = 0; c < end; c += 4) {
-        bvxi_corner_triangle *const t = &m->triangle[c >> 2];
-        uint32_t const v[3] = {t->vertex[0], t->vertex[1], t->vertex[2]};
-
-        t->left[0] = t->left[1] = t->left[2] = -1;
-        if (!pair_corner(m, lists, c, v[1], v[2], borders)) return fail_edge(ctx, function, m, c, borders);
-        if (!pair_corner(m, lists, c + 1, v[2], v[0], borders))
-            return fail_edge(ctx, function, m, c + 1, borders);
-        if (!pair_corner(m, lists, c + 2, v[0], v[1], borders))
-            return fail_edge(ctx, function, m, c + 2, borders);
-    }
+    if (job.pieces > BVXI_MOST_PIECES) job.pieces = BVXI_MOST_PIECES;
+    bvxi_tasks(ctx, job.pieces, edges_piece, &job);
+    for (int32_t i = 0; i < job.pieces; i++) failed = job.failed[i] < failed ? job.failed[i] : failed;
+    if (failed < end) return fail_edge(ctx, function, m, failed, borders);
 
     for (int32_t c = 0; c < end && borders == BVXI_BORDERS_CUT; c += (c & 3) == 2 ? 2 : 1)
         if (is_border(m, c)) lengthen_cut(m, c);
@@ -181,9 +218,36 @@ static bvx_status pair_corners(bvx_context *ctx, const char *function, bvxi_corn
     return BVX_OK;
 }
 
-/* 1: the corners of every vertex are one fan, which is walked from any of them. */
-static int has_one_fan_each(const bvxi_corners *m, int32_t *any)
+/* Corners that the walks around some vertices reach. */
+typedef struct fan_job {
+    const bvxi_corners *m;
+    const int32_t *any; /* a corner of each vertex, or -1 */
+    int32_t pieces;
+    uint64_t reached[BVXI_MOST_PIECES];
+} fan_job;
+
+static void walk_fans_piece(void *user, int32_t index)
 {
+    fan_job *const job = user;
+    uint64_t begin, end, reached = 0;
+
+    bvxi_piece(job->m->vertices, job->pieces, index, &begin, &end);
+    for (uint64_t v = begin; v < end; v++) {
+        int32_t c = job->any[v];
+
+        if (c < 0) continue;
+        do {
+            reached++;
+            c = bvxi_corner_turn_left(job->m, c);
+        } while (c != job->any[v]);
+    }
+    job->reached[index] = reached;
+}
+
+/* 1: the corners of every vertex are one fan, which is walked from any of them. */
+static int has_one_fan_each(bvx_context *ctx, const bvxi_corners *m, int32_t *any)
+{
+    fan_job job = {.m = m, .any = any, .pieces = bvxi_piece_count(m->vertices, FAN_GRAIN)};
     uint64_t reached = 0;
 
     for (uint64_t v = 0; v < m->vertices; v++) any[v] = -1;
@@ -191,15 +255,8 @@ static int has_one_fan_each(const bvxi_corners *m, int32_t *any)
         for (int k = t < m->triangles ? 0 : 1; k < 3; k++)
             any[m->triangle[t].vertex[k]] = (int32_t)(4 * t) + k;
 
-    for (uint64_t v = 0; v < m->vertices; v++) {
-        int32_t c = any[v];
-
-        if (c < 0) continue;
-        do {
-            reached++;
-            c = bvxi_corner_turn_left(m, c);
-        } while (c != any[v]);
-    }
+    bvxi_tasks(ctx, job.pieces, walk_fans_piece, &job);
+    for (int32_t i = 0; i < job.pieces; i++) reached += job.reached[i];
     return reached == 3 * m->triangles + 2 * m->ghosts;
 }
 
@@ -333,7 +390,7 @@ static bvx_status part_vertices(bvx_context *ctx, bvxi_corners *m)
 bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_corners *m, int borders)
 {
     uint64_t const bytes = m->triangles * 3 * sizeof(edge_wait) + m->vertices * 8;
-    edge_lists lists = {.count = 0};
+    edge_lists lists;
     int one;
 
     m->left = m->triangles;
@@ -347,7 +404,7 @@ bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_cor
         put_ghosts(m);
         join_ghosts(m);
     }
-    one = has_one_fan_each(m, lists.first);
+    one = has_one_fan_each(ctx, m, lists.first);
     bvxi_drop(ctx, lists.wait);
     if (one) return BVX_OK;
     if (borders == BVXI_BORDERS_REFUSED)

@@ -17,8 +17,7 @@ static uint8_t edge_of_corner(uint32_t cell_case, uint8_t lane, uint8_t offset)
     uint32_t const low = !second_row ? 0 : along_y ? 4 : 2;
     uint32_t const high = low + (along_y ? 2 : 4);
     uint8_t const first = (uint8_t)(along_y ? 4 + 2 * (lane - 4) : 8 + 2 * (lane - 6));
-    /* A lane's counter stands at its next crossing: that at high x when the surface passes the first edge
-     * by. */
+    /* A lane's counter stands at its next crossing: that at high x when the first edge is not cut. */
     int const first_is_cut = (cell_case >> low & 1) != (cell_case >> high & 1);
     return offset != 0 || !first_is_cut ? (uint8_t)(first + 1) : first;
 }
@@ -85,8 +84,7 @@ int32_t bvxi_face_of_edges(uint8_t one, uint8_t two)
 int bvxi_face_is_cut_twice(uint32_t cell_case, int32_t face)
 {
     uint32_t const axis = (uint32_t)face >> 1, u = 1u << (axis + 1) % 3, v = 1u << (axis + 2) % 3;
-    /* Its four corners; where both diagonals agree in themselves and not with each other, all sides are
-     * cut. */
+    /* Its four corners; where both diagonals agree and differ from each other, all sides are cut. */
     uint32_t const base = ((uint32_t)face & 1) << axis;
     uint32_t const a = cell_case >> base & 1, b = cell_case >> (base + u) & 1;
     uint32_t const c = cell_case >> (base + v) & 1, d = cell_case >> (base + u + v) & 1;

@@ -2,8 +2,7 @@
  * time. Their prefix sums tell each row of the second pass where to write. See march.c for the source. */
 #include "surface/cells.h"
 
-/* Gives the bits at or past size[0] that are set in the slot's first row: every row is the first of one
- * slot. */
+/* The bits at or past size[0] set in the slot's first row: every row is the first of one slot. */
 BVXI_VECTOR_INLINE uint64_t count_slot(const bvxi_march *m, uint64_t slot, int fast)
 {
     bvxi_slot *const s = &m->slots[slot];

@@ -301,21 +301,6 @@ static int planes_of_facets(const facet_edge *f, const double cut[3], bvxi_facet
     return found != 0;
 }
 
-static void planes_of_vectors(const facet_edge *f, const double cut[3], bvxi_facet_plane planes[2])
-{
-    int32_t const nearer = bvxi_vec_distance2(cut, f->closest[0]) <= bvxi_vec_distance2(cut, f->closest[1])
-                               ? 0
-                               : 1;
-    int32_t found = 0;
-    for (int32_t k = 0; k < 2; k++) {
-        int32_t const end = k == 0 ? nearer : 1 - nearer;
-        double const length2 = bvxi_vec_dot(f->outward[end], f->outward[end]);
-        /* Too short to have a direction, or not finite. */
-        if (!(length2 > SHORTEST2) || length2 - length2 != 0.0) continue;
-        put_plane(cut, f->outward[end], sqrt(length2), f->closest[end], &planes[found++]);
-    }
-}
-
 double bvxi_facet_cut(const bvxi_cuts *cuts, const bvxi_cut_rule *values, const bvxi_cut_edge *edge,
                       const double centre[3], double ratio, bvxi_facet_plane planes[2])
 {
@@ -326,6 +311,18 @@ double bvxi_facet_cut(const bvxi_cuts *cuts, const bvxi_cut_rule *values, const 
     /* Strictly inside, so that no triangle is without area. */
     ratio = bvxi_keep_off_ends(ratio);
     point_of_edge(&f, ratio, cut);
-    if (!planes_of_facets(&f, cut, planes)) planes_of_vectors(&f, cut, planes);
+    if (!planes_of_facets(&f, cut, planes)) {
+        int32_t const nearer = bvxi_vec_distance2(cut, f.closest[0]) <= bvxi_vec_distance2(cut, f.closest[1])
+                                   ? 0
+                                   : 1;
+        int32_t found = 0;
+        for (int32_t k = 0; k < 2; k++) {
+            int32_t const end = k == 0 ? nearer : 1 - nearer;
+            double const length2 = bvxi_vec_dot(f.outward[end], f.outward[end]);
+            /* Too short to have a direction, or not finite. */
+            if (!(length2 > SHORTEST2) || length2 - length2 != 0.0) continue;
+            put_plane(cut, f.outward[end], sqrt(length2), f.closest[end], &planes[found++]);
+        }
+    }
     return ratio;
 }

@@ -8,8 +8,7 @@
 
 /* ---- positions ---- */
 
-/* One axis's vertices of a block, at the middle of their edges. Bits of
- * x-edges lie between centres bit-1 and bit. */
+/* One axis's vertices of a block, at middles of edges. Bits of x-edges lie between bit-1 and bit. */
 BVXI_VECTOR_INLINE void emit_middles(const bvxi_march *m, int32_t axis, int32_t j, int32_t k,
                                      const bvxi_cell_list *list, int32_t first, uint64_t vertex)
 {
@@ -80,8 +79,7 @@ BVXI_VECTOR_INLINE void emit_levels(const bvxi_march *m, int32_t axis, int32_t j
 
 /* ---- triangles ---- */
 
-/* First numbers of the eight counters of a row of cells; rows outside the
- * window have no x-edges, any number serves. */
+/* First numbers of the eight counters of a row of cells; rows outside the window have no x-edges. */
 static void start_counters(const bvxi_march *m, uint64_t slot, int32_t j, int32_t k, uint32_t counter[8])
 {
     uint64_t const rows = (uint64_t)m->grid->size[1] + 1;
@@ -122,8 +120,7 @@ static uint32_t *emit_cells(const bvxi_march *m, const bvxi_case_list *cases, ui
 }
 
 #if BVXI_HAVE_AVX2
-/* The same, sixteen corners at a time; writes up to sixteen numbers, so it
- * stops before the piece's end comes near. */
+/* The same, sixteen corners at a time; writes up to sixteen numbers, so it stops before the piece's end. */
 BVXI_AVX2 static uint32_t *emit_cells_avx2(const bvxi_march *m, const bvxi_case_list *cases,
                                            uint32_t counter[8], uint32_t *out, const uint32_t *end)
 {
@@ -175,8 +172,7 @@ BVXI_VECTOR_INLINE void load_block(const bvxi_march *m, const uint64_t *const ro
         bvxi_cell_words c;
         bvxi_load_cells(row, first + w, words, &c);
 
-        /* Edges that another row of cells owns are masked out (has), so that each vertex is written exactly
-         * once. */
+        /* Edges that another row of cells owns are masked out (has), so each vertex is written once. */
         bvxi_list_bits(&b->edge[0], (c.low[0] ^ c.high[0]) & visited & has[0], w, 3, fast);
         bvxi_list_bits(&b->edge[1], (c.high[0] ^ c.high[1]) & has[1], w, 3, fast);
         bvxi_list_bits(&b->edge[2], (c.high[0] ^ c.high[2]) & has[2], w, 3, fast);

@@ -13,11 +13,14 @@ static const bvxi_option faces_rows[] = {
     BVXI_RESERVED(bvx_faces_options, reserved),
 };
 
-static bvx_status check_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *grid,
-                              const bvx_faces_options *given)
+static bvx_status run_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *grid,
+                            const bvx_faces_options *options, bvx_mesh *mesh)
 {
+    uint64_t *empty;
+    bvx_status status;
+
     bvx_faces_options *const o = &f->options;
-    BVXI_TRY(bvxi_take_options(ctx, f->function, given, o, sizeof *o));
+    BVXI_TRY(bvxi_take_options(ctx, f->function, options, o, sizeof *o));
     BVXI_TRY(bvxi_grid_check(ctx, f->function, grid));
     BVXI_TRY(bvxi_grid_check_past(ctx, f->function, grid));
     BVXI_TRY(bvxi_check_options(ctx, f->function, o, BVXI_OPTIONS(faces_rows)));
@@ -26,16 +29,7 @@ static bvx_status check_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *g
         f->spacing[a] = grid->lattice.spacing[a];
         f->origin[a] = o->local_frame ? 0.0 : grid->lattice.origin[a];
     }
-    return bvxi_choose_position_type(ctx, f->function, grid, f->origin, &f->options.position_type);
-}
-
-static bvx_status run_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *grid,
-                            const bvx_faces_options *options, bvx_mesh *mesh)
-{
-    uint64_t *empty;
-    bvx_status status;
-
-    BVXI_TRY(check_faces(ctx, f, grid, options));
+    BVXI_TRY(bvxi_choose_position_type(ctx, f->function, grid, f->origin, &f->options.position_type));
 
     /* A row of corners more than of voxels: the last voxels' high sides. */
     f->words = grid->size[0] / BVXI_WORD_BITS + 1;

@@ -68,8 +68,7 @@ typedef struct face_plane {
     int32_t axis, positive, plane;
 } face_plane;
 
-/* Cut a plane's bits into rectangles from number `at` on; they are listed
- * when there is a list. Returns the next number. */
+/* Cut a plane's bits into rectangles from number `at` on; list may be NULL. Returns the next number. */
 static uint64_t cut_plane(const face_merge *m, const face_plane *p, uint64_t at)
 {
     int32_t const rows = p->rows, words = p->words;
@@ -87,8 +86,7 @@ static uint64_t cut_plane(const face_merge *m, const face_plane *p, uint64_t at)
                 while (next < rows && take_run(p->bits + (size_t)next * (size_t)words, begin, end)) next++;
                 if (m->list != NULL) {
                     face_rectangle const r = {p->axis, p->positive, p->plane, begin, end, v, next};
-                    /* Counting and listing go the same way, so numbers agree. */
-                    m->list[at] = r;
+                    m->list[at] = r; /* Counting and listing go the same way, so numbers agree. */
                 }
                 at++;
             }
@@ -126,8 +124,7 @@ static uint64_t cut_across_x(const face_merge *m, uint64_t *bits, int32_t w, uin
     size_t const plane_words = (size_t)words * (size_t)nz;
     uint64_t *const sides[2] = {bits, bits + 64 * plane_words};
 
-    /* 64 planes at once, since a word holds one bit of each: turned over, every plane has rows of words of
-     * its own. */
+    /* 64 planes at once, since a word holds one bit of each: turned over, each plane has its own words. */
     for (int32_t k = 0; k < nz; k++)
         for (int32_t v = 0; v < words; v++) {
             uint64_t block[2][64];
@@ -145,8 +142,7 @@ static uint64_t cut_across_x(const face_merge *m, uint64_t *bits, int32_t w, uin
             }
         }
 
-    /* Plane after plane, both sides of one before the next: the order of the result, which the words' order
-     * would not give. */
+    /* Plane after plane, both sides of one before the next: the order of the result. */
     for (int32_t i = 0; i < 64; i++)
         for (int32_t s = 0; s < 2; s++) {
             face_plane const plane = {sides[s] + (size_t)i * plane_words, nz, words, 0, s, w * 64 + i};
@@ -165,8 +161,7 @@ static void cut_task(void *user, int32_t task, int32_t worker)
     uint64_t const to = across_y < 0   ? cut_across_x(m, bits, task, from)
                         : across_z < 0 ? cut_across(m, bits, 1, across_y, from)
                                        : cut_across(m, bits, 2, across_z, from);
-    /* The first run only counts. Prefix sums then give every task its place in the list, whichever worker
-     * comes first. */
+    /* The first run only counts. Prefix sums then give every task its place in the list. */
     if (m->list == NULL) m->before[task] = to;
 }
 
@@ -191,8 +186,7 @@ static void emit_corner_rows(void *user, uint64_t begin, uint64_t end)
     const bvxi_faces *const f = m->f;
     uint64_t const rows = (uint64_t)f->grid->size[1] + 1;
 
-    /* A piece begins with the rank of its first bit and counts from there, so pieces need not wait for each
-     * other. */
+    /* A piece begins with the rank of its first bit and counts from there, so none waits for another. */
     uint64_t vertex = bvxi_rank_before(&m->rank, begin * (uint64_t)f->words * BVXI_WORD_BITS);
     for (uint64_t row = begin; row < end; row++) {
         const uint64_t *const corners = m->corners + (size_t)row * (size_t)f->words;
@@ -215,25 +209,6 @@ static void emit_rectangles(void *user, uint64_t begin, uint64_t end)
                       bvxi_rank_before(&m->rank, bit[1]), bvxi_rank_before(&m->rank, bit[2]),
                       bvxi_rank_before(&m->rank, bit[3]), m->list[n].positive);
     }
-}
-
-static bvx_status list_rectangles(bvx_context *ctx, face_merge *m)
-{
-    uint64_t const words = m->f->row_count * (uint64_t)m->f->words;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, m->f->face_count * sizeof *m->list, "the rectangles", &m->list));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, words * 8, "the corners", &m->corners));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bvxi_rank_bytes(words), "the corners' ranks", &m->prefix));
-    BVXI_TRY(bvxi_parallel(ctx, "faces", 0.3, 0.6, m->tasks, cut_task, m));
-    for (uint64_t n = 0; n < m->f->face_count; n++) {
-        uint64_t bit[4];
-        rectangle_corners(m, &m->list[n], bit);
-        /* Rectangles share corners: a bit is set as often as needed. */
-        for (int c = 0; c < 4; c++)
-            m->corners[bit[c] / BVXI_WORD_BITS] |= UINT64_C(1) << (bit[c] % BVXI_WORD_BITS);
-    }
-
-    m->f->vertex_count = bvxi_rank_build(&m->rank, m->corners, words, m->prefix);
-    return bvxi_faces_check_counts(ctx, m->f);
 }
 
 static bvx_status emit_merged(bvx_context *ctx, face_merge *m, bvx_mesh *mesh)
@@ -272,6 +247,20 @@ bvx_status bvxi_faces_merge(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
     BVXI_TRY(bvxi_parallel(ctx, "faces", 0.0, 0.3, m.tasks, cut_task, &m));
     m.f->face_count = bvxi_place_counts(m.before, (uint64_t)m.tasks);
     BVXI_TRY(bvxi_faces_check_counts(ctx, m.f));
-    BVXI_TRY(list_rectangles(ctx, &m));
+    uint64_t const words = m.f->row_count * (uint64_t)m.f->words;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, m.f->face_count * sizeof *m.list, "the rectangles", &m.list));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, words * 8, "the corners", &m.corners));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bvxi_rank_bytes(words), "the corners' ranks", &m.prefix));
+    BVXI_TRY(bvxi_parallel(ctx, "faces", 0.3, 0.6, m.tasks, cut_task, &m));
+    for (uint64_t n = 0; n < m.f->face_count; n++) {
+        uint64_t bit[4];
+        rectangle_corners(&m, &m.list[n], bit);
+        /* Rectangles share corners: a bit is set as often as needed. */
+        for (int c = 0; c < 4; c++)
+            m.corners[bit[c] / BVXI_WORD_BITS] |= UINT64_C(1) << (bit[c] % BVXI_WORD_BITS);
+    }
+
+    m.f->vertex_count = bvxi_rank_build(&m.rank, m.corners, words, m.prefix);
+    BVXI_TRY(bvxi_faces_check_counts(ctx, m.f));
     return bvxi_scratch_end(ctx, mark, mesh != NULL ? emit_merged(ctx, &m, mesh) : BVX_OK);
 }

@@ -33,8 +33,7 @@ static inline uint64_t used_corners(const bvxi_faces *f, const face_voxels *v, i
     return any & ~all;
 }
 
-/* Faces whose low corner is bit i of word w, by axis; behind: the voxels on
- * their positive sides are the set ones. */
+/* Faces whose low corner is bit i of word w, by axis; behind: the positive sides are set. */
 static inline void faces_of_word(const bvxi_faces *f, const face_voxels *v, int32_t j, int32_t k, int32_t w,
                                  uint64_t face[3], uint64_t *behind)
 {
@@ -56,29 +55,26 @@ static void corner_row(const bvxi_faces *f, uint64_t row, int32_t *j, int32_t *k
     *k = (int32_t)(row / rows);
 }
 
-static void count_face_row(bvxi_faces *f, uint64_t row)
-{
-    uint32_t corners = 0, faces = 0;
-    int32_t j, k;
-
-    corner_row(f, row, &j, &k);
-    face_voxels const v = voxels_about(f, j, k);
-    for (int32_t w = 0; w < f->words; w++) {
-        uint64_t const used = used_corners(f, &v, w);
-        uint64_t face[3], behind;
-        if (used == 0) continue;
-        corners += bvxi_popcount(used);
-        faces_of_word(f, &v, j, k, w, face, &behind);
-        for (int a = 0; a < 3; a++) faces += bvxi_popcount(face[a]);
-    }
-    f->rows[row].vertex = corners;
-    f->rows[row].face = faces;
-}
-
 static void count_face_piece(void *user, uint64_t begin, uint64_t end)
 {
     bvxi_faces *const f = user;
-    for (uint64_t row = begin; row < end; row++) count_face_row(f, row);
+    for (uint64_t row = begin; row < end; row++) {
+        uint32_t corners = 0, faces = 0;
+        int32_t j, k;
+
+        corner_row(f, row, &j, &k);
+        face_voxels const v = voxels_about(f, j, k);
+        for (int32_t w = 0; w < f->words; w++) {
+            uint64_t const used = used_corners(f, &v, w);
+            uint64_t face[3], behind;
+            if (used == 0) continue;
+            corners += bvxi_popcount(used);
+            faces_of_word(f, &v, j, k, w, face, &behind);
+            for (int a = 0; a < 3; a++) faces += bvxi_popcount(face[a]);
+        }
+        f->rows[row].vertex = corners;
+        f->rows[row].face = faces;
+    }
 }
 
 bvx_status bvxi_faces_check_counts(bvx_context *ctx, const bvxi_faces *f)
@@ -88,27 +84,6 @@ bvx_status bvxi_faces_check_counts(bvx_context *ctx, const bvxi_faces *f)
         ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
         "%s: the faces have %u vertices and %u triangles; 2^32 - 1 are possible, extract them by windows",
         f->function, f->vertex_count, 2 * f->face_count);
-}
-
-static bvx_status number_face_rows(bvx_context *ctx, bvxi_faces *f)
-{
-    f->vertex_count = f->face_count = 0;
-    /* With 64 bits, as the sum may pass what is possible. */
-    for (uint64_t row = 0; row < f->row_count; row++) {
-        f->vertex_count += f->rows[row].vertex;
-        f->face_count += f->rows[row].face;
-    }
-    BVXI_TRY(bvxi_faces_check_counts(ctx, f));
-
-    uint32_t vertex = 0, face = 0;
-    for (uint64_t row = 0; row <= f->row_count; row++) {
-        bvxi_face_row const n = f->rows[row]; /* the last one is zero */
-        f->rows[row].vertex = vertex;
-        f->rows[row].face = face;
-        vertex += n.vertex;
-        face += n.face;
-    }
-    return BVX_OK;
 }
 
 /* Four rows of corners that faces from one row reach: (j, k), (j + 1, k), (j, k + 1), (j + 1, k + 1). */
@@ -168,8 +143,7 @@ static void emit_face_row(const bvxi_faces *f, uint64_t row)
     for (int32_t w = 0; w < f->words; w++) {
         uint64_t face[3], behind, any;
 
-        /* The used corners of all four rows, so that a corner's number is a popcount away and no table of
-         * numbers is kept. */
+        /* The used corners of all four rows, so that a corner's number is a popcount away. */
         for (int32_t n = 0; n < 4; n++) c.used[n] = used_corners(f, &c.voxels[n], w);
         bvxi_put_corners(f, c.used[0], w, c.first[0], y, z);
         faces_of_word(f, &c.voxels[0], j, k, w, face, &behind);
@@ -199,7 +173,23 @@ bvx_status bvxi_faces_single(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
     uint64_t const bytes = (f->row_count + 1) * sizeof *f->rows;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the rows' numbers", &f->rows));
     BVXI_TRY(bvxi_for_ranges(ctx, "faces", 0.0, 0.3, f->pieces, f->row_count, count_face_piece, f));
-    BVXI_TRY(number_face_rows(ctx, f));
+    f->vertex_count = f->face_count = 0;
+    /* With 64 bits, as the sum may pass what is possible. */
+    for (uint64_t row = 0; row < f->row_count; row++) {
+        f->vertex_count += f->rows[row].vertex;
+        f->face_count += f->rows[row].face;
+    }
+    BVXI_TRY(bvxi_faces_check_counts(ctx, f));
+
+    uint32_t vertex = 0, face = 0;
+    for (uint64_t row = 0; row <= f->row_count; row++) {
+        bvxi_face_row const n = f->rows[row]; /* the last one is zero */
+        f->rows[row].vertex = vertex;
+        f->rows[row].face = face;
+        vertex += n.vertex;
+        face += n.face;
+    }
+
     if (mesh == NULL) return BVX_OK;
     int const mine = mesh->positions == NULL;
     BVXI_TRY(bvxi_faces_open_mesh(ctx, f, mesh));

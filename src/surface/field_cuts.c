@@ -13,8 +13,7 @@
 
 #define NO_VALUE UINT64_MAX
 
-/* A row of centres: which have values, and the number of the first value at
- * or beyond the word that the walk stands at. */
+/* A row of centres: which have values, and the first value's number at or beyond the walk's word. */
 typedef struct value_row {
     const uint64_t *words; /* NULL outside the window */
     uint64_t next;
@@ -188,8 +187,7 @@ static void find_body_cut(const cut_walk *k, const bvxi_cut_rule *v, int32_t axi
         return;
     }
 
-    /* Strictly inside the edge, whatever the values say: the guarantee of the tables holds for such positions
-     * only. */
+    /* Strictly inside the edge, whatever the values say: the tables' guarantee needs it. */
     cut->t = ratio_on_edge(cut->t);
     if (c->planes != NULL && known) {
         const bvx_grid *const g = c->march->grid;
@@ -284,8 +282,7 @@ static void place_slot(cut_walk *k, uint64_t slot)
             k->row[b][r] = start_value_row(c, b == 0 ? c->values : c->values->second, k->j + (r == 1),
                                            k->k + (r == 2));
 
-    /* The same masks in the same order as when vertices were numbered, so that vertex[axis] counts along
-     * without a search. */
+    /* Masks in the same order as when vertices were numbered, so that vertex[axis] counts along. */
     for (int32_t w = 0; w < m->edge_words; w++) {
         uint64_t mask[3];
         bvxi_cell_words cells;

@@ -139,8 +139,12 @@ static bvx_status choose_field_sharp(bvx_context *ctx, const char *function, con
     return BVX_OK;
 }
 
-static void report_cuts(const bvxi_cuts *c, bvx_field_surface_report *report)
+static bvx_status place_cuts(bvx_context *ctx, bvxi_cuts *c, bvx_field_surface_report *report)
 {
+    uint64_t const bytes = (uint64_t)c->march->pieces * (BVXI_CUT_KINDS + 1) * sizeof *c->piece_counts;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the counts of cuts", &c->piece_counts));
+    BVXI_TRY(bvxi_for_pieces(ctx, "vertices", 0.0, 1.0, c->march->pieces, c->march->slot_count,
+                             bvxi_cuts_piece, c));
     for (int32_t p = 0; p < c->march->pieces; p++) {
         report->own += c->piece_counts[(BVXI_CUT_KINDS + 1) * p + BVXI_CUT_KINDS];
         for (int32_t by = 0; by < BVXI_CUT_KINDS; by++) {
@@ -152,15 +156,7 @@ static void report_cuts(const bvxi_cuts *c, bvx_field_surface_report *report)
             report->lids += by == BVXI_CUT_LID ? n : 0;
         }
     }
-}
 
-static bvx_status place_cuts(bvx_context *ctx, bvxi_cuts *c, bvx_field_surface_report *report)
-{
-    uint64_t const bytes = (uint64_t)c->march->pieces * (BVXI_CUT_KINDS + 1) * sizeof *c->piece_counts;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the counts of cuts", &c->piece_counts));
-    BVXI_TRY(bvxi_for_pieces(ctx, "vertices", 0.0, 1.0, c->march->pieces, c->march->slot_count,
-                             bvxi_cuts_piece, c));
-    report_cuts(c, report);
     bvxi_drop(ctx, c->piece_counts);
     return BVX_OK;
 }

@@ -59,26 +59,6 @@ static double float_step(double coordinate)
     return step;
 }
 
-static bvx_status check_f32(bvx_context *ctx, const char *function, const bvx_grid *grid,
-                            const double origin[3])
-{
-    for (int32_t a = 0; a < 3; a++) {
-        double const spacing = grid->lattice.spacing[a], most = farthest_coordinate(grid, origin, a);
-
-        /* Negated, so that a NaN is refused too. */
-        if (!(most < FLOAT_LIMIT))
-            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_FLOATS_COARSE,
-                                 "%s: coordinates up to %g do not fit f32; take f64 or a local frame",
-                                 function, most);
-        if (float_step(most) > spacing / FLOAT_STEPS)
-            return bvxi_fail_for(
-                ctx, BVX_ERR_RANGE, BVX_REASON_FLOATS_COARSE,
-                "%s: at %g f32 has steps of %g, too coarse for voxels of %g; take f64 or a local frame",
-                function, most, float_step(most), spacing);
-    }
-    return BVX_OK;
-}
-
 int bvxi_fits_f32(const bvx_grid *grid, const double origin[3])
 {
     for (int32_t a = 0; a < 3; a++) {
@@ -91,7 +71,23 @@ int bvxi_fits_f32(const bvx_grid *grid, const double origin[3])
 bvx_status bvxi_choose_position_type(bvx_context *ctx, const char *function, const bvx_grid *grid,
                                      const double origin[3], int32_t *position_type)
 {
-    if (*position_type == BVX_F32) return check_f32(ctx, function, grid, origin);
+    if (*position_type == BVX_F32) {
+        for (int32_t a = 0; a < 3; a++) {
+            double const spacing = grid->lattice.spacing[a], most = farthest_coordinate(grid, origin, a);
+
+            /* Negated, so that a NaN is refused too. */
+            if (!(most < FLOAT_LIMIT))
+                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_FLOATS_COARSE,
+                                     "%s: coordinates up to %g do not fit f32; take f64 or a local frame",
+                                     function, most);
+            if (float_step(most) > spacing / FLOAT_STEPS)
+                return bvxi_fail_for(
+                    ctx, BVX_ERR_RANGE, BVX_REASON_FLOATS_COARSE,
+                    "%s: at %g f32 has steps of %g, too coarse for voxels of %g; take f64 or a local frame",
+                    function, most, float_step(most), spacing);
+        }
+        return BVX_OK;
+    }
     if (*position_type == BVX_POSITION_AUTO) *position_type = bvxi_fits_f32(grid, origin) ? BVX_F32 : BVX_F64;
     return BVX_OK;
 }
@@ -109,8 +105,7 @@ bvx_status bvxi_check_f64(bvx_context *ctx, const char *function, const bvx_grid
     return BVX_OK;
 }
 
-/* Cells by their low corner: from the layer before the window to its last
- * voxel, less a layer on each open side. */
+/* Cells by their low corner: from the layer before the window to its last voxel, less open sides. */
 static void choose_cells(bvxi_march *m)
 {
     int32_t const nx = m->grid->size[0];
@@ -167,8 +162,7 @@ static bvx_status number_slots(bvx_context *ctx, bvxi_march *m)
         triangles += t;
     }
 
-    /* One slot past the end, so that a row's own count is always its successor's first number less its
-     * own. */
+    /* One slot past the end, so that a row's count is its successor's first number less its own. */
     memset(&m->slots[m->slot_count], 0, sizeof *m->slots);
     m->slots[m->slot_count].edge[0] = (uint32_t)vertices;
     m->slots[m->slot_count].triangle = (uint32_t)triangles;
@@ -225,8 +219,7 @@ bvx_status bvxi_march_fill(bvx_context *ctx, bvxi_march *m, bvx_mesh *mesh)
         m->across[1][i] = m->origin[0] + ((double)(m->grid->low[0] + i) + 0.5) * m->spacing[0];
     }
 
-    /* Exact counts are known by now: the arrays are made once, and pieces write their parts of them without
-     * meeting. */
+    /* Exact counts are known by now: arrays are made once, and pieces write their own parts. */
     BVXI_TRY(bvxi_mesh_open(ctx, m->function, m->options.position_type, m->options.keys, m->vertex_count,
                             m->triangle_count, mesh));
     if (m->options.local_frame) memcpy(mesh->frame, m->grid->lattice.origin, sizeof mesh->frame);

@@ -37,25 +37,6 @@ static void rotate_symmetric(double a[3][3], double v[3][3], int p, int q)
     }
 }
 
-/* x += the least solution of a x = b in the span of a's larger eigenvalues. */
-static void add_least_solution(double a[3][3], const double b[3], double x[3])
-{
-    double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, largest = 0.0;
-
-    /* A fixed number of sweeps, whatever the numbers are. */
-    for (int n = 0; n < ROTATION_SWEEPS; n++)
-        for (int p = 0; p < 2; p++)
-            for (int q = p + 1; q < 3; q++)
-                if (a[p][q] != 0.0) rotate_symmetric(a, v, p, q);
-    for (int i = 0; i < 3; i++) largest = a[i][i] > largest ? a[i][i] : largest;
-    for (int i = 0; i < 3; i++) {
-        /* Directions that planes hardly decide stay at the middle. */
-        if (!(a[i][i] > LEAST_EIGENVALUE * largest)) continue;
-        double const along = (v[0][i] * b[0] + v[1][i] * b[1] + v[2][i] * b[2]) / a[i][i];
-        for (int k = 0; k < 3; k++) x[k] += along * v[k][i];
-    }
-}
-
 /* The least place with the coordinates of fixed held where x has them. */
 static void find_free_coordinates(const bvxi_apex_plane *planes, int32_t count, const double middle[3],
                                   const int fixed[3], double x[3])
@@ -74,7 +55,22 @@ static void find_free_coordinates(const bvxi_apex_plane *planes, int32_t count, 
                 if (!fixed[l]) a[k][l] += n[k] * n[l];
         }
     }
-    add_least_solution(a, b, x);
+
+    /* x += the least solution of a x = b in the span of a's larger eigenvalues. */
+    double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, largest = 0.0;
+
+    /* A fixed number of sweeps, whatever the numbers are. */
+    for (int n = 0; n < ROTATION_SWEEPS; n++)
+        for (int p = 0; p < 2; p++)
+            for (int q = p + 1; q < 3; q++)
+                if (a[p][q] != 0.0) rotate_symmetric(a, v, p, q);
+    for (int i = 0; i < 3; i++) largest = a[i][i] > largest ? a[i][i] : largest;
+    for (int i = 0; i < 3; i++) {
+        /* Directions that planes hardly decide stay at the middle. */
+        if (!(a[i][i] > LEAST_EIGENVALUE * largest)) continue;
+        double const along = (v[0][i] * b[0] + v[1][i] * b[1] + v[2][i] * b[2]) / a[i][i];
+        for (int k = 0; k < 3; k++) x[k] += along * v[k][i];
+    }
 }
 
 void bvxi_apex(const bvxi_apex_plane *planes, int32_t count, const double middle[3], const double half[3],

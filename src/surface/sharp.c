@@ -46,15 +46,13 @@ static bvxi_sharp_loop *sharp_loop_alone(const bvxi_sharp_work *w, uint64_t slot
     return &w->loops[low];
 }
 
-/* The kept loop of the neighbour of the cell at x across a face, where it is that cell's only one; else
- * NULL. */
+/* The kept loop of the neighbour across a face of the cell at x, where it is its only one; else NULL. */
 static bvxi_sharp_loop *sharp_beside(const bvxi_sharp_work *w, uint64_t slot, int32_t x, int32_t face)
 {
     uint64_t const rows = (uint64_t)w->march->grid->size[1] + 1;
     uint64_t const step = face >> 1 == 0 ? 0 : face >> 1 == 1 ? 1 : rows;
     int32_t const up = face & 1;
-    /* The neighbour across y and z lies in another row. */
-    if (face >> 1 == 0) x += up ? 1 : -1;
+    if (face >> 1 == 0) x += up ? 1 : -1; /* The neighbour across y and z lies in another row. */
     /* a cell with a cut face has a neighbour there */
     return sharp_loop_alone(w, up ? slot + step : slot - step, x);
 }
@@ -66,8 +64,7 @@ static double follows(const double n[3], const double facet[3], double worst)
     return cosine < worst ? cosine : worst;
 }
 
-/* Would the fans' side from a to b, seen from the cell of apex p, better
- * run from apex p to the neighbour's q? */
+/* Would the fans' side from a to b, seen from apex p, better run from apex p to the neighbour's q? */
 static int better_turned(const bvxi_sharp_work *w, uint32_t a, uint32_t b, const double p[3],
                          const double q[3])
 {
@@ -210,24 +207,6 @@ static void write_sharp_piece(void *work, uint64_t begin, uint64_t end)
     for (uint64_t s = begin; s < end; s++) write_slot_triangles(w, s);
 }
 
-static void write_vertices(const bvxi_sharp_work *w)
-{
-    const bvxi_march *const m = w->march;
-    size_t const bytes = m->options.position_type == BVX_F32 ? 12 : 24;
-
-    /* Vertices of the surface first, with their numbers; apexes after them. */
-    memcpy(w->surface->positions, m->mesh->positions, (size_t)m->vertex_count * bytes);
-    for (uint64_t n = 0; n < w->first[m->slot_count]; n++) {
-        const bvxi_sharp_loop *const s = &w->loops[n];
-        size_t const to = 3 * ((size_t)m->vertex_count + s->before);
-        if (!s->kept) continue;
-        for (size_t a = 0; a < 3; a++)
-            if (m->options.position_type == BVX_F32)
-                ((float *)w->surface->positions)[to + a] = (float)s->apex[a];
-            else ((double *)w->surface->positions)[to + a] = s->apex[a];
-    }
-}
-
 static bvx_status number_loops(bvx_context *ctx, bvxi_sharp_work *w, uint64_t *count)
 {
     uint64_t total = 0;
@@ -267,7 +246,20 @@ static bvx_status write_sharp(bvx_context *ctx, bvxi_sharp_work *w, uint32_t kep
                             m->triangle_count + 2 * (uint64_t)kept, surface));
     memcpy(surface->frame, m->mesh->frame, sizeof surface->frame);
     w->surface = surface;
-    write_vertices(w);
+    size_t const bytes = m->options.position_type == BVX_F32 ? 12 : 24;
+
+    /* Vertices of the surface first, with their numbers; apexes after them. */
+    memcpy(w->surface->positions, m->mesh->positions, (size_t)m->vertex_count * bytes);
+    for (uint64_t n = 0; n < w->first[m->slot_count]; n++) {
+        const bvxi_sharp_loop *const s = &w->loops[n];
+        size_t const to = 3 * ((size_t)m->vertex_count + s->before);
+        if (!s->kept) continue;
+        for (size_t a = 0; a < 3; a++)
+            if (m->options.position_type == BVX_F32)
+                ((float *)w->surface->positions)[to + a] = (float)s->apex[a];
+            else ((double *)w->surface->positions)[to + a] = s->apex[a];
+    }
+
     status = bvxi_for_ranges(ctx, "sharp edges", 0.8, 1.0, m->pieces, m->slot_count, write_sharp_piece, w);
     return bvxi_mesh_made(ctx, status, mine, surface);
 }

@@ -17,8 +17,7 @@ static int is_sharp(const bvxi_sharp_work *w, const bvxi_cell_loop *l)
     return 0;
 }
 
-/* 0 when all facets at the cell's vertices lie within half the angle of one
- * of them: no two differ by more then. */
+/* 0 when all facets at the cell's vertices lie within half the angle of one of them: no two differ more. */
 static int may_be_sharp(const bvxi_sharp_work *w, const bvxi_cell_walk *c)
 {
     const bvxi_march *const m = w->march;

@@ -52,8 +52,7 @@ static bvx_status open_point_planes(bvx_context *ctx, int32_t minimum, points_wo
 static void count_point(points_work *w, size_t word, uint64_t bit)
 {
     uint64_t *const set = &w->grid->words[word];
-    /* Full already: no counter is changed any more. */
-    if ((*set & bit) != 0) return;
+    if ((*set & bit) != 0) return; /* Full already: no counter is changed any more. */
     /* One is added: a carry goes on from digit to digit. */
     for (int32_t p = 0; p < w->plane_count; p++) {
         uint64_t *const digit = &w->planes[(size_t)w->words * (size_t)p + word];

@@ -4,8 +4,7 @@
  * along f are packed, 64 columns of x at a time, turned by transposing 64 by 64 bits (Warren. Hacker's
  * Delight. 2003, section 7-3) and written as words of rows. TILE_THIRD planes of the third axis are taken
  * together: where z is fastest, their runs lie side by side in the array, and so do their words in the grid.
- * A rule that packs columns by itself (bvxi_columns_fn) needs no bits turned. Guarantee: a task writes rows
- * or tiles of its own; which thread runs it shows nowhere. */
+ * Guarantee: a task writes rows or tiles of its own; which thread runs it shows nowhere. */
 #include "volume/room.h"
 #include "bits/bits.h"
 
@@ -155,25 +154,6 @@ static void write_columns(const bvxi_sample_walk *w, const sample_tile *t, int32
         for (int32_t k = 0; k < t->nt; k++) to[(uint64_t)k * across] = row[k][i];
 }
 
-static void walk_tile(const bvxi_sample_walk *w, void *tally, const sample_tile *t)
-{
-    union {
-        uint64_t run[TILE_THIRD][64][TILE_F_WORDS];
-        uint64_t row[TILE_THIRD][64 * TILE_F_WORDS];
-    } at;
-    int const columns = w->columns != NULL && tally == NULL && w->stride[w->axis] == 1;
-
-    for (int32_t x = 0; x < w->grid->size[0]; x += 64) {
-        int32_t const n = at_most(w->grid->size[0] - x, 64);
-        if (columns) {
-            write_columns(w, t, x, n, at.row);
-            continue;
-        }
-        read_runs(w, tally, t, x, n, at.run);
-        for (int32_t kf = 0; 64 * kf < t->nf; kf++) write_squares(w, t, x, n, kf, at.run);
-    }
-}
-
 static void walk_tiles(void *user, int32_t piece, uint64_t tile, uint64_t end)
 {
     const bvxi_sample_walk *const w = user;
@@ -186,7 +166,21 @@ static void walk_tiles(void *user, int32_t piece, uint64_t tile, uint64_t end)
                          .third = (int32_t)(tile / tiles) * TILE_THIRD};
         t.nf = at_most(size[w->axis] - t.f, 64 * TILE_F_WORDS);
         t.nt = at_most(third - t.third, TILE_THIRD);
-        walk_tile(w, tally, &t);
+        union {
+            uint64_t run[TILE_THIRD][64][TILE_F_WORDS];
+            uint64_t row[TILE_THIRD][64 * TILE_F_WORDS];
+        } at;
+        int const columns = w->columns != NULL && tally == NULL && w->stride[w->axis] == 1;
+
+        for (int32_t x = 0; x < w->grid->size[0]; x += 64) {
+            int32_t const n = at_most(w->grid->size[0] - x, 64);
+            if (columns) {
+                write_columns(w, &t, x, n, at.row);
+                continue;
+            }
+            read_runs(w, tally, &t, x, n, at.run);
+            for (int32_t kf = 0; 64 * kf < t.nf; kf++) write_squares(w, &t, x, n, kf, at.run);
+        }
     }
 }
 

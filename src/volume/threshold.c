@@ -289,8 +289,7 @@ static bvxi_bits_fn *range_run_for(const bvx_context *ctx, int32_t type)
 #define THRESHOLD_F32_MAX 3.4028234663852886e38 /* (2 - 2^-23) * 2^127 */
 #define THRESHOLD_F64_MAX 1.7976931348623157e308
 
-/* The float beside f towards greater ones (up 1) or lesser ones; f is
- * finite and the step does not leave the finite ones. */
+/* The float beside f greater (up 1) or lesser; both are finite. */
 static float step_float(float f, int up)
 {
     uint32_t bits;

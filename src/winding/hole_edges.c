@@ -83,8 +83,7 @@ static void waiting_edge_key(const void *user, uint64_t number, uint32_t key[BVX
 
 static void put_edge_in_tree(edge_table *t, uint64_t key, int64_t direction)
 {
-    /* Written at the end first, as the tree compares keys
-     * that stand in the list; kept only when it is new. */
+    /* Written at the end first, as the tree compares keys of the list; kept only when new. */
     t->key[t->listed] = key;
     t->net[t->listed] = 0;
     uint64_t const at = bvxi_key_tree_find(&t->tree, t->listed);
@@ -212,8 +211,7 @@ static bvx_status list_open_edges(bvx_context *ctx, const edge_table *t, int odd
     return BVX_OK;
 }
 
-/* The first few edges that wait at their lower corner do so beside it:
- * (higher << 1 | runs downwards) + 1, or 0. */
+/* The first few edges wait beside their lower corner: (higher << 1 | runs downwards) + 1, or 0. */
 static inline int put_beside(uint32_t *beside, uint32_t from, uint32_t to)
 {
     uint32_t *const slot = beside + (size_t)HOLE_BESIDE * (from < to ? from : to);
@@ -233,23 +231,6 @@ static inline int put_beside(uint32_t *beside, uint32_t from, uint32_t to)
     return free >= 0;
 }
 
-static bvx_status take_from_beside(bvx_context *ctx, const uint32_t *beside, uint64_t vertices,
-                                   uint64_t limit, edge_table *t)
-{
-    for (uint64_t v = 0; v < vertices; v++)
-        for (int i = 0; i < HOLE_BESIDE; i++) {
-            uint32_t const value = beside[HOLE_BESIDE * v + (uint64_t)i] - 1;
-            if (value == UINT32_MAX) continue;
-            /* Of two directions the lowest bit says which. */
-            if ((value & 1) == 0) put_hole_edge(t, (uint32_t)v, value >> 1);
-            else put_hole_edge(t, value >> 1, (uint32_t)v);
-            BVXI_TRY(make_room_for_edges(ctx, t));
-            /* So many that nothing of this will be used. */
-            if (t->used > limit) return BVX_OK;
-        }
-    return BVX_OK;
-}
-
 static bvx_status put_triangles(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *same,
                                 uint64_t limit, uint32_t *beside, edge_table *t)
 {
@@ -266,7 +247,18 @@ static bvx_status put_triangles(bvx_context *ctx, const bvx_mesh_view *view, con
         }
         BVXI_TRY(make_room_for_edges(ctx, t));
     }
-    return take_from_beside(ctx, beside, view->vertex_count, limit, t);
+    uint64_t const vertices = view->vertex_count;
+    for (uint64_t v = 0; v < vertices; v++)
+        for (int i = 0; i < HOLE_BESIDE; i++) {
+            uint32_t const value = beside[HOLE_BESIDE * v + (uint64_t)i] - 1;
+            if (value == UINT32_MAX) continue;
+            /* Of two directions the lowest bit says which. */
+            if ((value & 1) == 0) put_hole_edge(t, (uint32_t)v, value >> 1);
+            else put_hole_edge(t, value >> 1, (uint32_t)v);
+            BVXI_TRY(make_room_for_edges(ctx, t));
+            if (t->used > limit) return BVX_OK; /* So many that nothing of this will be used. */
+        }
+    return BVX_OK;
 }
 
 /* Edges of triangles; same: NULL, or which vertex stands for each. Where
@@ -389,8 +381,7 @@ static bvx_status cancel_places(bvx_context *ctx, const bvx_mesh_view *view, con
     return BVX_OK;
 }
 
-/* By numbers and then what is left by places; where numbers cancel too little, all by places. Last by
- * lines. */
+/* By numbers, then the rest by places; where numbers cancel too little, all by places. Last by lines. */
 bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *s, int odd_once,
                            uint64_t **edges, uint64_t *count)
 {

@@ -26,8 +26,7 @@ typedef struct hole_line {
 typedef struct line_work {
     const bvxi_snapped *snapped;
     const uint64_t *edges; /* from << 32 | to */
-    /* 1: at most one edge a stretch, where their number is odd (all rules but WINDING); 0: as many as the sum
-     * says */
+    /* 1: at most one edge a stretch, where it is odd (all rules but WINDING); 0: as the sum says */
     int odd_once;
     hole_line *line;   /* of each edge */
     uint64_t *key;     /* hashes of lines [Size: count] */
@@ -75,8 +74,7 @@ static void find_line(const bvxi_snapped *s, uint64_t edge, hole_line *l)
     }
 }
 
-/* Two components of the moment: the third follows from them but on level lines, which part_lines tells
- * apart. */
+/* Two components of the moment: the third follows from them but on level lines, see part_lines. */
 static uint64_t hash_line(const hole_line *l)
 {
     uint64_t h = 0;
@@ -112,22 +110,6 @@ static void part_lines(const hole_line *line, uint32_t *order, uint64_t n)
     while (same < n && compare_lines(&line[order[0]], &line[order[same]]) == 0) same++;
     if (same == n) return;
     bvxi_sort_items(order, n, line_before, line);
-}
-
-static bvx_status order_lines(bvx_context *ctx, line_work *w, uint64_t count)
-{
-    for (uint64_t i = 0; i < count; i++) {
-        find_line(w->snapped, w->edges[i], &w->line[i]);
-        w->key[i] = hash_line(&w->line[i]);
-        w->order[i] = (uint32_t)i;
-    }
-    /* Sorted by hash, edges of a line come together, save that several lines may share a hash. */
-    BVXI_TRY(bvxi_radix_sort(ctx, w->key, w->order, count));
-    for (uint64_t i = 0, n; i < count; i += n) {
-        for (n = 1; i + n < count && w->key[i + n] == w->key[i];) n++;
-        part_lines(w->line, w->order + i, n);
-    }
-    return BVX_OK;
 }
 
 /* ---- one line ---- */
@@ -179,8 +161,7 @@ static int line_cancels(const line_work *w, uint64_t ends)
     return 0;
 }
 
-/* How many edges should be open where those given sum up to `sum` and `have` are open, negative ones run
- * down. */
+/* How many edges should be open if they sum up to `sum` and `have` are open; negative: down. */
 static int64_t edges_wanted(const line_work *w, int64_t sum, int64_t have)
 {
     if (!w->odd_once) return sum;
@@ -215,7 +196,18 @@ static void sweep_line(line_work *w, uint64_t ends)
 
 static bvx_status cancel_lines(bvx_context *ctx, line_work *w, uint64_t count)
 {
-    BVXI_TRY(order_lines(ctx, w, count));
+    for (uint64_t i = 0; i < count; i++) {
+        find_line(w->snapped, w->edges[i], &w->line[i]);
+        w->key[i] = hash_line(&w->line[i]);
+        w->order[i] = (uint32_t)i;
+    }
+    /* Sorted by hash, edges of a line come together, save that several lines may share a hash. */
+    BVXI_TRY(bvxi_radix_sort(ctx, w->key, w->order, count));
+    for (uint64_t i = 0, n; i < count; i += n) {
+        for (n = 1; i + n < count && w->key[i + n] == w->key[i];) n++;
+        part_lines(w->line, w->order + i, n);
+    }
+
     for (uint64_t i = 0, n; i < count; i += n) {
         const uint32_t *const edges = w->order + i;
         int cancels = 0;

@@ -151,8 +151,7 @@ static void add_sheet_edge(const bvxi_seen_point *pa, const bvxi_seen_point *pb,
     }
     if (rest >= BVXI_SHEET_NO_BOUND) return;
 
-    /* (a x b) (|a| + |b|) / (|a| |b| (|a| |b| + a b)), without cancelling
-     * where a and b point away from each other */
+    /* (a x b) (|a| + |b|) / (|a| |b| (|a| |b| + a b)), without cancelling for opposite a and b */
     factor = ab >= 0 ? (la + lb) / (4 * BVXI_PI * la * lb * (la * lb + ab))
                      : (la + lb) * (la * lb - ab) / (4 * BVXI_PI * la * lb * cc);
     for (int k = 0; k < 3; k++) gradient[k] += factor * c[k];

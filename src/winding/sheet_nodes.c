@@ -89,8 +89,7 @@ static uint64_t loop_place(const bvxi_sheet *s, uint32_t loop)
     return key;
 }
 
-/* Groups from small to large: a group's halves come after it on the walk,
- * so a list of them is gone through backwards. */
+/* Groups from small to large: a group's halves come after it on the walk, so their list is read backwards. */
 static bvx_status group_loops(bvx_context *ctx, bvxi_sheet *s)
 {
     uint64_t const loops = s->holes->loops;

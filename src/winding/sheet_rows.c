@@ -41,8 +41,7 @@ static uint64_t start_column(const bvxi_turns_job *job, bvxi_turns_worker *w, in
             uint64_t const row = bvxi_block_row(job->solid, y + j, z + k);
             int64_t sum = 0;
             b->crossed[at] = sorted_row(job->crossed, row);
-            /* The sum over a row is 0 where the mesh is closed
-             * there; other rows are counted for the report. */
+            /* The sum over a row is 0 where the mesh is closed there; others are counted. */
             if (job->mesh == NULL) continue;
             w->mesh[at] = sorted_row(job->mesh, row);
             for (uint32_t i = 0; i < w->mesh[at].count; i++) sum += (w->mesh[at].code[i] & 1) != 0 ? -1 : 1;

@@ -7,8 +7,7 @@
  * 1948 (seven points for the moments of a triangle).
  *
  * Where all triangles of a mesh hang loose each is a hole of its own, and the sheet is these triangles once
- * more: its loops have nothing to tell then, and groups of them are many. The bits are the same with a tree
- * and without. */
+ * more: its loops have nothing to tell then, and groups of them are many. */
 #include "bits/sort.h"
 #include "mesh/mesh.h"
 #include "winding/turns.h"

@@ -1,7 +1,5 @@
 /* sheet_turns.c - the whole number nearest to the sheet's angle, at all centres of a block.
  *
- * Bricks, and centres by themselves, are evaluated four at a time (sheet_four.c).
- *
  * Source: the hierarchy is that of Barill, Dickson, Schmidt, Levin, Jacobson. Fast Winding Numbers for Soups
  * and Clouds. 2018, on the side of the questions.
  *

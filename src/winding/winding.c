@@ -100,6 +100,40 @@ static bvx_status wind_block(bvx_context *ctx, bvxi_solid_job *job, const bvxi_r
     return status;
 }
 
+/* A vertex in voxels, moved to the lattice's side where it lies beyond. */
+static void place_on_lattice(const bvx_mesh_view *mesh, uint64_t vertex, const bvx_lattice *l, double at[3])
+{
+    bvxi_view_position(mesh, vertex, at);
+    for (int a = 0; a < 3; a++) {
+        at[a] = (at[a] - l->origin[a]) / l->spacing[a];
+        at[a] = at[a] < 0.0 ? 0.0 : at[a] > l->dims[a] ? l->dims[a] : at[a];
+    }
+}
+
+/* Rows along y and z that pass through holes, by the loops' shadows: those along x balance beside faces that miss
+ * triangles along x. */
+static uint64_t rows_through(const bvx_mesh_view *mesh, const bvxi_holes *holes, const bvx_lattice *lattice)
+{
+    uint64_t begin = 0, rows = 0;
+
+    for (uint64_t l = 0; l < holes->loops; begin = holes->loop_end[l++]) {
+        double from[3], p[3], q[3], shadow[3] = {0.0, 0.0, 0.0};
+
+        place_on_lattice(mesh, holes->vertex[begin], lattice, from);
+        memcpy(p, from, sizeof p);
+        for (uint64_t i = begin + 1; i < holes->loop_end[l]; i++, memcpy(p, q, sizeof p)) {
+            place_on_lattice(mesh, holes->vertex[i], lattice, q);
+            for (int a = 1; a < 3; a++) {
+                int const u = (a + 1) % 3, v = (a + 2) % 3;
+
+                shadow[a] += (p[u] - from[u]) * (q[v] - from[v]) - (p[v] - from[v]) * (q[u] - from[u]);
+            }
+        }
+        for (int a = 1; a < 3; a++) rows += (uint64_t)(0.5 * bvxi_absolute(shadow[a]));
+    }
+    return rows;
+}
+
 static bvx_status wind_over_holes(bvx_context *ctx, bvxi_solid_job *job, const bvxi_holes *holes,
                                   const bvx_grid *solid, double from, double to, bvx_solid_report *report)
 {
@@ -117,6 +151,9 @@ static bvx_status wind_over_holes(bvx_context *ctx, bvxi_solid_job *job, const b
     BVXI_TRY(bvxi_solid_fill(bvxi_solid_step(ctx, job, from, to), job, solid, 0, BVX_FILL_NONZERO, report));
     job->take_lists = NULL;
     job->user = NULL;
+    /* Windows have their own rows alone. */
+    if (report->unbalanced_rows == 0 && memcmp(solid->size, solid->lattice.dims, sizeof solid->size) == 0)
+        report->unbalanced_rows = rows_through(job->view, holes, &solid->lattice);
     bvxi_sheet_mesh_close(ctx, &view);
     bvxi_sheet_close(ctx, &sheet);
     return BVX_OK;

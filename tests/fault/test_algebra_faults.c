@@ -1,4 +1,4 @@
-/* test_algebra_faults.c - set algebra, blocks, windows and booleans of meshes with every allocation failing
+/* test_algebra_faults.c - set algebra, blocks, windows, booleans and hulls of meshes with every allocation failing
  * once, cancelled at every progress call, under every memory limit and in arenas of every size. */
 #include "fault/rows.h"
 #include "tools/mesh_maker.h"
@@ -185,6 +185,36 @@ static bvx_status join_lens(void *user, bvx_context *ctx)
     return boolean_with(ctx, 2, BVX_BOOLEAN_UNION, 0);
 }
 
+/* A mesh of one piece, and the lens, which is thinner than a voxel: a shell. */
+static bvx_status hull_of(bvx_context *ctx, int n)
+{
+    uint64_t const target = 300;
+    bvx_hull_options o = {.struct_size = sizeof o, .targets = {.triangles = &target}, .close_gaps = 1};
+    bvx_hull_report report;
+    bvx_mesh mesh = {0};
+    bvx_status status;
+
+    o.fit.resolution = 20;
+    o.report = &report;
+    status = bvx_hull(ctx, &view[n], &o, 1, &mesh);
+    if (status == BVX_OK) status = bvx_mesh_hash(ctx, &mesh, &mark);
+    else left_behind |= mesh.positions != NULL || mesh.triangles != NULL || mesh.vertex_count != 0;
+    bvx_mesh_free(ctx, &mesh);
+    return status;
+}
+
+static bvx_status hull_mesh(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return hull_of(ctx, 0);
+}
+
+static bvx_status hull_lens(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return hull_of(ctx, 2);
+}
+
 static fault_row cases[] = {
     {"union", unite, 1, 1, 0},
     {"intersection", intersect, 1, 1, 0},
@@ -200,6 +230,8 @@ static fault_row cases[] = {
     {"boolean union", join_meshes, 1, 1, 0},
     {"boolean difference, sharp", cut_meshes, 1, 1, 0},
     {"boolean union, thin", join_lens, 1, 1, 0},
+    {"hull", hull_mesh, 1, 1, 0},
+    {"hull of a sheet", hull_lens, 1, 1, 0},
 };
 
 /* ---- Tests ---- */

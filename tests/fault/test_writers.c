@@ -75,6 +75,7 @@ static const writer writers[] = {
     {"PLY", BVX_FORMAT_PLY, 1, 0, 0, 0, 0},
     {"OFF", BVX_FORMAT_OFF, 1, 0, 0, 0, 0},
     {"GLB", BVX_FORMAT_GLB, 11, 0, 0, 0, 0},
+    {"3MF", BVX_FORMAT_3MF, 1, 0, 0, 0, 0},
     {"OBJ with normals", BVX_FORMAT_OBJ, 2, 1, 0, 0, 0},
     {"PLY with normals", BVX_FORMAT_PLY, 2, 1, 0, 0, 0},
     {"levels", BVX_FORMAT_GLB, 19, 0, 2, 0, 0},

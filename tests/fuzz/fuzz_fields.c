@@ -152,6 +152,28 @@ static void fuzz_repaired(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
     bvx_mesh_free(other, &twin);
 }
 
+static void fuzz_hull(bvx_context *ctx, bvx_context *other, fuzz_input *in, const fuzz_mesh *m)
+{
+    bvx_hull_options o = {.struct_size = sizeof o};
+    bvx_mesh mesh = {0}, twin = {0};
+
+    o.fit.resolution = fuzz_range(in, 1, 24);
+    o.close_gaps = fuzz_range(in, 0, 6);
+    o.placing.interpolation = fuzz_range(in, BVX_EDGE_TANGENT, BVX_EDGE_PAPER);
+    o.placing.sharp = fuzz_range(in, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS);
+    o.shell = fuzz_range(in, 0, 3) == 0 ? BVX_NONE : 1.5 + fuzz_range(in, 0, 4) / 4.0;
+    o.parts.least_part = (uint64_t)fuzz_range(in, 0, 3);
+    o.parts.keep_largest = (uint64_t)fuzz_range(in, 0, 2);
+    o.placing.position_type = BVX_F64;
+    if (!fuzz_good(ctx, bvx_hull(ctx, &m->view, &o, 1, &mesh))) return;
+    fuzz_require(mesh.triangle_count > 0, "an empty success");
+    fuzz_certified(ctx, &mesh, "a hull that is not certified");
+    fuzz_must(other, bvx_hull(other, &m->view, &o, 1, &twin));
+    fuzz_meshes_equal(ctx, &mesh, &twin, "another hull with more threads");
+    bvx_mesh_free(ctx, &mesh);
+    bvx_mesh_free(other, &twin);
+}
+
 static void fuzz_one(fuzz_input *in)
 {
     static fuzz_mesh m;
@@ -163,7 +185,8 @@ static void fuzz_one(fuzz_input *in)
     if (m.triangles > 0) {
         if (fuzz_range(in, 0, 1) == 0 && fuzz_take_lattice(in, ctx, &m, 14, &lattice))
             fuzz_field(ctx, other, in, &m, &lattice);
-        else fuzz_repaired(ctx, other, in, &m);
+        else if (fuzz_range(in, 0, 1) == 0) fuzz_repaired(ctx, other, in, &m);
+        else fuzz_hull(ctx, other, in, &m);
     }
     fuzz_end(ctx);
     fuzz_end(other);

@@ -1,17 +1,30 @@
 /* fuzz_readers.c - the readers of meshes and points on damaged files: no crash, no leak, no more memory than
  * the file's size allows; an error in words, or a valid mesh that is written and read to itself. */
 #include "fuzz_files.h"
+#include "io/formats.h"
 #include "mesh/mesh.h"
 
-enum { FUZZ_STL, FUZZ_OBJ, FUZZ_PLY, FUZZ_OFF, FUZZ_XYZ, FUZZ_CLOUD, FUZZ_GLB, FUZZ_GLTF };
+enum {
+    FUZZ_STL,
+    FUZZ_OBJ,
+    FUZZ_PLY,
+    FUZZ_OFF,
+    FUZZ_XYZ,
+    FUZZ_CLOUD,
+    FUZZ_GLB,
+    FUZZ_GLTF,
+    FUZZ_3MF,
+    FUZZ_MODEL
+};
 
 static const fuzz_format formats[] = {
-    {"stl", BVX_FORMAT_STL}, {"obj", BVX_FORMAT_OBJ},   {"ply", BVX_FORMAT_PLY},
-    {"off", BVX_FORMAT_OFF}, {"xyz", BVX_FORMAT_XYZ},   {"ply_points", BVX_FORMAT_PLY},
-    {"glb", BVX_FORMAT_GLB}, {"gltf", BVX_FORMAT_GLTF},
+    {"stl", BVX_FORMAT_STL},       {"obj", BVX_FORMAT_OBJ},   {"ply", BVX_FORMAT_PLY},
+    {"off", BVX_FORMAT_OFF},       {"xyz", BVX_FORMAT_XYZ},   {"ply_points", BVX_FORMAT_PLY},
+    {"glb", BVX_FORMAT_GLB},       {"gltf", BVX_FORMAT_GLTF}, {"3mf", BVX_FORMAT_3MF},
+    {"3mf_model", BVX_FORMAT_3MF},
 };
-static const int32_t multiples[] = {READ_STL,    READ_OBJ,    READ_PLY,  READ_OFF,
-                                    READ_POINTS, READ_POINTS, READ_GLTF, READ_GLTF};
+static const int32_t multiples[] = {READ_STL,    READ_OBJ,  READ_PLY,  READ_OFF, READ_POINTS,
+                                    READ_POINTS, READ_GLTF, READ_GLTF, READ_3MF, READ_3MF};
 
 static void fuzz_check_mesh(const bvx_mesh *m)
 {
@@ -209,7 +222,32 @@ static void fuzz_check_kept(bvx_context *ctx, const uint8_t *file, size_t size, 
     bvx_buffer_free(ctx, &b);
 }
 
-static int fuzz_read(bvx_context *ctx, const uint8_t *file, size_t size, int format)
+/* A container of one model, which is text; room for FUZZ_AROUND bytes more than that has. */
+enum { FUZZ_AROUND = 30 + 46 + 22 + 2 * 16 };
+
+static size_t fuzz_pack_model(const void *text, size_t n, uint8_t *file)
+{
+    uint8_t *const entry = file + 46 + n, *const end = entry + 62;
+    uint32_t const crc = bvxi_crc32(text, n);
+
+    memset(file, 0, n + FUZZ_AROUND);
+    for (int local = 1; local >= 0; local--) {
+        uint8_t *const head = local ? file : entry, *const facts = head + (local ? 14 : 16);
+        bvxi_store_u32(head, local ? 0x04034b50 : 0x02014b50);
+        bvxi_store_u32(facts, crc);
+        bvxi_store_u32(facts + 4, (uint32_t)n);
+        bvxi_store_u32(facts + 8, (uint32_t)n);
+        bvxi_store_u16(facts + 12, 16);
+        memcpy(head + (local ? 30 : 46), "3D/3dmodel.model", 16);
+    }
+    memcpy(file + 46, text, n);
+    bvxi_store_u32(end, 0x06054b50);
+    bvxi_store_u16(end + 10, 1);
+    bvxi_store_u32(end + 16, (uint32_t)(46 + n));
+    return n + FUZZ_AROUND;
+}
+
+static int fuzz_read_as(bvx_context *ctx, const uint8_t *file, size_t size, int format)
 {
     static const bvx_mesh empty = {0};
     int32_t const number = formats[format].number;
@@ -236,6 +274,19 @@ static int fuzz_read(bvx_context *ctx, const uint8_t *file, size_t size, int for
         fuzz_require(memcmp(&m, &empty, sizeof m) == 0, "a result behind an error");
     }
     bvx_mesh_free(ctx, &m);
+    return good;
+}
+
+/* The text of a model is damaged by itself, since no damaged container would have its check sum. */
+static int fuzz_read(bvx_context *ctx, const uint8_t *file, size_t size, int format)
+{
+    uint8_t *const packed = format == FUZZ_MODEL ? malloc(size + FUZZ_AROUND) : NULL;
+    int good;
+
+    fuzz_require((packed != NULL) == (format == FUZZ_MODEL), "no memory");
+    if (packed != NULL) size = fuzz_pack_model(file, size, packed);
+    good = fuzz_read_as(ctx, packed != NULL ? packed : file, size, format);
+    free(packed);
     return good;
 }
 
@@ -366,6 +417,20 @@ static const char *const fuzz_gltf_text =
     "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"buffers\":[{\"byteLength\":36,\"uri\":\"data:;base64,"
     "AAAAAAAAAAAAAAAAAAAAQAAAAAAAAAAAAAAAQAAAgD8AAAAA\"}],\"extras\":[true,null,-1.5e3,\"\\u00e9\\\\\"]}\n";
 
+static const char *const fuzz_model_bodies =
+    "<?xml version=\"1.0\"?><model unit=\"inch\"><resources><basematerials id=\"1\"><base name=\"a\" displaycolor=\"#102030\"/>"
+    "<base name=\"b\"/></basematerials><object id=\"2\" pid=\"1\" pindex=\"1\"><mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/>"
+    "<vertex x=\"1\" y=\"0\" z=\"0\" /><vertex z='0' y='1' x='0'/><vertex x=\"0\" y=\"0\" z=\"1e0\"></vertex></vertices><triangles>"
+    "<triangle v1=\"0\" v2=\"2\" v3=\"1\"/><triangle v1=\"0\" v2=\"1\" v3=\"3\" p1=\"0\" p2=\"1\"/>"
+    "<triangle v1=\"1\" v2=\"2\" v3=\"3\" pid=\"7\" p1=\"0\"/></triangles></mesh></object><object id=\"3\"><components>"
+    "<component objectid=\"2\" transform=\"1 0 0 0 1 0 0 0 -1 5 6 7\"/><component objectid=\"2\"/></components></object></resources>"
+    "<build><item objectid=\"3\" transform=\"0 1 0 1 0 0 0 0 1 0 0 0\"/><item objectid=\"2\"/></build></model>";
+static const char *const fuzz_model_colours =
+    "<model requiredextensions=\"m p\"><!-- c --><resources><m:colorgroup id=\"9\"><m:color color=\"#FFaa0080\"/></m:colorgroup>"
+    "<object id=\"1\"><mesh><vertices><vertex x=\"-1.5\" y=\".25\" z=\"0\"/>\n<vertex x=\"1\" y=\"0\" z=\"0\"/><vertex x=\"0\" "
+    "y=\"9\" z=\"0\"/></vertices><triangles><triangle v1=\"0\" v2=\"1\" v3=\"2\"/><triangle v1=\"0\" v2=\"2\" v3=\"1\" pid=\"9\" "
+    "p1=\"0\"/></triangles></mesh></object></resources><build><item p:path=\"/3D/3dmodel.model\" objectid=\"1\"/></build></model>";
+
 static void fuzz_seed_square(fuzz_file *s, const char *text)
 {
     static const float corners[12] = {0, 0, 1, 2, 0, 1, 2, 1, 1, 0, 1, 1};
@@ -378,7 +443,12 @@ static void fuzz_seed_square(fuzz_file *s, const char *text)
     fuzz_seed_glb(s, text, bytes.bytes, bytes.size);
 }
 
-static const char *const fuzz_words[] = {"\"byteOffset\":",
+static const char *const fuzz_words[] = {"<item objectid=\"2\"/>",
+                                         "<component objectid=\"2\"/>",
+                                         "<vertex x=\"1\" y=\"2\" z=\"nan\"/>",
+                                         "<triangle v1=\"0\" v2=\"1\" v3=\"2\"/>",
+                                         "<!--",
+                                         "\"byteOffset\":",
                                          "\"byteStride\":",
                                          "\"sparse\":{",
                                          "\"count\":",
@@ -434,6 +504,7 @@ static const char *const fuzz_words[] = {"\"byteOffset\":",
 
 static int fuzz_make_seeds(bvx_context *ctx, fuzz_file *seeds)
 {
+    fuzz_file *f;
     int n = 0;
 
     (void)ctx;
@@ -453,6 +524,10 @@ static int fuzz_make_seeds(bvx_context *ctx, fuzz_file *seeds)
     fuzz_seed_square(fuzz_begin_file(seeds, &n, "glb"), fuzz_glb_scene);
     fuzz_seed_square(fuzz_begin_file(seeds, &n, "glb"), fuzz_glb_plain);
     fuzz_seed_text(seeds, &n, "gltf", fuzz_gltf_text);
+    fuzz_seed_text(seeds, &n, "3mf_model", fuzz_model_bodies);
+    fuzz_seed_text(seeds, &n, "3mf_model", fuzz_model_colours);
+    f = fuzz_begin_file(seeds, &n, "3mf");
+    f->size = fuzz_pack_model(fuzz_model_bodies, strlen(fuzz_model_bodies), f->bytes);
     return n;
 }
 

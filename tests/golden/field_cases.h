@@ -113,6 +113,20 @@ static void repair_values_of(golden *g, const char *name, const bvx_mesh_view *v
     golden_end(g);
 }
 
+static void hull_values(golden *g, const char *name, const bvx_mesh_view *view, int32_t close_gaps)
+{
+    if (golden_skips(g, name)) return;
+    golden_begin(g, name);
+    for (int32_t sharp = 0; sharp < 2; sharp++) {
+        bvx_hull_options o = {.struct_size = sizeof o, .close_gaps = close_gaps};
+        bvx_mesh mesh = {0};
+        o.fit.resolution = 48;
+        o.placing.sharp = BVX_SHARP_NEVER + sharp;
+        mesh_value(g, sharp ? "sharp" : "plain", bvx_hull(g->context, view, &o, 1, &mesh), &mesh);
+    }
+    golden_end(g);
+}
+
 static void repair_cases(golden *g)
 {
     bvx_mesh_view view;
@@ -123,6 +137,8 @@ static void repair_cases(golden *g)
     repair_values_of(g, "torus_48_open", &view, 48, BVX_SIGN_AUTO, BVX_THIN_KEEP);
     repair_values_of(g, "torus_48_open_vote", &view, 48, BVX_SIGN_VOTE, BVX_THIN_KEEP);
     repair_values_of(g, "torus_48_open_shell", &view, 48, BVX_SIGN_AUTO, BVX_THIN_SHELL);
+    hull_values(g, "torus_48_open_hull", &view, 0);
+    hull_values(g, "torus_48_closed_hull", &view, 9);
     shape_ball(&golden_shape, 24);
     for (uint32_t v = 0; v < golden_shape.vertices; v++) golden_shape.v[v][2] *= 0.01;
     shape_view(&golden_shape, &view);

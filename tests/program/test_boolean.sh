@@ -135,4 +135,16 @@ result 'a union of rods that become thinner is warned of' $?
 run boolean union rod_0.obj rod_0.5.obj -o result.ply --resolution 256
 [ $status = 0 ] && [ ! -s err ]
 result 'and not where voxels hold them' $?
+
+# Bars aslant, a fifth of a voxel apart, whose boxes overlap.
+for y in 0 0.42 0.6; do
+    awk -v y=$y 'BEGIN { for (i = 0; i < 8; i++) print "v", 3 * (i % 2), 3 * (i % 2) + 0.4 * (int(i / 2) % 2) + y, 0.3 * int(i / 4) }' >bar_$y.obj
+    printf 'f %s\n' '1 3 4 2' '5 6 8 7' '1 2 6 5' '3 7 8 4' '1 5 7 3' '2 4 8 6' >>bar_$y.obj
+done
+run boolean union bar_0.obj bar_0.42.obj -o result.ply --resolution 40
+[ $status = 0 ] && grep -q 'warning: the result has 1 part, the input 2: ' err
+result 'a union that closes a gap is warned of, boxes that overlap or not' $?
+run boolean union bar_0.obj bar_0.6.obj -o result.ply --resolution 160
+[ $status = 0 ] && ! grep -q 'warning: the result has' err
+result 'and not where the gap is wide' $?
 counts

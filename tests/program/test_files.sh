@@ -59,7 +59,7 @@ refuses 2 'is for meshes; x.npy is not a mesh' voxelize knot.obj -o x.npy --outp
 # What makes something of files that are not read.
 refuses 1 'Blender makes .glb' info a.fbx
 refuses 1 'FreeCAD and Gmsh make .stl' repair part.STEP -o x.ply
-refuses 1 'the Python package reads it' lod a.3mf -o x.ply
+refuses 1 'the Python package reads it' lod a.amf -o x.ply
 
 # Two cubes that share an edge by numbers of their own: .ply keeps them apart, readers of .stl join them.
 cube() { # FIRST NUMBER, X, Y
@@ -242,6 +242,14 @@ for command in info voxelize lod render convert compare faces refine fill sectio
     too_wide=$((too_wide + $("$program" $command --help-all | awk 'length($0) > 110 { n++ } END { print n + 0 }')))
 done
 holds 'help fits 110 columns' [ $too_wide = 0 ]
+# ---- 3MF ----
+
+works 'to 3MF' convert "$knot" -o k.3mf
+works 'and back' convert k.3mf -o k2.3mf
+holds 'the same bytes' cmp k.3mf k2.3mf
+printf 'PK' >cut.3mf
+refuses 1 'no directory of a zip file' info cut.3mf
+
 # ---- glTF: text with its bytes in a file beside it, and what no mesh holds ----
 
 mkdir -p scene

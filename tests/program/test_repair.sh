@@ -101,8 +101,34 @@ awk 'BEGIN {
     print "f 1 3 4\nf 1 4 2\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\nf 2 4 8\nf 2 8 6"
 }' >open.obj
 run repair open.obj -o result.ply --resolution 32
-[ $status = 0 ] && grep -q 'warning: lids over 1 hole are about [0-9.]* % of the surface, the longest rim is 4: ' err
-result 'lids that are much of the surface are warned of' $?
+[ $status = 0 ] && grep -q 'warning: lids over 1 hole are about [0-9.]* % of the surface, the longest rim is 4, in 0,0,1 to 1,1,1: ' err
+result 'lids that are much of the surface are warned of, with the place of the longest rim' $?
+! grep -q inward err
+result 'and faces that look outward are not' $?
+
+# The same as a room: its walls look inward, and what is in it becomes solid.
+awk '$1 == "f" { print "f", $2, $4, $3; next } { print }' open.obj >room.obj
+run repair room.obj -o result.ply --resolution 32
+[ $status = 0 ] && grep -q 'warning: the faces of the open mesh look inward, around a volume of 0.833333, ' err
+result 'an open mesh that faces inward is warned of' $?
+
+# Bars aslant, whose boxes overlap: two cross, and a third one lies a fifth of a voxel beside.
+aslant() { # Y OF EACH BAR...
+    awk -v places="$*" 'BEGIN {
+        n = split(places, y, " ")
+        for (b = 1; b <= n; b++) for (i = 0; i < 8; i++) print "v", 3 * (i % 2), 3 * (i % 2) + 0.4 * (int(i / 2) % 2) + y[b], 0.3 * int(i / 4)
+        for (b = 0; b < n; b++) for (i = split("1 3 4 1 4 2 5 6 8 5 8 7 1 2 6 1 6 5 3 7 8 3 8 4 1 5 7 1 7 3 2 4 8 2 8 6", c, " "); i > 0; i -= 3)
+            print "f", c[i - 2] + 8 * b, c[i - 1] + 8 * b, c[i] + 8 * b
+    }'
+}
+aslant 0 0.2 0.62 >bars.obj
+run repair bars.obj -o result.ply --resolution 40
+[ $status = 0 ] && grep -q 'warning: the result has 1 part, the input 2: ' err
+result 'a gap that closed is warned of where other parts cross' $?
+aslant 0 0.2 0.39 >bars.obj
+run repair bars.obj -o result.ply --resolution 40
+[ $status = 0 ] && ! grep -q 'the input 2' err
+result 'and none where all cross' $?
 
 # A rod of a tenth of a voxel, its triangles there twice, once either way: counted once they say that its shell is thicker.
 awk 'BEGIN {

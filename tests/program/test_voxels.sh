@@ -135,8 +135,11 @@ reports 'regions are counted' 'r["solid"]["fill"] == "regions" and r["solid"]["r
     and r["solid"]["mixed_voxels"] == 0 and r["warnings"] == []' voxelize nested.obj -o x.bvx --spacing 1 --padding 2 --fill regions
 # One side of the box is missing: every row along x lacks a crossing.
 sets 128 box.obj --spacing 0.25 --padding 2
-warns '16 of 64 rows of centres do not balance' voxelize open.obj -o x.bvx --spacing 0.25 --padding 2
+warns '16 rows of centres do not balance' voxelize open.obj -o x.bvx --spacing 0.25 --padding 2
 sets 128 open.obj --spacing 0.25 --padding 2 --fill vote
+# Triangles are missing where rows along x do not pass.
+sed '/^f 1 2 6/d; /^f 1 6 5/d' box.obj >aside.obj
+warns '32 rows of centres do not balance' voxelize aside.obj -o x.bvx --spacing 0.25 --padding 2
 # Half a side is missing: some rows along x do.
 for rule in vote regions; do sets 8192 half.obj --spacing 0.0625 --padding 2 --fill $rule; done
 warns 'rows of centres do not balance' voxelize open.obj -o x.bvx --spacing 0.25 --padding 2 --fill vote

@@ -254,6 +254,7 @@ FILLED = {
     "lod": ["levels", "simplify", "lod", "lattice", "voxelize", "read_volume", "keep", "context"],
     "simplify": ["simplify", "context"],
     "repair": ["repair", "simplify", "context"],
+    "hull": ["hull", "context"],
     "boolean": ["boolean", "lattice", "simplify", "context"],
     "refine": ["refine", "context"],
     "sections": ["sections", "read_sections", "simplify", "context"],

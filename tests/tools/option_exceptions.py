@@ -29,6 +29,7 @@ OWN = {
     ("info", "--crossings"): "another call", ("info", "--measure"): "another call", ("render", "--compare"): "another call", ("render", "--from"): "bvx_camera.direction",
     ("render", "--slices"): "another call", ("render", "--voxels"): "the resolution of a solid",
     ("lod", "--normals"): "bvx_write_options.normals", ("repair", "--normals"): "bvx_write_options.normals", ("simplify", "--normals"): "bvx_write_options.normals",
+    ("hull", "--normals"): "bvx_write_options.normals", ("hull", "--up"): "bvx_write_options.turn",
     ("*", "--quantize"): "bvx_write_options.quantize", ("*", "--input-up"): "bvx_write_options.turn",
     ("labels", "--only"): "which meshes are written", ("labels", "--up"): "bvx_write_options.turn", ("components", "--up"): "bvx_write_options.turn", ("convert", "--up"): "bvx_write_options.turn", ("lod", "--up"): "bvx_write_options.turn",
     ("sections", "--up"): "bvx_write_options.turn", ("boolean", "--up"): "bvx_write_options.turn", ("morph", "--up"): "bvx_write_options.turn",
@@ -55,6 +56,7 @@ BY_INDEX = {
 # Defaults other than 0 that no row of the library holds, and rows whose 0 stands for what no number says.
 BY_HAND = {
     ("bvx_repair_options", "resolution"): "only where there is no lattice", ("bvx_boolean_options", "resolution"): "likewise",
+    ("bvx_hull_options", "resolution"): "likewise",
     ("bvx_levels_options", "resolution"): "from 256 to 320",
     ("bvx_repair_options", "samples"): "counts have no such row", ("bvx_lod_options", "threshold"): "both ends are excluded",
     ("bvx_read_volume_options", "spacing"): "an array", ("bvx_slice_options", "normal"): "an array", ("bvx_slice_options", "label"): "0 is BVX_LABEL_ZERO",

@@ -13,6 +13,7 @@ enum {
     READ_PLY = 128,
     READ_OFF = 64,
     READ_GLTF = 4096, /* nodes repeat meshes, accessors without bytes are zeros */
+    READ_3MF = 8192,  /* it is packed, and components repeat objects */
     READ_POINTS = 16,
     READ_SECTIONS = 40,
     READ_OCTREE = 2,

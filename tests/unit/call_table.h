@@ -479,6 +479,14 @@ static bvx_status repair(const world *w)
     SPOIL(o);
     return bvx_repair(w->ctx, w->mesh, &o, (bvx_mesh *)w->out);
 }
+static bvx_status hull(const world *w)
+{
+    TAKE_OPTIONS(hull, o);
+    o.fit.resolution = 8;
+    TAKE_RESERVED(o.reserved);
+    SPOIL(o);
+    return bvx_hull(w->ctx, w->mesh, &o, 1, (bvx_mesh *)w->out);
+}
 static bvx_status mesh_simplify(const world *w)
 {
     TAKE_OPTIONS(simplify, o);
@@ -669,6 +677,7 @@ static const call calls[] = {
     CALL(build_bodies, SECTIONS | OPTIONS, TO_MESH),
     CALL(slice_mesh, MESH | OPTIONS | RESERVED, TO_SECTIONS),
     CALL(repair, MESH | OPTIONS | RESERVED, TO_MESH),
+    CALL(hull, MESH | OPTIONS | RESERVED, TO_MESH),
     CALL(mesh_simplify, MESH | OPTIONS, TO_MESH),
     CALL(build_levels, MESH | OPTIONS | RESERVED, TO_MESH),
     CALL(write_mesh, BODY | OPTIONS, TO_BUFFER),

@@ -75,6 +75,7 @@ static inline uint64_t most_memory(int32_t format, uint64_t size)
                       : format == BVX_FORMAT_OBJ ? READ_OBJ
                       : format == BVX_FORMAT_PLY ? READ_PLY
                       : format == BVX_FORMAT_OFF ? READ_OFF
+                      : format == BVX_FORMAT_3MF ? READ_3MF
                                                  : READ_GLTF,
                       size);
 }

@@ -120,6 +120,16 @@ static bvx_status repair(const world *w, int32_t type, int32_t local, bvx_mesh *
     return bvx_repair(ctx, &w->view, &o, mesh);
 }
 
+static bvx_status hull(const world *w, int32_t type, int32_t local, bvx_mesh *mesh)
+{
+    bvx_hull_options o = {.struct_size = sizeof o};
+
+    o.placing.position_type = type;
+    o.placing.local_frame = local;
+    o.fit.lattice = &w->lattice;
+    return bvx_hull(ctx, &w->view, &o, 1, mesh);
+}
+
 static bvx_status boolean(const world *w, int32_t type, int32_t local, bvx_mesh *mesh)
 {
     bvx_boolean_options o = {.struct_size = sizeof o};
@@ -158,6 +168,7 @@ static const struct maker {
     {"bvx_build_lods", lods, 1},
     {"bvx_build_lods, collapsed", collapsed_lods, 1},
     {"bvx_repair", repair, 1},
+    {"bvx_hull", hull, 1},
     {"bvx_boolean", boolean, 1},
     {"bvx_build_levels, measured", levels, 0},
 };

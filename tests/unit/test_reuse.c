@@ -207,6 +207,14 @@ static bvx_status repair(bvx_context *c, const model *m, results *r)
     return bvx_repair(c, &m->view, &o, &r->mesh[0]);
 }
 
+static bvx_status hull(bvx_context *c, const model *m, results *r)
+{
+    bvx_hull_options o = {.struct_size = sizeof o};
+
+    o.fit.lattice = &m->lattice;
+    return bvx_hull(c, &m->view, &o, 1, &r->mesh[0]);
+}
+
 static bvx_status boolean(bvx_context *c, const model *m, results *r)
 {
     bvx_boolean_options o = {.struct_size = sizeof o};
@@ -313,6 +321,7 @@ static const struct row {
     {"bvx_build_levels", levels},
     {"bvx_build_lods", lods},
     {"bvx_repair", repair},
+    {"bvx_hull", hull},
     {"bvx_boolean", boolean},
     {"bvx_read_mesh", read_ply},
     {"bvx_read_points", read_cloud},

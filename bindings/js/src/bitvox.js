@@ -61,7 +61,7 @@ class Bitvox {
             .toLowerCase()
             .replace(/\.gz$/, '')
             .match(/\.([a-z0-9]+)$/)?.[1];
-        return ['stl', 'obj', 'ply', 'off', 'glb', 'gltf'].includes(ending) ? ending : undefined;
+        return ['stl', 'obj', 'ply', 'off', 'glb', 'gltf', '3mf'].includes(ending) ? ending : undefined;
     }
 
     readMesh(bytes, format, options = {}) {
@@ -383,12 +383,13 @@ class Bitvox {
                 refuse(name, `count is ${levels}, and there are not as many targets`);
             const reports = call.struct('level_report', levels),
                 made = call.result('mesh', levels);
-            const chain = struct === 'levels_options' ? call.struct('levels_report') : 0;
+            const whole = struct === 'simplify_options' ? null : struct.replace('options', 'report');
+            const chain = whole ? call.struct(whole) : 0;
             const set = (field, value) => machine.setField(struct, given, field, value);
             const given = call.options(
                 struct,
                 rest,
-                struct === 'levels_options'
+                whole
                     ? {
                           lattice: (lattice, at) =>
                               machine.setField(struct, at, 'lattice', call.lattice(lattice)),
@@ -414,11 +415,16 @@ class Bitvox {
                     report: machine.read('level_report', reports + i * STRUCTS.level_report.size),
                 })),
             };
-            if (chain) out.report = machine.read('levels_report', chain);
+            if (chain) out.report = machine.read(whole, chain);
             return out;
         });
     }
 
+    hull(mesh, options = {}) {
+        const { targetTriangles, targetErrors } = options;
+        const all = { count: (targetTriangles ?? targetErrors ?? { length: 1 }).length, ...options };
+        return this.#chain('hull', 'bvx_hull', 'hull_options', mesh, all);
+    }
     buildLevels(mesh, options = {}) {
         return this.#chain('buildLevels', 'bvx_build_levels', 'levels_options', mesh, options);
     }

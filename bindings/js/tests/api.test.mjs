@@ -75,7 +75,7 @@ test('results are arrays of their own, and inputs stay', () => {
 test('formats come back', () => {
     const mesh = torus(24, 12, 0, 1),
         want = bitvox.check(mesh);
-    for (const format of ['stl', 'obj', 'ply', 'off', 'glb']) {
+    for (const format of ['stl', 'obj', 'ply', 'off', 'glb', '3mf']) {
         const again = bitvox.check(bitvox.readMesh(bitvox.writeMesh(mesh, format), format));
         assert.equal(again.triangles, want.triangles);
         assert.equal(again.closed, true);

@@ -169,7 +169,7 @@ def test_grids_come_back_of_the_bytes_of_others_formats(kind, module, tmp_path):
         bitvox.loads(bitvox.dumps(bitvox.Volume(VALUES), kind), kind)
 
 
-@pytest.mark.parametrize("kind, module", [("glb", "numpy"), ("3mf", "lxml"), ("vtp", "pyvista")])
+@pytest.mark.parametrize("kind, module", [("glb", "numpy"), ("3mf", "numpy"), ("vtp", "pyvista")])
 def test_meshes_of_the_bytes_of_others_formats(kind, module):
     pytest.importorskip("trimesh")
     pytest.importorskip(module)

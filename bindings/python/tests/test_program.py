@@ -33,6 +33,7 @@ NAMES = {
     "lod": ([bitvox.lod, *VOLUME], {"attributes": "attribute_weight", "keep-vertices": "vertices", "no-sharp": "sharp", "normals": bitvox.write, **OF_MESHES, **OF_VOLUMES}),
     "simplify": ([bitvox.simplify], {"attributes": "attribute_weight", "keep-vertices": "vertices", "normals": bitvox.write, **OF_MESHES}),
     "repair": ([bitvox.repair], {"normals": bitvox.write, "no-sharp": "sharp", **OF_MESHES}),
+    "hull": ([bitvox.hull], {"normals": bitvox.write, "no-sharp": "sharp", **OF_MESHES}),
     "refine": ([bitvox.refine], {"states": bitvox.Octree.expand, "expand": bitvox.Octree.expand, "leaves": bitvox.Octree.leaves, "cut": None, "halvings": "levels", **OF_MESHES}),
     "sections": ([bitvox.from_sections, bitvox.read, bitvox.Sections.bodies], {"block-model": None, "block": None, **OF_MESHES}),
     "slice": ([bitvox.slice_mesh], {}),
@@ -114,6 +115,12 @@ def test_lod(tmp_path, options):
     assert len(made) == len(list(tmp_path.iterdir()))
     for i, level in enumerate(made):
         assert bitvox.dumps(level, "ply") == (tmp_path / f"l_{i}.ply").read_bytes()
+
+
+@pytest.mark.parametrize("options", [{}, {"triangles": 700, "close_gaps": 2}, {"error": "0.3%", "sharp": True, "shell": 3}])
+def test_hull(tmp_path, options):
+    program("hull", KNOT, "-o", tmp_path / "a.ply", "--resolution", 40, *words_of(options))
+    assert bitvox.dumps(bitvox.hull(KNOT, resolution=40, **options), "ply") == (tmp_path / "a.ply").read_bytes()
 
 
 @pytest.mark.parametrize("options", [{}, {"triangles": 700}, {"error": "0.3%", "even": 0.001}])

@@ -140,6 +140,7 @@ def _with_progress():
         "Closest": lambda **p: bitvox.Closest(mesh, **p),
         "Closest.find": lambda **p: finder.find(points, **p),
         "repair": lambda **p: bitvox.repair(mesh, resolution=16, **p),
+        "hull": lambda **p: bitvox.hull(colored, resolution=16, triangles=40, carry=True, **p),
         "repair, all of it": lambda **p: bitvox.repair(colored, resolution=16, triangles=40, measure=True, measure_samples=50, carry=True, **p),
         "boolean": lambda **p: bitvox.boolean(mesh, mesh, "union", resolution=16, **p),
         "boolean, fewer": lambda **p: bitvox.boolean(mesh, mesh, "union", resolution=16, triangles=40, **p),

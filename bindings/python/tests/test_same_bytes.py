@@ -81,6 +81,11 @@ def simplify(at):
     at.same(bitvox.simplify(KNOT, error="0.2%"), "s.ply")
 
 
+def hull(at):
+    at.run("hull", KNOT, "-o", at / "h.stl", "--resolution", 40, "--triangles", 900)
+    at.same(bitvox.hull(KNOT, resolution=40, triangles=900), "h.stl")
+
+
 def repair(at):
     at.run("repair", KNOT, "-o", at / "r.stl", "--resolution", 40)
     at.same(bitvox.repair(KNOT, resolution=40), "r.stl")
@@ -170,7 +175,7 @@ def render(at):
     at.same(bitvox.render(at.solid, size=(120, 90)).png(), "g.png")
 
 
-COMMANDS = {"voxelize": voxelize, "lod": lod, "simplify": simplify, "repair": repair, "refine": refine, "sections": sections, "slice": slices,
+COMMANDS = {"voxelize": voxelize, "lod": lod, "simplify": simplify, "repair": repair, "hull": hull, "refine": refine, "sections": sections, "slice": slices,
             "faces": faces, "fill": fill, "components": components, "compare": compare, "morph": morph, "boolean": boolean,
             "convert": convert, "info": info, "render": render}
 

@@ -176,6 +176,15 @@ ROWS = {
         ("torn.ply --resolution 30 --error 0.5% --error-kind max", "ply",
          lambda at: bitvox.repair(at / "torn.ply", resolution=30, error="0.5%", error_kind="max")),
     ),
+    "hull": (
+        ("torn.ply --resolution 30 --close-gaps 2 --interpolation scalar --sharp --shell 3 --least-part 9", "ply",
+         lambda at: bitvox.hull(at / "torn.ply", resolution=30, close_gaps=2, interpolation="scalar", sharp=True, shell=3, least_part=9)),
+        ("pair.ply --resolution 60 --keep-largest 1 --no-sharp", "ply", lambda at: bitvox.hull(at / "pair.ply", resolution=60, keep_largest=1, sharp=False)),
+        ("colored.ply --resolution 30 --count 2 --carry", "ply", lambda at: list(bitvox.hull(at / "colored.ply", resolution=30, count=2, carry=True))),
+        ("small.ply --resolution 30 --triangles 500 --normals --output-origin 1,2,3", "ply",
+         lambda at: only(bitvox.hull(at.small, resolution=30, triangles=500), normals=True, origin=(1, 2, 3))),
+        ("torn.ply --resolution 30 --error 0.5% --error-kind max", "ply", lambda at: bitvox.hull(at / "torn.ply", resolution=30, error="0.5%", error_kind="max")),
+    ),
     "refine": (
         ("small.ply --base 5 --halvings 3 --window 8,8,2,24,24,10 --outer-levels 1", "bvx",
          lambda at: bitvox.refine(at.small, base=5, levels=3, window=((8, 8, 2), (16, 16, 8)), outer_levels=1)),

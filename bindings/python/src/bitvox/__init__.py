@@ -28,11 +28,11 @@ from ._grid import Attached as Attached, Grid as Grid
 from ._image import Image as Image, render as render
 from ._labels import Complex as Complex, Segment as Segment, Surfaces as Surfaces
 from ._lattice import Lattice as Lattice, Window as Window
-from ._levels import Levels as Levels, lod as lod, simplify as simplify
+from ._levels import Levels as Levels, hull as hull, lod as lod, simplify as simplify
 from ._mesh import Mesh as Mesh
 from ._octree import Octree as Octree, refine as refine
 from ._options import (
-    BooleanOptions as BooleanOptions, FieldOptions as FieldOptions, LodOptions as LodOptions, RenderOptions as RenderOptions,
+    BooleanOptions as BooleanOptions, FieldOptions as FieldOptions, HullOptions as HullOptions, LodOptions as LodOptions, RenderOptions as RenderOptions,
     RepairOptions as RepairOptions, SectionsOptions as SectionsOptions, SimplifyOptions as SimplifyOptions,
     SurfaceOptions as SurfaceOptions, VoxelizeOptions as VoxelizeOptions,
 )

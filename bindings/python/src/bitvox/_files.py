@@ -26,9 +26,9 @@ from ._vti import without_blocks
 MESH_FORMATS = formats_in(lib.BVX_MESHES_READ)
 MESH_OUTPUTS = formats_in(lib.BVX_MESHES_WRITTEN)
 GRID_FORMATS = formats_in(lib.BVX_GRIDS_READ)
-MESHES_BY_LIBRARIES = ("3mf", "vtp")  # trimesh, PyVista
+MESHES_BY_LIBRARIES = ("vtp",)  # PyVista
 _TREE_MAGIC = b"\x89BVO"
-OF_OTHERS = ("amf", "3mf", "vtp", "dxf", "nii", "mha", "dcm")  # trimesh, PyVista, ezdxf, nibabel, SimpleITK, pydicom; amf here
+OF_OTHERS = ("amf", "vtp", "dxf", "nii", "mha", "dcm")  # PyVista, ezdxf, nibabel, SimpleITK, pydicom; amf here
 _LOST = ((lib.BVX_LOST_SKINS, "skins"), (lib.BVX_LOST_MORPHS, "morph targets"), (lib.BVX_LOST_ANIMATIONS, "animations"),
          (lib.BVX_LOST_POINTS, "points and lines"), (lib.BVX_LOST_IMAGES, "images whose file is not there"),
          (lib.BVX_LOST_ATTRIBUTES, "further attributes of vertices"))
@@ -50,8 +50,8 @@ def read(path: str | os.PathLike[str] | BinaryIO, *, format: str | None = None, 
     Parameters
     ----------
     path
-        a name, or an open binary file. .stl .obj .ply .off .glb .gltf (meshes; a .gltf with the files beside it), .npy .binvox .vox .nrrd .vti .bvx (grids; .bvx octrees too), .csl .csv (sections),
-        each also as .gz; .amf; .3mf and other meshes that trimesh reads, with ``bitvox[formats]``; .vtp with ``bitvox[view]``; .dxf (sections)
+        a name, or an open binary file. .stl .obj .ply .off .glb .gltf .3mf (meshes; a .gltf with the files beside it), .npy .binvox .vox .nrrd .vti .bvx (grids; .bvx octrees too), .csl .csv (sections),
+        each also as .gz; .amf; other meshes that trimesh reads (.dae), with ``bitvox[formats]``; .vtp with ``bitvox[view]``; .dxf (sections)
         with ``bitvox[geo]``; with ``bitvox[medical]`` the .dcm of an RTSTRUCT (sections) and a .nii or .mha that was written of a grid, which is known
         by its head (other masks: `bitvox.formats.read_nifti`, `bitvox.read_volume`). Beside .npy and .vox, FILE.json
         gives the lattice.
@@ -95,7 +95,7 @@ def read(path: str | os.PathLike[str] | BinaryIO, *, format: str | None = None, 
         return _loads(read_bytes(path), kind, window, None if beside is None else read_bytes(beside), close_gap, drop_nonfinite,
                       threads, memory_limit, progress, folder=os.path.dirname(os.path.abspath(path)))
     if window is not None or close_gap is not None or drop_nonfinite:
-        raise ArgumentError("window is for grids, close_gap for sections, drop_nonfinite for .stl .obj .ply .off .glb .gltf")
+        raise ArgumentError("window is for grids, close_gap for sections, drop_nonfinite for .stl .obj .ply .off .glb .gltf .3mf")
     return call("read_other", path, kind)
 
 
@@ -127,7 +127,7 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
     data
         the bytes.
     format
-        an ending, such as "ply". Bytes of .nii, .3mf and others that other libraries read are laid into a file of their own first.
+        an ending, such as "ply". Bytes of .nii, .vtp and others that other libraries read are laid into a file of their own first.
     window, close_gap, drop_nonfinite
         as for `read`.
     lattice
@@ -178,6 +178,7 @@ def _read_mesh(held: Any, kind: str, drop_nonfinite: bool, folder: str | None, r
     mesh, report, options = new_mesh(), ffi.new("bvx_read_report *"), options_of("read_options")
     options.drop_nonfinite = int(bool(drop_nonfinite))
     options.report = report
+    options.inflate = lib.bvxpy_inflate
     if folder is not None:
         handle = ffi.new_handle(_Beside(folder))
         options.open_file, options.close_file, options.user = lib.bvxpy_open, lib.bvxpy_close, handle
@@ -244,7 +245,7 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
     thing
         a mesh.
     format
-        stl, obj, ply, off or glb, with ``bitvox[formats]`` 3mf, with ``bitvox[view]`` vtp; a `Grid`: npy, binvox, vox, nrrd, vti, bvx, mha
+        stl, obj, ply, off, glb or 3mf, with ``bitvox[view]`` vtp; a `Grid`: npy, binvox, vox, nrrd, vti, bvx, mha
         or nii; a `Volume`: nrrd, mha, nii or vti; an `Octree`: vtu or bvx; a `Field`: npy, nrrd or vti; `Sections`: csl, csv or svg; an `Image`: png.
     states
         of an octree's vtu: which leaves, by default ("surface", "inside").
@@ -252,7 +253,7 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
         of a field: vectors in place of signed distances.
     normals
         of a mesh's ply or obj: also normals of the vertices, smooth ones averaged by area over sharp edges too; glb has them
-        always, stl and off are refused.
+        always, stl, off and 3mf are refused.
     origin
         of a mesh: (x, y, z) that is taken from all positions, for formats of 32-bit floats far from the origin.
     allow_rounding

@@ -10,10 +10,10 @@ from ._calls import entered
 from ._errors import ArgumentError, EmptyError, OptionRangeError
 from ._grid import Grid
 from ._mesh import Mesh, new_mesh, position_type
-from ._options import LodOptions, SimplifyOptions
+from ._options import HullOptions, LodOptions, SimplifyOptions
 from ._records import record
 from ._run import FACE_RULES, REPAIR_SIGNS, Progress, Rise, Run, choice, ffi, in_range, known, lib, names_of, options_of, or_none, sharpness
-from ._stages import carried, grid_of, set_fit, set_parts, surface, voxelize
+from ._stages import carried, grid_of, set_fit, set_parts, set_placing, surface, voxelize
 from ._words import FaceRule, Fill, Method
 
 if TYPE_CHECKING:
@@ -271,16 +271,20 @@ def simplify(
     return levels[0] if single else list(levels)
 
 
-def _set_common(options: Any, mesh: Mesh, strict: bool, error: Any, given: Any) -> Any:
-    """What simplify_options and levels_options share; returns the array that they point at. Levels by error are measured anyhow: the
-    report says what decided."""
+def set_targets(targets: Any, strict: bool, error: Any, given: Any) -> None:
+    """How levels keep their targets. Those by error are measured anyhow: the report says what decided."""
     samples = given.get("samples")
     if samples is None:
         samples = 0 if error is None else ERROR_SAMPLES
     if given.get("even") is not None:
-        options.targets.even = or_none(float(given["even"]), "even")
-    options.targets.strict = int(bool(strict))
-    options.targets.samples = in_range("samples", samples, 0, 2**31 - 1)
+        targets.even = or_none(float(given["even"]), "even")
+    targets.strict = int(bool(strict))
+    targets.samples = in_range("samples", samples, 0, 2**31 - 1)
+
+
+def _set_common(options: Any, mesh: Mesh, strict: bool, error: Any, given: Any) -> Any:
+    """What simplify_options and levels_options share; returns the array that they point at."""
+    set_targets(options.targets, strict, error, given)
     options.collapse.position_type = lib.BVX_POSITION_AUTO if given.get("dtype") is None else position_type(given["dtype"])
     if given.get("attribute_weight") is not None:
         options.collapse.attribute_weight = or_none(float(given["attribute_weight"]), "attribute_weight")
@@ -294,6 +298,103 @@ def _set_common(options: Any, mesh: Mesh, strict: bool, error: Any, given: Any) 
         raise ArgumentError(f"locked has {len(values)} values, the mesh {mesh.n_vertices} vertices")
     array = options.collapse.locked = ffi.new("uint8_t[]", values)
     return array
+
+
+# ---- what can be reached from outside ----
+
+
+@overload
+def hull(mesh: Any, *, triangles: int | None = None, error: Distance | None = None, count: None = None, **options: Any) -> Mesh: ...  # type: ignore[overload-overlap]
+@overload
+def hull(mesh: Any, *, triangles: Sequence[int] | None = None, error: Sequence[Distance] | None = None, count: int | None = None, **options: Any) -> Levels: ...
+@entered
+def hull(
+    mesh: Any,
+    *,
+    resolution: int | None = None,
+    close_gaps: int = 0,
+    shell: float | None = None,
+    triangles: int | Sequence[int] | None = None,
+    error: Distance | Sequence[Distance] | None = None,
+    count: int | None = None,
+    keep_largest: int | None = None,
+    carry: bool = False,
+    threads: int | None = None,
+    memory_limit: int | None = None,
+    progress: Progress = None,
+    **advanced: Unpack[HullOptions],
+) -> Any:
+    """What of a mesh can be reached from outside, closed: inner walls, shells and parts go.
+
+    The mesh may be anything: walls doubled, welded through holes, crossing, flipped, with loose parts inside. The result lies on the
+    outer of two walls, is closed, manifold and oriented, and no two of its triangles cross.
+
+    Parameters
+    ----------
+    mesh
+        what `Mesh.of` takes.
+    resolution
+        voxels along the longest axis. Default 256. Or a ``lattice`` to work on.
+    close_gaps
+        openings of up to this many voxels are closed, larger ones stay; 0: those that no empty voxel leads through.
+    shell
+        thickness of walls that no center lies in, with outside on both sides [largest spacings]; 0: they are lost. Default 2.
+    triangles, error, count
+        levels as for `simplify`, a part of the diagonal being that of the mesh; none: the hull with all its triangles, and with
+        ``count`` each further level has half of them.
+    keep_largest
+        this many of the largest pieces are kept. None: all.
+    carry
+        give the result the colors and texture coordinates of the nearest points on the mesh.
+    advanced
+        `HullOptions`: ``lattice``, ``interpolation``, ``sharp``, ``least_part``, ``error_kind``, ``even``, ``samples``, ``strict``,
+        ``face_rule``, ``dtype``, ``local_frame``.
+
+    Returns
+    -------
+    Any
+        A `Mesh`, whose ``report`` is a `bitvox.reports.HullReport`; for a sequence of targets or a ``count`` `Levels` with that report,
+        each mesh with a `bitvox.reports.LevelReport`.
+
+    Raises
+    ------
+    EmptyError
+        no triangle of area, or nothing left.
+    ArgumentError
+        options that contradict each other.
+    RangeError
+        see `voxelize`.
+    MemoryLimitError
+
+    Examples
+    --------
+    >>> bitvox.hull('knot.ply', resolution=48, triangles=2000).check().closed
+    True
+    """
+    known(hull, HullOptions, advanced)
+    source, options = Mesh.of(mesh), options_of("hull_options")
+    single = count is None and not _many(triangles) and not _many(error)
+    targets = _Targets(options, source, triangles, error, advanced, 1 if single and triangles is None and error is None else count)
+    set_fit(options, resolution, advanced.get("lattice"))
+    set_placing(options.placing, advanced)
+    options.placing.position_type = lib.BVX_POSITION_AUTO if advanced.get("dtype") is None else position_type(advanced["dtype"])
+    set_parts(options.parts, keep_largest, advanced)
+    set_targets(options.targets, bool(advanced.get("strict")), error, advanced)
+    options.close_gaps = in_range("close_gaps", close_gaps, 0, 65535)
+    if shell is not None:
+        options.shell = or_none(float(shell), "shell")
+    reports, report = ffi.new("bvx_level_report[]", targets.count), ffi.new("bvx_hull_report *")
+    options.reports, options.report = reports, report
+    array = ffi.new("bvx_mesh[]", targets.count)
+    limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
+    with Rise(progress, 80, *((20,) if carry else ())) as limits["progress"]:
+        with Run(**limits) as run:
+            run.check(lib.bvx_hull(run.context, source._view(run), options, targets.count, array))
+        levels = _meshes(_take(array, targets.count), reports, None, source if carry else None, limits)
+    levels.report = record(report)
+    if single:
+        levels[0].report = levels.report
+    return levels[0] if single else levels
 
 
 # ---- levels of any mesh ----

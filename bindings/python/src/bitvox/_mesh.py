@@ -895,8 +895,8 @@ class Mesh:
 
     def save(self, path: str | os.PathLike[str], format: str | None = None, *, normals: bool = False, origin: Any = None,
              allow_rounding: bool = False, up: str | None = None, quantize: bool = False) -> None:
-        """Write it to the file ``path``, in the format of its ending or in ``format``: .stl, .obj, .ply, .off, .glb, with
-        ``bitvox[formats]`` .3mf, with ``bitvox[view]`` .vtp; with ``normals`` of the vertices too
+        """Write it to the file ``path``, in the format of its ending or in ``format``: .stl, .obj, .ply, .off, .glb, .3mf,
+        with ``bitvox[view]`` .vtp; with ``normals`` of the vertices too
         in .ply and .obj, less by an ``origin``; ``allow_rounding`` writes what it spoils; ``up="y"`` turns z up to y up, ``"z"``
         back; ``quantize`` makes a .glb small. See `bitvox.write`.
 

@@ -147,6 +147,37 @@ class RepairOptions(BooleanOptions, total=False):
     measure_samples: int | None
 
 
+class HullOptions(SurfaceOptions, total=False):
+    """More options of `hull`, beside those of `SurfaceOptions`.
+
+    Parameters
+    ----------
+    lattice
+        a `Lattice` to work on, in place of a resolution.
+    interpolation, sharp, dtype
+        as for `repair`.
+    least_part
+        smaller pieces are dropped [voxels].
+    even, samples, strict
+        as for `simplify`; distances are measured from the hull before edges collapse.
+
+    Examples
+    --------
+    >>> more: bitvox.HullOptions = {'least_part': 9, 'sharp': False}
+    >>> bitvox.hull('knot.ply', resolution=32, **more).check().closed
+    True
+    """
+
+    lattice: Any
+    interpolation: Interpolation | None
+    sharp: bool | None
+    least_part: int
+    even: float | None
+    samples: int | None
+    strict: bool
+    dtype: Any
+
+
 class SimplifyOptions(TypedDict, total=False):
     """More options of `simplify` and `Mesh.simplify`, and of `lod` for levels by collapses.
 

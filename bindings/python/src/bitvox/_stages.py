@@ -769,7 +769,7 @@ def repair(
     options = options_of("repair_options")
     set_fit(options, resolution, lattice)
     options.sign = choice("sign", sign, "BVX_SIGN_", REPAIR_SIGNS)
-    _set_placing(options.placing, {"interpolation": "tangent", **advanced})
+    set_placing(options.placing, {"interpolation": "tangent", **advanced})
     if shell is not None:
         options.shell = or_none(float(shell), "shell")
     options.thin = choice("thin", advanced.get("thin", "keep"), "BVX_THIN_", names_of("BVX_THIN_"))
@@ -819,7 +819,7 @@ def set_parts(parts: Any, keep_largest: int | None, given: Any) -> None:
             setattr(parts, name, in_range(name, value, least, 2**64 - 1))
 
 
-def _set_placing(placing: Any, given: Any) -> None:
+def set_placing(placing: Any, given: Any) -> None:
     """Where vertices go."""
     if given.get("interpolation") is not None:
         placing.interpolation = choice("interpolation", given["interpolation"], "BVX_EDGE_", EDGES)
@@ -917,7 +917,7 @@ def boolean(
     set_fit(options, resolution, lattice)
     number = choice("operation", operation, "BVX_BOOLEAN_", OPERATIONS)
     options.fill = choice("fill", fill, "BVX_FILL_", FILLS)
-    _set_placing(options.placing, {"sharp": sharp, **advanced})
+    set_placing(options.placing, {"sharp": sharp, **advanced})
     options.thin = choice("thin", advanced.get("thin", "keep"), "BVX_THIN_", names_of("BVX_THIN_", "BVX_THIN_SHELL"))
     options.parts.keep_crumbs = int(advanced.get("least_part") is not None)
     set_parts(options.parts, keep_largest, advanced)

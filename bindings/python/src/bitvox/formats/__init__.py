@@ -7,7 +7,7 @@
 | DICOM segmentations (SEG), RTSTRUCT written | `read_segmentation`, `write_segmentation`, `write_rtstruct` | ``bitvox[medical]`` (highdicom, pydicom) |
 | stacks of slice images | `read_images`, `write_images` | ``bitvox[formats]`` (Pillow) |
 | DXF polylines | `read_dxf`, `bitvox.from_sections` | ``bitvox[geo]`` (ezdxf) |
-| 3MF, GLB, DAE ... meshes | `bitvox.read` | ``bitvox[formats]`` (trimesh) |
+| DAE ... meshes | `bitvox.read` | ``bitvox[formats]`` (trimesh) |
 | AMF, plain and zipped | `bitvox.read`, `read_amf` | none |
 """
 

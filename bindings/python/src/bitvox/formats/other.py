@@ -16,7 +16,7 @@ from .dxf import read_dxf
 from .nifti import grid_of_nifti
 from .volumes import grid_of_meta
 
-_OTHERS = ("3mf", "dae", "zae", "ctm", "xaml", "3dxml")
+_OTHERS = ("dae", "zae", "ctm", "xaml", "3dxml")
 
 
 def _vtp(path: str) -> Mesh:
@@ -35,7 +35,7 @@ def read_other(path: str, kind: str) -> Any:
 
     Examples
     --------
-    >>> bitvox.formats.read_other('part.3mf', '3mf')  # doctest: +SKIP
+    >>> bitvox.formats.read_other('part.dae', 'dae')  # doctest: +SKIP
     """
     if kind == "nii":
         return grid_of_nifti(path)
