@@ -2062,7 +2062,7 @@ typedef struct bvx_complex {
     uint64_t *cells; /**< of each vertex: the cell (i,j,k) around the low corner of the window's voxel (i,j,k)
                              that holds it, as (k * (size[1] + 1) + j) * (size[0] + 1) + i [Size: vertices] */
     uint8_t *junctions; /**< of each vertex: sides of its cell (bits -x, +x, -y ...) through which an edge runs
-                             that has three faces or four [Size: vertices] */
+                             that has more than two faces [Size: vertices] */
     uint64_t face_count, label_count;
     int32_t low[3], size[3]; /**< the volume's window */
     int32_t owned; /**< 1 when bvx_complex_free frees the arrays */
@@ -2085,11 +2085,15 @@ typedef struct bvx_labels_options {
  *  have different labels; its corners are vertices of the four cells around that side, a cell being the box
  *  between eight centres. Faces that meet in a side of a cell share the vertex in it. Vertices are in order of
  *  (z, y, x) of their cell, faces of (z, y, x, axis) of their lower voxel. Beyond the window is background.
+ *  On the staircase labels touch themselves where they do as voxels. Smoothed, one that has two voxels across an edge
+ *  leads through between the other two, of two that alternate there the higher one, background being the highest. Where
+ *  that takes a vertex more, a face of its two triangles more is among the last ones, in order of their cells.
  *
  *  Smoothed, vertices go towards the mean of their neighbours, on junctions of three labels or more along these,
  *  and stay in their cells, 0.49 voxels from the centre along each axis. What faces between two labels have swept by
  *  that is undone along their normals, so labels keep the volume of their voxels to 0.1 %, but where most faces are at
- *  junctions. Vertices of triangles that cross then go back towards the cell's centre until none does.
+ *  junctions. Vertices of triangles that cross then go back towards the cell's centre until none does; only there do
+ *  positions of vertices that share a cell become equal.
  *  complex  brings no arrays of the caller's. Empty where there is no label
  *  Returns BVX_ERR_UNSUPPORTED (samples that are floats), BVX_ERR_ARGUMENT (also a background that samples cannot
  *  have), BVX_ERR_RANGE (2^32 - 1 vertices or 2^30 faces; positions too coarse). */

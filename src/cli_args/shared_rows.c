@@ -24,8 +24,7 @@ static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL
 const char *const cli_sample_names[] = {BVX_SAMPLE_LIST(CLI_NAME_OF) NULL};
 const int32_t cli_neighbours[] = {6, 18, 26};
 
-/* By BVX_FORMAT_...; vtu is only written, png and svg are not requested; glb stands for gltf too. A gap ends the names
- * before those of contours. */
+/* By BVX_FORMAT_...; vtu is only written; glb stands for gltf too. A gap ends the names before contours'. */
 const char *const cli_format_names[] = {BVX_FORMAT_LIST(FORMAT_ASKED_FOR)};
 #define FORMAT_NAMES (cli_format_names + BVX_FORMAT_STL)
 

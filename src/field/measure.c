@@ -32,8 +32,7 @@ static int32_t sign_of_fill(int32_t fill)
                                    : BVX_SIGN_WINDING;
 }
 
-/* AUTO, EXACT, WINDING, VOTE: inside, which is open and whose words are written, becomes the
- * solid by that rule. AUTO becomes the one that was chosen. */
+/* AUTO, EXACT, WINDING, VOTE: inside, which is open, becomes the solid by that rule; AUTO the one chosen. */
 static bvx_status sign_by_solid(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t *sign, bvx_grid *inside)
 {
     bvx_solid_report report;
@@ -152,7 +151,6 @@ static bvx_status check_measure(bvx_context *ctx, const bvx_mesh_view *mesh, con
     return check_measure_range(ctx, job, lattice);
 }
 
-/* Every centre has a value. */
 static void take_every_centre(bvx_field *field)
 {
     uint64_t const rows = bvxi_grid_rows(&field->band);

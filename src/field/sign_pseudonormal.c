@@ -192,7 +192,6 @@ static int pseudo_normal(const pseudo_rule *rule, const uint32_t c[3], double t[
         for (int a = 0; a < 3; a++) t[k][a] *= rule->scale;
     }
     double const length = bvxi_facet_normal((const double(*)[3])t, n);
-    /* Without area it has no direction. */
     if (!(length > 0.0)) return 0;
     for (int a = 0; a < 3; a++) n[a] /= length;
     return 1;

@@ -3,16 +3,20 @@
  * Source: Schaefer, Ju, Warren. Manifold Dual Contouring. 2007 (the case that makes a dual edge not manifold).
  *
  * Corners of the label's faces are sorted by vertex. Away from junctions the faces around a vertex are one fan. At
- * a junction they are joined side by side of the vertex's cell: two faces of the body that meet in a side belong
- * together; of four, those that share a voxel of the body do. Only a body that leads around such a side on both of
- * its sides would have two edges between the same two vertices there: then those that share the other voxel belong
- * together, which cuts both fans in two. A cell has one such side at most, since the way around it takes three of
- * the four voxels beyond. Each fan has a vertex of its own.
+ * a junction they are joined by their edges, each of which has two faces of the body (split_cells.c).
+ *
+ * On the staircase an edge can have four, and all are joined side by side of the vertex's cell: two faces of the body
+ * that meet in a side belong together; of four, those that share a voxel of the body do. Only a body that leads around
+ * such a side on both of its sides would have two edges between the same two vertices there: then those that share the
+ * other voxel belong together, which cuts both fans in two. A cell has one such side at most, since the way around it
+ * takes three of the four voxels beyond. Each fan has a vertex of its own.
  * Guarantee: closed, edge- and vertex-manifold, oriented, for all 2^8 patterns of a cell and what lies beside. */
 #include "labels/labels.h"
 #include "mesh/mesh.h"
 
 static const char label_mesh_name[] = "bvx_label_mesh";
+
+enum { MOST_CORNERS = 12 + 3 + 6 * 4 };
 
 typedef struct body_work {
     const bvx_complex *complex;
@@ -22,6 +26,12 @@ typedef struct body_work {
     uint32_t *corner; /* 4 * face + place in it */
     uint64_t stride[3];
 } body_work;
+
+/* The vertex so many corners after a corner in its face. */
+static uint32_t corner_beside(const body_work *w, uint32_t corner, int32_t n)
+{
+    return bvxi_face_vertex(w->complex, w->faces[corner / 4], (int32_t)(corner % 4) + n);
+}
 
 /* An edge with different ends in a cell, seen from the cell. */
 typedef struct cell_node {
@@ -139,10 +149,38 @@ static uint64_t vertex_beyond(const body_work *w, const cell_node *node, int32_t
     return c->cells[next] == beyond ? next : last;
 }
 
+/* Join corners that have an edge in common; 0 where four have. Corners at a vertex: 12 of edges, a flap's for 3 edges
+ * of the cell and 4 of each cell beside it. */
+static int join_by_edges(const body_work *w, uint64_t from, uint32_t count, uint32_t *parent)
+{
+    for (uint32_t i = 0; i < count; i++) parent[i] = i;
+    for (uint32_t i = 0; i < count; i++)
+        for (int32_t n = 1; n < 4; n += 2) {
+            uint32_t const own = w->corner[from + i], vertex = corner_beside(w, own, n);
+            uint32_t met = 0;
+            for (uint32_t k = 0; k < count; k++)
+                if (corner_beside(w, w->corner[from + k], 1) == vertex ||
+                    corner_beside(w, w->corner[from + k], 3) == vertex) {
+                    met++;
+                    bvxi_join(parent, i, k);
+                }
+            if (met > 2) return 0;
+        }
+    return 1;
+}
+
 /* Fans of the vertex whose corners begin at from, as roots of parent. */
-static uint32_t find_label_fans(const body_work *w, uint64_t from, uint32_t parent[12])
+static uint32_t find_label_fans(const body_work *w, uint64_t from, uint32_t parent[MOST_CORNERS])
 {
     cell_node nodes[12], others[12];
+    uint32_t corners = 0;
+
+    while (from + corners < 4 * w->count && w->vertex[from + corners] == w->vertex[from] &&
+           corners < MOST_CORNERS)
+        corners++;
+    if (join_by_edges(w, from, corners, parent)) return corners;
+
+    /* Only on the staircase. */
     uint32_t const count = read_nodes(w, from, nodes);
     int32_t turned = double_side(nodes, count);
 
@@ -157,7 +195,7 @@ static uint32_t find_label_fans(const body_work *w, uint64_t from, uint32_t pare
 }
 
 /* The end of the corners of one vertex, whose fans get numbers from next on. */
-static uint64_t number_fans(const body_work *w, uint64_t from, uint32_t *next, uint32_t number[12])
+static uint64_t number_fans(const body_work *w, uint64_t from, uint32_t *next, uint32_t number[MOST_CORNERS])
 {
     uint64_t const vertex = w->vertex[from], corners = 4 * w->count;
     uint64_t end = from;
@@ -167,7 +205,7 @@ static uint64_t number_fans(const body_work *w, uint64_t from, uint32_t *next, u
         number[0] = (*next)++;
         return end;
     }
-    uint32_t parent[12];
+    uint32_t parent[MOST_CORNERS];
     uint32_t const count = find_label_fans(w, from, parent);
     for (uint32_t i = 0; i < count; i++) {
         uint32_t const root = bvxi_root(parent, i);
@@ -215,7 +253,7 @@ static void put_body(const body_work *w, const uint32_t *number, bvx_mesh *mesh)
 static bvx_status make_body(bvx_context *ctx, body_work *w, bvx_mesh *mesh)
 {
     const bvx_mesh *const from = &w->complex->mesh;
-    uint32_t *number, vertices = 0, fan[12] = {0};
+    uint32_t *number, vertices = 0, fan[MOST_CORNERS] = {0};
     int const mine = mesh->owned || mesh->positions == NULL;
 
     BVXI_TRY(sort_body_corners(ctx, w));

@@ -7,7 +7,8 @@
  * pass counts vertices and faces of each row of cells, prefix sums give every row its place, a second pass writes;
  * a face looks for the vertices of its other three cells in what the last two slices have numbered.
  * A layer of background lies around the window, so voxel (i,j,k) here is (i-1,j-1,k-1) of the window.
- * Guarantee: canonical order; no thread and no order of labels' values shows in which vertices are joined. */
+ * Guarantee: canonical order, whatever the threads. The order of labels shows in which vertices are joined only where
+ * two of them alternate around a side. */
 #include "bits/bits.h"
 #include "labels/labels.h"
 #include "mesh/mesh.h"
@@ -27,8 +28,13 @@ static const bvxi_option labels_rows[] = {
 };
 
 typedef struct cell_row {
-    uint32_t vertex, face; /* counts, then first indices */
+    uint32_t vertex, face, flap; /* counts, then first indices */
 } cell_row;
+
+typedef struct cell_pattern {
+    uint16_t first; /* of its splits, whose index counts in threes by the sides with four edges */
+    uint8_t fours;
+} cell_pattern;
 
 typedef struct label_work {
     bvx_context *ctx;
@@ -40,8 +46,9 @@ typedef struct label_work {
     int32_t n[3];           /* cells */
     int32_t words;          /* of a row of edges */
     const uint8_t *outside; /* a row of background */
-    bvxi_cell_split *splits;
-    uint32_t *rank_table; /* of a value less the lowest, or NULL */
+    cell_pattern *patterns;
+    bvxi_cell_split *splits; /* of a pattern by what leads through each of its sides with four edges */
+    uint32_t *rank_table;    /* of a value less the lowest, or NULL */
     uint64_t rank_low, rank_size;
     cell_row *rows; /* [Size: n[1] * n[2] + 1] */
     uint64_t row_count;
@@ -58,8 +65,8 @@ typedef struct label_scan {
     uint8_t *line[3];      /* rows of samples */
     uint64_t *x[2], *y[2]; /* [Size: (n[1] + 1) * words] each */
     uint64_t *z;
-    uint32_t *first[2];   /* of cells with vertices, the first one */
-    uint16_t *pattern[2]; /* 0: none */
+    uint32_t *first[2]; /* of cells with vertices, the first one */
+    uint16_t *split[2]; /* index of each */
 } label_scan;
 
 /* ---- Rows of samples, and where they differ ---- */
@@ -141,51 +148,6 @@ static void scan_slice(label_scan *s, int32_t k, int between)
     }
 }
 
-/* ---- Cells ---- */
-
-/* A word of a row of cells: its edges as in a pattern. */
-static uint64_t cell_word(const label_scan *s, int32_t j, int32_t k, int32_t word, uint64_t edge[12])
-{
-    size_t const words = (size_t)s->w->words, at = (size_t)j * words + (size_t)word;
-    int const more = word + 1 < s->w->words;
-    uint64_t any = 0;
-
-    for (int32_t n = 0; n < 2; n++) {
-        const uint64_t *const x = s->x[(k + n) & 1] + at, *const y = s->y[(k + n) & 1] + at;
-        const uint64_t *const z = s->z + at + (size_t)n * words;
-
-        edge[2 * n] = x[0];
-        edge[2 * n + 1] = x[words];
-        edge[4 + 2 * n] = y[0];
-        edge[5 + 2 * n] = y[0] >> 1 | (more ? y[1] << 63 : 0);
-        edge[8 + 2 * n] = z[0];
-        edge[9 + 2 * n] = z[0] >> 1 | (more ? z[1] << 63 : 0);
-    }
-    for (int32_t e = 0; e < 12; e++) any |= edge[e];
-    return any;
-}
-
-static uint32_t pattern_at(const uint64_t edge[12], int32_t bit)
-{
-    uint32_t pattern = 0;
-    for (int32_t e = 0; e < 12; e++) pattern |= (uint32_t)(edge[e] >> bit & 1) << e;
-    return pattern;
-}
-
-static void count_cell_row(const label_scan *s, int32_t j, int32_t k, cell_row *row)
-{
-    uint64_t edge[12];
-
-    row->vertex = row->face = 0;
-    for (int32_t word = 0; word < s->w->words; word++) {
-        uint64_t any = cell_word(s, j, k, word, edge);
-        /* A face belongs to the cell of its edge's low end. */
-        row->face += bvxi_popcount(edge[0]) + bvxi_popcount(edge[4]) + bvxi_popcount(edge[8]);
-        for (; any != 0; any &= any - 1)
-            row->vertex += s->w->splits[pattern_at(edge, bvxi_lowest(any))].count;
-    }
-}
-
 /* ---- Labels by rank ---- */
 
 static uint64_t ordered(const label_work *w, uint64_t value)
@@ -229,6 +191,112 @@ static bvx_status make_ranks(label_work *w)
     return BVX_OK;
 }
 
+/* ---- Cells ---- */
+
+/* A word of a row of cells: its edges as in a pattern. */
+static uint64_t cell_word(const label_scan *s, int32_t j, int32_t k, int32_t word, uint64_t edge[12])
+{
+    size_t const words = (size_t)s->w->words, at = (size_t)j * words + (size_t)word;
+    int const more = word + 1 < s->w->words;
+    uint64_t any = 0;
+
+    for (int32_t n = 0; n < 2; n++) {
+        const uint64_t *const x = s->x[(k + n) & 1] + at, *const y = s->y[(k + n) & 1] + at;
+        const uint64_t *const z = s->z + at + (size_t)n * words;
+
+        edge[2 * n] = x[0];
+        edge[2 * n + 1] = x[words];
+        edge[4 + 2 * n] = y[0];
+        edge[5 + 2 * n] = y[0] >> 1 | (more ? y[1] << 63 : 0);
+        edge[8 + 2 * n] = z[0];
+        edge[9 + 2 * n] = z[0] >> 1 | (more ? z[1] << 63 : 0);
+    }
+    for (int32_t e = 0; e < 12; e++) any |= edge[e];
+    return any;
+}
+
+static uint32_t pattern_at(const uint64_t edge[12], int32_t bit)
+{
+    uint32_t pattern = 0;
+    for (int32_t e = 0; e < 12; e++) pattern |= (uint32_t)(edge[e] >> bit & 1) << e;
+    return pattern;
+}
+
+/* What leads through a side of a cell; a label that is higher where two could. */
+static uint32_t across_side(const label_work *w, const int32_t c[3], int32_t side)
+{
+    int32_t const a = side >> 1, u = a == 0, v = a == 2 ? 1 : 2;
+    uint32_t rank[4];
+
+    for (int32_t n = 0; n < 4; n++) {
+        int32_t p[3] = {c[0], c[1], c[2]};
+        p[a] += side & 1;
+        p[u] += n & 1;
+        p[v] += n >> 1;
+        rank[n] = rank_at(w, p[0], p[1], p[2]);
+    }
+    if (rank[0] == rank[3] && (rank[1] != rank[2] || rank[0] > rank[1])) return BVXI_ACROSS_SAME;
+    return rank[1] == rank[2] ? BVXI_ACROSS_MIXED : BVXI_ACROSS_NONE;
+}
+
+static uint32_t split_at(const label_work *w, const uint64_t edge[12], const int32_t c[3])
+{
+    const cell_pattern *const pattern = &w->patterns[pattern_at(edge, c[0] & 63)];
+    uint32_t index = 0;
+
+    if (pattern->fours == 0 || w->options.staircase) return pattern->first;
+    for (int32_t side = 5; side >= 0; side--)
+        if ((pattern->fours >> side & 1) != 0) index = 3 * index + across_side(w, c, side);
+    return pattern->first + index;
+}
+
+static bvx_status make_splits(label_work *w)
+{
+    uint32_t next = 0;
+
+    BVXI_TRY(
+        bvxi_alloc(w->ctx, BVXI_SCRATCH, BVXI_PATTERNS * sizeof *w->patterns, "the patterns", &w->patterns));
+    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, BVXI_SPLITS * sizeof *w->splits, "the splits", &w->splits));
+    for (uint32_t p = 0; p < BVXI_PATTERNS; p++) {
+        uint32_t const fours = bvxi_four_sides(p);
+        uint32_t count = fours != UINT32_MAX;
+
+        w->patterns[p].first = (uint16_t)next;
+        w->patterns[p].fours = (uint8_t)fours;
+        for (int32_t side = 0; count != 0 && side < 6; side++)
+            if ((fours >> side & 1) != 0) count *= 3;
+        for (uint32_t i = 0; i < count; i++) {
+            uint8_t across[6] = {0};
+            uint32_t rest = i;
+            for (int32_t side = 0; side < 6; side++)
+                if ((fours >> side & 1) != 0) {
+                    across[side] = (uint8_t)(rest % 3);
+                    rest /= 3;
+                }
+            bvxi_split_pattern(p, across, &w->splits[next++]);
+        }
+    }
+    return BVX_OK;
+}
+
+static void count_cell_row(const label_scan *s, int32_t j, int32_t k, cell_row *row)
+{
+    uint64_t edge[12];
+
+    row->vertex = row->face = row->flap = 0;
+    for (int32_t word = 0; word < s->w->words; word++) {
+        uint64_t any = cell_word(s, j, k, word, edge);
+        /* A face belongs to the cell of its edge's low end. */
+        row->face += bvxi_popcount(edge[0]) + bvxi_popcount(edge[4]) + bvxi_popcount(edge[8]);
+        for (; any != 0; any &= any - 1) {
+            int32_t const c[3] = {64 * word + bvxi_lowest(any), j, k};
+            const bvxi_cell_split *const split = &s->w->splits[split_at(s->w, edge, c)];
+            row->vertex += split->count;
+            row->flap += split->flaps;
+        }
+    }
+}
+
 /* ---- Vertices and faces ---- */
 
 static size_t cell_index(const label_work *w, int32_t i, int32_t j)
@@ -237,26 +305,71 @@ static size_t cell_index(const label_work *w, int32_t i, int32_t j)
 }
 
 /* Low sides of a new cell: whoever has an edge through it is linked with the cell beyond. */
-static void link_cell(label_scan *s, const int32_t c[3], uint32_t first, const bvxi_cell_split *split)
+static void link_cell(label_scan *s, const int32_t c[3], uint32_t pattern, uint32_t first,
+                      const bvxi_cell_split *split)
 {
     const label_work *const w = s->w;
     uint32_t *const links = w->net.links;
-    uint32_t const pattern = s->pattern[c[2] & 1][cell_index(w, c[0], c[1])];
 
     for (int32_t a = 0; a < 3; a++) {
-        int32_t edge = -1;
-        for (int32_t e = 0; e < 12; e++)
-            if (e >> 2 != a && bvxi_edge_offset(e, a) == 0 && (pattern >> e & 1) != 0) edge = e;
-        if (edge < 0) continue;
-
-        /* The same edge is on the high side of the cell before, its offset along the axis 1. */
-        int32_t const other_edge = edge + ((edge >> 2 == 0 ? 1 : 0) == a ? 1 : 2);
         size_t const at = cell_index(w, c[0] - (a == 0), c[1] - (a == 1));
         int const slice = (c[2] - (a == 2)) & 1;
-        uint32_t const own = first + split->of[edge];
-        uint32_t const other = s->first[slice][at] + w->splits[s->pattern[slice][at]].of[other_edge];
-        links[6 * (size_t)own + 2 * (size_t)a] = other;
-        links[6 * (size_t)other + 2 * (size_t)a + 1] = own;
+
+        for (int32_t edge = 0; edge < 12; edge++) {
+            if (edge >> 2 == a || bvxi_edge_offset(edge, a) != 0 || (pattern >> edge & 1) == 0) continue;
+
+            /* The same edge is on the high side of the cell before, its offset along the axis 1. */
+            int32_t const other_edge = edge + ((edge >> 2 == 0 ? 1 : 0) == a ? 1 : 2);
+            const bvxi_cell_split *const other = &w->splits[s->split[slice][at]];
+            uint32_t const first_other = s->first[slice][at];
+            uint32_t const own = first + split->base[edge], beyond = first_other + other->base[other_edge];
+            uint32_t const own_new = first + split->of[edge],
+                           beyond_new = first_other + other->of[other_edge];
+
+            /* Flaps take the new vertex beyond a low side, the old one beyond a high side, so that they agree. */
+            links[6 * (size_t)own_new + 2 * (size_t)a] = beyond_new;
+            links[6 * (size_t)beyond_new + 2 * (size_t)a + 1] = own;
+            links[6 * (size_t)own + 2 * (size_t)a] = beyond;
+            links[6 * (size_t)beyond + 2 * (size_t)a + 1] = own;
+        }
+    }
+}
+
+/* The labels at the ends of an edge from voxel c, the lower first: 1 where that is at the low end. */
+static int put_sides(const label_work *w, const int32_t c[3], int32_t axis, uint64_t face)
+{
+    uint32_t *const sides = w->made->sides + 2 * (size_t)face;
+    uint32_t const low = rank_at(w, c[0], c[1], c[2]);
+    uint32_t const high = rank_at(w, c[0] + (axis == 0), c[1] + (axis == 1), c[2] + (axis == 2));
+    int const forward = low < high;
+
+    sides[0] = forward ? low : high;
+    sides[1] = forward ? high : low;
+    return forward;
+}
+
+/* A flap without the vertices beyond sides, which stand in their place. */
+static void open_flap(const label_work *w, const int32_t c[3], uint32_t first, const bvxi_cell_split *split,
+                      const bvxi_cell_flap *flap, uint64_t face)
+{
+    uint32_t *const t = w->made->mesh.triangles + 6 * (size_t)face;
+    int32_t const axis = flap->edge >> 2;
+    int32_t low[3];
+
+    for (int32_t a = 0; a < 3; a++) low[a] = c[a] + (a != axis && bvxi_edge_offset(flap->edge, a));
+    int const forward = put_sides(w, low, axis, face);
+    t[0] = t[3] = first + flap->vertex;
+    t[2] = t[4] = first + split->base[flap->edge];
+    t[1] = flap->side[!forward];
+    t[5] = flap->side[forward];
+}
+
+static void close_flaps(const label_work *w)
+{
+    for (uint64_t f = w->net.flaps; f < w->made->face_count; f++) {
+        uint32_t *const t = w->made->mesh.triangles + 6 * (size_t)f;
+        t[1] = w->net.links[6 * (size_t)t[0] + t[1]];
+        t[5] = w->net.links[6 * (size_t)t[0] + t[5]];
     }
 }
 
@@ -264,26 +377,29 @@ static void link_cell(label_scan *s, const int32_t c[3], uint32_t first, const b
 static void put_vertices(label_scan *s, int32_t j, int32_t k, int own)
 {
     const label_work *const w = s->w;
-    uint32_t next = w->rows[(size_t)k * (size_t)w->n[1] + (size_t)j].vertex;
+    cell_row const row = w->rows[(size_t)k * (size_t)w->n[1] + (size_t)j];
+    uint32_t next = row.vertex, flap = row.flap;
     uint64_t edge[12];
 
     for (int32_t word = 0; word < w->words; word++) {
         uint64_t any = cell_word(s, j, k, word, edge);
         for (; any != 0; any &= any - 1) {
             int32_t const bit = bvxi_lowest(any), c[3] = {64 * word + bit, j, k};
-            uint32_t const pattern = pattern_at(edge, bit);
-            const bvxi_cell_split *const split = &w->splits[pattern];
+            uint32_t const index = split_at(w, edge, c);
+            const bvxi_cell_split *const split = &w->splits[index];
             size_t const at = cell_index(w, c[0], j);
 
             s->first[k & 1][at] = next;
-            s->pattern[k & 1][at] = (uint16_t)pattern;
+            s->split[k & 1][at] = (uint16_t)index;
             for (uint32_t v = 0; own && v < split->count; v++) {
                 w->made->cells[next + v] = (uint64_t)k * (uint64_t)w->n[0] * (uint64_t)w->n[1] + at;
                 w->made->junctions[next + v] = split->junction[v];
                 if (w->net.offset != NULL)
                     memcpy(w->net.offset + 3 * (size_t)(next + v), split->start[v], sizeof split->start[v]);
             }
-            if (w->net.links != NULL && own) link_cell(s, c, next, split);
+            for (uint32_t f = 0; own && f < split->flaps; f++)
+                open_flap(w, c, next, split, &split->flap[f], w->net.flaps + flap++);
+            if (w->net.links != NULL && own) link_cell(s, c, pattern_at(edge, bit), next, split);
             next += split->count;
         }
     }
@@ -295,8 +411,6 @@ static void put_face(const label_scan *s, const int32_t c[3], int32_t axis, uint
     const label_work *const w = s->w;
     int32_t const u = (axis + 1) % 3, v = (axis + 2) % 3;
     uint32_t corner[4];
-    uint32_t const low = rank_at(w, c[0], c[1], c[2]);
-    uint32_t const high = rank_at(w, c[0] + (axis == 0), c[1] + (axis == 1), c[2] + (axis == 2));
 
     /* Counter-clockwise about the axis. */
     for (int32_t n = 0; n < 4; n++) {
@@ -306,19 +420,16 @@ static void put_face(const label_scan *s, const int32_t c[3], int32_t axis, uint
         p[v] -= dv;
         int32_t const first = u < v ? du : dv, second = u < v ? dv : du;
         size_t const at = cell_index(w, p[0], p[1]);
-        const bvxi_cell_split *const split = &w->splits[s->pattern[p[2] & 1][at]];
+        const bvxi_cell_split *const split = &w->splits[s->split[p[2] & 1][at]];
         corner[n] = s->first[p[2] & 1][at] + split->of[4 * axis + first + 2 * second];
     }
 
     uint32_t *const t = w->made->mesh.triangles + 6 * (size_t)face;
-    uint32_t *const side = w->made->sides + 2 * (size_t)face;
-    int const forward = low < high;
+    int const forward = put_sides(w, c, axis, face);
     t[0] = t[3] = corner[0];
     t[1] = forward ? corner[1] : corner[3];
     t[2] = t[4] = corner[2];
     t[5] = forward ? corner[3] : corner[1];
-    side[0] = forward ? low : high;
-    side[1] = forward ? high : low;
 }
 
 static void put_faces(const label_scan *s, int32_t j, int32_t k)
@@ -363,7 +474,7 @@ static uint64_t lay_out(const label_work *w, uint8_t *block, label_scan *s)
     s->z = TAKE(uint64_t, bits);
     for (int n = 0; n < 2; n++) {
         s->first[n] = TAKE(uint32_t, round_up(cells * 4));
-        s->pattern[n] = TAKE(uint16_t, round_up(cells * 2));
+        s->split[n] = TAKE(uint16_t, round_up(cells * 2));
     }
 #undef TAKE
     s->w = w;
@@ -399,14 +510,20 @@ static void work_piece(void *user, int32_t piece, int32_t worker)
 
 static bvx_status place_rows(label_work *w, uint64_t *vertices, uint64_t *faces)
 {
+    uint64_t flaps = 0;
+
     *vertices = *faces = 0;
     for (uint64_t i = 0; i < w->row_count; i++) {
         cell_row const own = w->rows[i];
         w->rows[i].vertex = (uint32_t)*vertices;
         w->rows[i].face = (uint32_t)*faces;
+        w->rows[i].flap = (uint32_t)flaps;
         *vertices += own.vertex;
         *faces += own.face;
+        flaps += own.flap;
     }
+    w->net.flaps = *faces;
+    *faces += flaps;
     if (*vertices < UINT32_MAX && *faces < UINT32_C(1) << 30) return BVX_OK;
     return bvxi_fail_for(
         w->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
@@ -482,8 +599,7 @@ static bvx_status make_complex(label_work *w)
         memcpy(outside + i, value, w->sample);
     }
     w->outside = outside;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, BVXI_PATTERNS * sizeof *w->splits, "the patterns", &w->splits));
-    for (uint32_t p = 0; p < BVXI_PATTERNS; p++) bvxi_split_pattern(p, &w->splits[p]);
+    BVXI_TRY(make_splits(w));
     w->row_count = (uint64_t)w->n[1] * (uint64_t)w->n[2];
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->row_count * sizeof *w->rows, "the rows of cells", &w->rows));
     w->scratch_bytes = lay_out(w, NULL, &unused);
@@ -497,6 +613,7 @@ static bvx_status make_complex(label_work *w)
     w->emit = 1;
     BVXI_TRY(bvxi_parallel(ctx, "faces", 0.4, 0.6, w->pieces, work_piece, w));
     bvxi_drop(ctx, w->scratch);
+    close_flaps(w);
     BVXI_TRY(list_faces(w));
     w->net.complex = c;
     if (!w->options.staircase) {

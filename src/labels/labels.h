@@ -9,16 +9,31 @@
 
 #include "core/core.h"
 
-enum { BVXI_PATTERNS = 4096 };
+enum { BVXI_PATTERNS = 4096, BVXI_SPLITS = 5506 };
 
-/* The vertices of a pattern: edges that meet in a side of the cell share one, so each has three edges at least. */
+/* What leads through a side whose four edges have different ends: none of its labels, that of the voxels with
+ * offsets 0, 0 and 1, 1, or that of the other two. */
+enum { BVXI_ACROSS_NONE, BVXI_ACROSS_SAME, BVXI_ACROSS_MIXED };
+
+/* A vertex that two edges of a cell have for themselves, one of the two, and the sides beyond which the flap's second
+ * and fourth corner are where the edge's low end has the lower label. */
+typedef struct bvxi_cell_flap {
+    uint8_t vertex, edge, side[2];
+} bvxi_cell_flap;
+
+/* The vertices of a pattern: edges that are joined in a side of the cell share one. */
 typedef struct bvxi_cell_split {
     uint8_t count, of[12]; /* vertex of each edge */
-    uint8_t junction[4];   /* sides of each vertex in which three or four of its edges meet */
-    float start[4][3];     /* mean of the edges' middles, from the cell's centre [Units: voxels] */
+    uint8_t base[12];      /* the same as if there were no flaps */
+    uint8_t flaps;
+    bvxi_cell_flap flap[3];
+    uint8_t junction[7]; /* as in bvx_complex */
+    float start[7][3];   /* mean of the edges' middles, from the cell's centre [Units: voxels] */
 } bvxi_cell_split;
 
-void bvxi_split_pattern(uint32_t pattern, bvxi_cell_split *split);
+void bvxi_split_pattern(uint32_t pattern, const uint8_t across[6], bvxi_cell_split *split);
+/* The sides with four edges as bits, or UINT32_MAX where no labels have the pattern. */
+uint32_t bvxi_four_sides(uint32_t pattern);
 
 /* The offset of edge e along an axis that is not its own. */
 static inline int32_t bvxi_edge_offset(int32_t e, int32_t axis)
@@ -54,6 +69,7 @@ static inline void bvxi_cell_of(const bvx_complex *complex, uint64_t vertex, uin
 typedef struct bvxi_net {
     bvx_complex *complex;
     float *offset;   /* from the cell's centre [Size: vertices * 3] [Units: voxels] */
+    uint64_t flaps;  /* index of the first one; they are the last faces */
     uint32_t *links; /* the vertex beyond each side of the cell, or UINT32_MAX [Size: vertices * 6] */
     double origin[3], spacing[3]; /* of positions: origin 0 in a local frame */
 } bvxi_net;

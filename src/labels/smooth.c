@@ -15,6 +15,7 @@ enum { STEPS = 12, CORRECTIONS = 16, VERTEX_GRAIN = 4096 };
 
 static float const relax_step = 0.7F; /* below 1: vertices of two colours would take turns */
 static float const move_limit = 0.49F;
+static double const correct = 2.0;       /* further than any pair moves */
 static double const longest_move = 0.25; /* move of a round [Units: voxels] */
 static double const kept_volume =
     1e-4; /* of the volume that a pair may keep, for each face [Units: voxels] */
@@ -25,7 +26,13 @@ typedef struct net_work {
     uint64_t *pairs; /* of faces, sorted; then where each pair's faces begin */
     uint32_t *faces; /* in the order of pairs */
     uint64_t pair_count;
+    double *moved; /* of each pair, or correct */
 } net_work;
+
+static double limited(double x, double limit)
+{
+    return x < -limit ? -limit : x > limit ? limit : x;
+}
 
 static float clamp(float x)
 {
@@ -68,7 +75,7 @@ void bvxi_read_face(const bvxi_net *net, uint32_t face, bvxi_face *f)
     const bvx_complex *const c = net->complex;
     const uint32_t *const t = c->mesh.triangles + 6 * (size_t)face;
     uint64_t const row = (uint64_t)c->size[0] + 1;
-    int32_t const owner = bvxi_face_owner(c, face);
+    int32_t const owner = face < net->flaps ? bvxi_face_owner(c, face) : 0;
 
     f->vertex[0] = t[0];
     f->vertex[1] = t[1];
@@ -77,25 +84,16 @@ void bvxi_read_face(const bvxi_net *net, uint32_t face, bvxi_face *f)
     memset(f->at, 0, sizeof f->at);
     for (int32_t n = 1; n < 4; n += 2) {
         int32_t const place = (owner + n) & 3;
-        uint64_t const to = c->cells[f->vertex[owner]] - c->cells[f->vertex[place]];
+        uint64_t const own = c->cells[f->vertex[owner]], other = c->cells[f->vertex[place]];
+        uint64_t const to = own > other ? own - other : other - own;
         int32_t const axis = to == 1 ? 0 : to == row ? 1 : 2;
-        f->at[place][axis] = f->at[(owner + 2) & 3][axis] = -1.0;
+        f->at[place][axis] = own > other ? -1.0 : 1.0;
+        /* A flap's third corner is in the cell of the first. */
+        if (face < net->flaps) f->at[(owner + 2) & 3][axis] = -1.0;
     }
     for (int32_t n = 0; n < 4; n++)
         for (int32_t a = 0; a < 3; a++)
             f->moved[n][a] = (double)net->offset[3 * (size_t)f->vertex[n] + (size_t)a];
-}
-
-/* Twice the area vector of corners a, b, c when they have moved a share t of their way. */
-static void area_at(const bvxi_face *f, int32_t a, int32_t b, int32_t c, double t, double area[3])
-{
-    double p[3], q[3];
-
-    for (int32_t d = 0; d < 3; d++) {
-        p[d] = f->at[b][d] - f->at[a][d] + t * (f->moved[b][d] - f->moved[a][d]);
-        q[d] = f->at[c][d] - f->at[a][d] + t * (f->moved[c][d] - f->moved[a][d]);
-    }
-    bvxi_vec_cross(p, q, area);
 }
 
 static double face_diagonal(const bvxi_face *f, int32_t from)
@@ -124,16 +122,28 @@ static void split_faces(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-/* The volume that a triangle sweeps: its area vector is a quadratic in t, so Simpson's rule is exact. */
+/* The volume that a triangle sweeps; last gets twice its area vector at the end. That is a quadratic of the share of
+ * the way, whose mean is the mean of both ends less a sixth of the quadratic term. */
 static double swept(const bvxi_face *f, int32_t b, int32_t c, double last[3])
 {
-    double begin[3], middle[3], sum = 0.0;
+    double p[3], q[3], to_p[3], to_q[3], begin[3], bent[3], sum = 0.0;
 
-    area_at(f, 0, b, c, 0.0, begin);
-    area_at(f, 0, b, c, 0.5, middle);
-    area_at(f, 0, b, c, 1.0, last);
+    for (int32_t d = 0; d < 3; d++) {
+        p[d] = f->at[b][d] - f->at[0][d];
+        q[d] = f->at[c][d] - f->at[0][d];
+        to_p[d] = f->moved[b][d] - f->moved[0][d];
+        to_q[d] = f->moved[c][d] - f->moved[0][d];
+    }
+    bvxi_vec_cross(p, q, begin);
+    bvxi_vec_cross(to_p, to_q, bent);
+    for (int32_t d = 0; d < 3; d++) {
+        p[d] += to_p[d];
+        q[d] += to_q[d];
+    }
+    bvxi_vec_cross(p, q, last);
     for (int32_t d = 0; d < 3; d++)
-        sum += (f->moved[0][d] + f->moved[b][d] + f->moved[c][d]) * (begin[d] + 4.0 * middle[d] + last[d]);
+        sum += (f->moved[0][d] + f->moved[b][d] + f->moved[c][d]) *
+               (3.0 * begin[d] + 3.0 * last[d] - bent[d]);
     return sum / 36.0;
 }
 
@@ -143,12 +153,13 @@ static int is_free_vertex(const net_work *w, uint32_t vertex)
 }
 
 /* What a pair's faces have swept; other gets the area vectors of its free vertices, to which those of the faces
- * around them add up, and *area what they would sweep by moving 1 along their normals. */
-static double measure_pair(const net_work *w, uint64_t begin, uint64_t end, double *area)
+ * around them add up, *area what they would sweep by moving 1 along their normals, and *corners how many they are. */
+static double measure_pair(const net_work *w, uint64_t begin, uint64_t end, double *area, uint64_t *corners)
 {
     double volume = 0.0;
 
     *area = 0.0;
+    *corners = 0;
     for (uint64_t i = begin; i < end; i++) {
         double half[2][3];
         bvxi_face f;
@@ -162,6 +173,7 @@ static double measure_pair(const net_work *w, uint64_t begin, uint64_t end, doub
             int const first = n != 3, second = n != 1;
             for (int32_t d = 0; d < 3; d++)
                 sum[d] += (float)((first ? half[0][d] : 0.0) + (second ? half[1][d] : 0.0));
+            (*corners)++;
             *area += ((first ? size[0] : 0.0) + (second ? size[1] : 0.0)) / 6.0;
         }
     }
@@ -189,25 +201,31 @@ static void move_pair(const net_work *w, uint64_t begin, uint64_t end, double di
     }
 }
 
-/* Free vertices have one pair's faces around them, so pairs are corrected apart from each other. */
+/* One step of each pair. Free vertices have one pair's faces around them, so pairs are corrected apart from each
+ * other. */
 static void correct_pairs(void *user, uint64_t first, uint64_t last)
 {
     const net_work *const w = user;
 
     for (uint64_t p = first; p < last; p++) {
         uint64_t const begin = w->pairs[p], end = w->pairs[p + 1];
-        for (int32_t round = 0; round < CORRECTIONS; round++) {
-            double const faces = (double)(end - begin);
-            double area, volume = measure_pair(w, begin, end, &area);
-            if (area == 0.0 || bvxi_absolute(volume) <= kept_volume * faces) break;
+        double const faces = (double)(end - begin), moved = w->moved[p];
+        uint64_t corners;
+        double area, volume;
 
-            /* What has shrunk to nearly nothing has no area to divide by. */
-            double const way = -volume / (area > 0.5 * faces ? area : 0.5 * faces);
-            move_pair(w, begin, end,
-                      way < -longest_move  ? -longest_move
-                      : way > longest_move ? longest_move
-                                           : way);
-        }
+        if (moved == correct) continue;
+        w->moved[p] = correct;
+        volume = measure_pair(w, begin, end, &area, &corners);
+        if (area == 0.0 || bvxi_absolute(volume) <= kept_volume * faces) continue;
+
+        /* What has shrunk to nearly nothing has no area to divide by. A few free vertices do not make up for what
+         * all faces at junctions have swept. */
+        double const share = (double)corners / (4.0 * faces), limit = share * share;
+        double const way = -volume / (area > 0.5 * faces ? area : 0.5 * faces);
+        double const step = limited(limited(moved + way, limit) - moved, longest_move);
+        if (step == 0.0) continue;
+        move_pair(w, begin, end, step);
+        w->moved[p] = moved + step;
     }
 }
 
@@ -265,11 +283,15 @@ bvx_status bvxi_net_smooth(bvx_context *ctx, bvxi_net *net)
         w.other = offset;
     }
 
-    BVXI_TRY(bvxi_for(ctx, "faces", net->complex->face_count, VERTEX_GRAIN, split_faces, &w));
+    BVXI_TRY(bvxi_for(ctx, "faces", net->flaps, VERTEX_GRAIN, split_faces, &w));
     BVXI_TRY(sort_faces(ctx, &w));
     memset(w.other, 0, (size_t)vertices * 12);
-    BVXI_TRY(bvxi_for_ranges(ctx, "volumes", 0.7, 1.0, bvxi_piece_count(w.pair_count, 1), w.pair_count,
-                             correct_pairs, &w));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, w.pair_count * 8, "the pairs' moves", &w.moved));
+    for (int32_t i = 0; i < CORRECTIONS; i++)
+        BVXI_TRY(bvxi_for_ranges(ctx, "volumes", 0.7 + 0.3 * (double)i / (double)CORRECTIONS,
+                                 0.7 + 0.3 * (double)(i + 1) / (double)CORRECTIONS,
+                                 bvxi_piece_count(w.pair_count, 1), w.pair_count, correct_pairs, &w));
+    bvxi_drop(ctx, w.moved);
     bvxi_drop(ctx, w.pairs);
     bvxi_drop(ctx, w.faces);
     bvxi_drop(ctx, w.other);

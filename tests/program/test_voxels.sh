@@ -137,6 +137,9 @@ reports 'regions are counted' 'r["solid"]["fill"] == "regions" and r["solid"]["r
 sets 128 box.obj --spacing 0.25 --padding 2
 warns '16 rows of centres do not balance' voxelize open.obj -o x.bvx --spacing 0.25 --padding 2
 sets 128 open.obj --spacing 0.25 --padding 2 --fill vote
+# Copies of a triangle have no volume.
+{ cat box.obj; echo 'f 5 6 7'; echo 'f 5 6 7'; } >copies.obj
+reports 'copies of triangles take no volume' 'r["warnings"] == []' voxelize copies.obj -o x.bvx --spacing 0.25 --padding 2
 # Triangles are missing where rows along x do not pass.
 sed '/^f 1 2 6/d; /^f 1 6 5/d' box.obj >aside.obj
 warns '32 rows of centres do not balance' voxelize aside.obj -o x.bvx --spacing 0.25 --padding 2

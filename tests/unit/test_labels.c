@@ -341,6 +341,87 @@ static void test_labels_smoothed_stay_in_cells_and_keep_volumes(void)
     }
 }
 
+/* Manifold by positions too: what other programs see that join vertices at the same place. */
+static bvx_certificate welded_body(uint64_t label)
+{
+    bvx_certificate c;
+    bvx_mesh_view view;
+
+    (void)body(label);
+    bvx_mesh_view_of(&mesh, &view);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 1, &c));
+    TEST_ASSERT_TRUE(c.closed && c.edge_manifold);
+    return c;
+}
+
+static void test_labels_smoothed_touch_themselves_in_no_edge(void)
+{
+    uint8_t samples[4 * 4 * 3];
+
+    /* Voxels across an edge, in one layer or all of three, between two other labels or the same. */
+    for (int32_t trial = 0; trial < 16; trial++) {
+        int32_t const third = trial & 1 ? 3 : 2, first = trial & 2 ? 1 : 2, thick = trial & 4,
+                      turned = trial >> 3;
+        for (int32_t i = 0; i < 4 * 4 * 3; i++) {
+            int32_t const x = i % 4, y = i / 4 % 4, z = i / 16, mid = thick || z == 1;
+            int32_t const a = mid && (x < 2) == (y < 2), b = (x < 2) != turned;
+            samples[i] = (uint8_t)(a ? first : b ? 3 - first : third == 3 ? 3 : 3 - first);
+        }
+        bvx_volume_view const v = view_of(samples, BVX_SAMPLE_U8, 4, 4, 3);
+        make(&v, 0, 0);
+        TEST_ASSERT_EQUAL_UINT64(0, crossings());
+        for (uint64_t i = 0; i < complex_.label_count; i++) (void)welded_body(i);
+    }
+    fill_cells();
+    for (int32_t n = 0; n < SIDE * SIDE * SIDE; n++)
+        if (n % SIDE + n / SIDE % SIDE + n / SIDE / SIDE < 24) cells[n] = 0;
+    bvx_volume_view const v = view_of(cells, BVX_SAMPLE_U8, SIDE, SIDE, SIDE);
+    make(&v, 0, 0);
+    for (uint64_t i = 0; i < complex_.label_count; i++) (void)welded_body(i);
+}
+
+/* Faces between two labels of which most are at junctions have few vertices that may move off them. */
+static void test_labels_smoothed_stay_near_planes(void)
+{
+    enum { N = 48, SEEDS = 60 };
+    static uint8_t voronoi[N * N * N];
+    int32_t seeds[SEEDS][3];
+    double worst = 0;
+
+    for (int i = 0; i < SEEDS; i++)
+        for (int a = 0; a < 3; a++) seeds[i][a] = (int32_t)below(2 * N);
+    for (int32_t n = 0; n < N * N * N; n++) {
+        int32_t const p[3] = {2 * (n % N) + 1, 2 * (n / N % N) + 1, 2 * (n / N / N) + 1};
+        int32_t best = INT32_MAX;
+        for (int i = 0; i < SEEDS; i++) {
+            int32_t far = 0;
+            for (int a = 0; a < 3; a++) far += (p[a] - seeds[i][a]) * (p[a] - seeds[i][a]);
+            if (far >= best) continue;
+            best = far;
+            voronoi[n] = (uint8_t)(i + 1);
+        }
+    }
+    bvx_volume_view const v = view_of(voronoi, BVX_SAMPLE_U8, N, N, N);
+    make(&v, 0, 0);
+    for (uint64_t f = 0; f < complex_.face_count; f++) {
+        const uint32_t *const t = complex_.mesh.triangles + 6 * f, *const side = complex_.sides + 2 * f;
+        if (side[1] == complex_.label_count) continue;
+        const int32_t *const a = seeds[complex_.labels[side[0]].value - 1],
+                             *const b = seeds[complex_.labels[side[1]].value - 1];
+        for (int k = 0; k < 3; k++) {
+            const float *const p = (const float *)complex_.mesh.positions + 3 * (size_t)t[k];
+            double along = 0, length = 0;
+            for (int d = 0; d < 3; d++) {
+                double const way = 0.5 * (b[d] - a[d]);
+                along += way * ((double)p[d] - 0.25 * (a[d] + b[d]));
+                length += way * way;
+            }
+            if (fabs(along) / sqrt(length) > worst) worst = fabs(along) / sqrt(length);
+        }
+    }
+    TEST_ASSERT_TRUE(worst < 0.9);
+}
+
 static void test_labels_smoothed_are_a_ball(void)
 {
     enum { N = 72 };
@@ -397,6 +478,8 @@ int main(void)
     RUN_TEST(test_labels_of_any_type_order_and_sign);
     RUN_TEST(test_labels_of_a_window_lie_in_the_world);
     RUN_TEST(test_labels_smoothed_stay_in_cells_and_keep_volumes);
+    RUN_TEST(test_labels_smoothed_touch_themselves_in_no_edge);
+    RUN_TEST(test_labels_smoothed_stay_near_planes);
     RUN_TEST(test_labels_smoothed_are_a_ball);
     RUN_TEST(test_labels_refuse);
     return UNITY_END();

@@ -307,7 +307,6 @@ def _set_common(options: Any, mesh: Mesh, strict: bool, error: Any, given: Any) 
 def hull(mesh: Any, *, triangles: int | None = None, error: Distance | None = None, count: None = None, **options: Any) -> Mesh: ...  # type: ignore[overload-overlap]
 @overload
 def hull(mesh: Any, *, triangles: Sequence[int] | None = None, error: Sequence[Distance] | None = None, count: int | None = None, **options: Any) -> Levels: ...
-@entered
 def hull(
     mesh: Any,
     *,
