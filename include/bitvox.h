@@ -945,8 +945,8 @@ typedef struct bvx_smooth_options {
 
 /** Smooth the positions of any mesh; its triangles and attributes stay. Vertices at one position move as one. On
  *  borders and on edges of three triangles and more, vertices have the neighbours along these alone; where other than
- *  two such edges meet they stay, bit for bit. What is slower than the pass band keeps its size: a ball its volume to
- *  0.1 %, a staircase of voxels about 1 %; report says by how much.
+ *  two such edges meet they stay, bit for bit. What is slower than the pass band keeps its size, volumes to about 1 %
+ *  (TAUBIN: 3 %); report says by how much.
  *  positions  out, of the view's type, doubles where it has a transform [Size: vertex_count * 3]
  *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (also more than (2^32 - 1) / 3 triangles).
  *  Source: Taubin. A Signal Processing Approach to Fair Surface Design. 1995. Taubin, Zhang, Golub. Optimal Surface

@@ -61,7 +61,7 @@ static void test_texts_of_the_program_name_these_formats(void)
     expect_endings(CLI_MESHES_READ, BVX_MESHES_READ);
     expect_endings(CLI_MESHES_WRITTEN, BVX_MESHES_WRITTEN);
     expect_endings(CLI_GRIDS, BVX_GRIDS_READ);
-    expect_endings(CLI_GRIDS, BVX_GRIDS_WRITTEN);
+    expect_endings(CLI_GRIDS_WRITTEN, BVX_GRIDS_WRITTEN);
     expect_endings(CLI_CONTOURS_READ, BVX_SECTIONS_READ);
     expect_endings(CLI_CONTOURS_WRITTEN, BVX_SECTIONS_WRITTEN);
 }
