@@ -151,7 +151,7 @@ static void put_text(vdb_file *f, const char *text)
     bvxi_output_text(&f->out, text);
 }
 
-static void put_place(vdb_file *f, const int32_t at[3], int32_t side)
+static void put_node_place(vdb_file *f, const int32_t at[3], int32_t side)
 {
     for (int a = 0; a < 3; a++) put_u32(f, (uint32_t)(at[a] * side));
 }
@@ -215,7 +215,7 @@ static void put_values(vdb_file *f, const int32_t at[3], const uint64_t word[8])
 }
 
 /* Its bits; again, with its values, where the tree is there. */
-static void put_leaf(vdb_file *f, const int32_t at[3], int values)
+static void put_leaf_node(vdb_file *f, const int32_t at[3], int values)
 {
     static const uint8_t selected = VDB_SELECTED;
     uint64_t word[8] = {0}, shape[8] = {0};
@@ -224,7 +224,7 @@ static void put_leaf(vdb_file *f, const int32_t at[3], int values)
     put_words(f, word, 8);
     if (!values) return;
     if (f->field == NULL) {
-        put_place(f, at, VDB_SIDE);
+        put_node_place(f, at, VDB_SIDE);
         put_words(f, word, 8);
         return;
     }
@@ -268,7 +268,7 @@ static void put_node(vdb_file *f, int level, const int32_t at[3], int values)
 
         if ((mask[0][i / 64] >> i % 64 & 1) == 0) continue;
         if (level == 2) put_node(f, 1, p, values);
-        else put_leaf(f, p, values);
+        else put_leaf_node(f, p, values);
     }
 }
 
@@ -284,7 +284,7 @@ static uint32_t put_nodes(vdb_file *f, int put, int values)
             for (at[2] = 0; at[2] < b->n[2]; at[2]++) {
                 if (block_kind(b, at) == VDB_OUTSIDE) continue;
                 nodes++;
-                if (put && !values) put_place(f, at, VDB_SIDE * 16 * 32);
+                if (put && !values) put_node_place(f, at, VDB_SIDE * 16 * 32);
                 if (put) put_node(f, 2, at, values);
             }
     return nodes;
