@@ -281,8 +281,8 @@ static void mark_beside(judge_origin *o)
 
         for (int k = 0; k < 3; k++) open |= o->beside[o->part[v[k]]] > o->came[o->part[v[k]]];
         if (open)
-            bvxi_crossing_tree_visit(&o->tree, p, BVXI_VERTEX_NONE, BVXI_VERTEX_NONE, NULL, NULL, mark_new_crossing,
-                                     o);
+            bvxi_crossing_tree_visit(&o->tree, p, BVXI_VERTEX_NONE, BVXI_VERTEX_NONE, NULL, NULL,
+                                     mark_new_crossing, o);
     }
 }
 
