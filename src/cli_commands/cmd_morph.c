@@ -454,7 +454,7 @@ static int make_distances(cli_run *run, void *work, cli_made *made)
     CLI_TRY(open_morph(run, job, made));
     field->value_type = own->value_type;
     field->half_width = (double)INFINITY;
-    field->sign = BVX_SIGN_NONE;
+    field->sign = BVX_FILL_NONE;
     cli_stage_begin(run, "distance");
     bvx_status const status = measure(run, &job->in.grid, field);
     cli_stage_end(run);

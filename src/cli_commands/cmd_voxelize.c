@@ -38,11 +38,10 @@ static const cli_argument voxelize_rows[] = {
     FROM_TO("--half-width", "W", OWN(field.half_width), 0, 1e9,
             "with --mode field: how far from the surface centres have a distance,\n"
             "in voxels; 0: all have one [3]"),
-    CHOICE("--sign", "RULE", SHARED(sign), cli_sign_names, BVX_SIGN_AUTO,
-           "with --mode field, what is inside. exact: as --fill parity; winding:\n"
-           "holes and overlaps; vote: holes and flipped triangles; pseudonormal,\n"
-           "normal: the side of the closest point or triangle; none; auto: as\n"
-           "--fill auto [auto]"),
+    CHOICE("--sign", "RULE", SHARED(sign), cli_sign_names, BVX_FILL_AUTO,
+           "with --mode field, what is inside: auto, parity, nonzero, vote, winding\n"
+           "as by --fill; normal, pseudonormal: the side of the closest triangle or\n"
+           "point; none [auto]"),
     FLAG("--vectors", SHARED(vectors), "with --mode field: vectors to the closest points, not distances"),
     CHOICE("--value-type", "TYPE", OWN(field.value_type), cli_value_type_names, BVX_F32,
            "with --mode field: f32 or f64 [f32]"),
@@ -356,11 +355,11 @@ static void tell_field(const cli_options *o, const bvx_field *f, uint64_t inside
     cli_text *const t = &made->members;
 
     cli_text_add(&made->text, "  field       %s within %.9g\n  sign        %s",
-                 o->vectors ? "vectors" : "distances", f->half_width, cli_sign_names[f->sign]);
-    if (f->sign != BVX_SIGN_NONE) cli_text_add(&made->text, ", %" PRIu64 " centres inside", inside);
+                 o->vectors ? "vectors" : "distances", f->half_width, cli_fill_names[f->sign]);
+    if (f->sign != BVX_FILL_NONE) cli_text_add(&made->text, ", %" PRIu64 " centres inside", inside);
     cli_text_add(&made->text, "\n");
 
-    cli_text_add(t, ", \"field\": {\"sign\": \"%s\"", cli_sign_names[f->sign]);
+    cli_text_add(t, ", \"field\": {\"sign\": \"%s\"", cli_fill_names[f->sign]);
     cli_json_value(t, "half_width", f->half_width);
     cli_json_count(t, "values", f->value_count);
     cli_json_count(t, "inside", inside);
