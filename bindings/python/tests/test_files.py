@@ -13,7 +13,7 @@ from conftest import ball_grid
 import bitvox
 
 
-@pytest.mark.parametrize("ending", ["ply", "obj", "off", "stl", "ply.gz"])
+@pytest.mark.parametrize("ending", ["ply", "obj", "off", "stl", "3mf", "ply.gz", "3mf.gz"])
 def test_meshes_round_trip(ball, tmp_path, ending):
     path = tmp_path / f"ball.{ending}"
     ball.save(path)
@@ -134,6 +134,18 @@ def test_levels_that_are_not_written(ball, tmp_path):
     with pytest.raises(TypeError, match="several meshes"):
         bitvox.write_levels(tmp_path / "levels.glb", ball)
     assert not list(tmp_path.iterdir())
+
+
+def test_openvdb_is_written_only(tmp_path):
+    array = ball_grid(20)
+    bitvox.Grid.from_numpy(array).save(tmp_path / "a.vdb")
+    assert (tmp_path / "a.vdb").read_bytes()[:4] == b" BDV"
+    with pytest.raises(bitvox.UnsupportedError):
+        bitvox.read(tmp_path / "a.vdb")
+    vdb = pytest.importorskip("pyopenvdb")
+    theirs = np.zeros(array.shape, bool)
+    vdb.read(str(tmp_path / "a.vdb"), "solid").copyToArray(theirs)
+    assert np.array_equal(theirs, array)
 
 
 @pytest.mark.parametrize("ending", ["npy", "binvox", "vox", "nrrd", "vti", "bvx", "nrrd.gz"])
