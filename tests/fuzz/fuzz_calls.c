@@ -10,7 +10,7 @@ static void fuzz_dense(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m, con
     bvx_buffer file = {0};
 
     o.half_width = fuzz_range(in, 1, 8) / 4.0;
-    o.sign = fuzz_range(in, BVX_SIGN_AUTO, BVX_SIGN_VOTE);
+    o.sign = fuzz_range(in, BVX_FILL_AUTO, BVX_FILL_VOTE);
     o.features = 1;
     if (fuzz_good(ctx, bvx_measure_field(ctx, &m->view, lattice, &o, &field))) {
         uint64_t const voxels = (uint64_t)lattice->dims[0] * (uint64_t)lattice->dims[1] *

@@ -39,7 +39,7 @@ run repair "$terrain" -o result.ply --resolution 64
 result 'open terrain becomes a shell, with a warning' $?
 certified 'sharp' "$knot" --resolution 48 --sharp
 for how in vector scalar middle paper tangent; do certified "interpolation $how" holes.obj --resolution 32 --interpolation $how; done
-for sign in exact winding vote; do certified "sign $sign" holes.obj --resolution 32 --sign $sign; done
+for sign in parity winding vote; do certified "sign $sign" holes.obj --resolution 32 --sign $sign; done
 certified 'most triangles' "$knot" --resolution 64 --triangles 3000
 certified 'clean' holes.obj --resolution 48 --least-part 20 --least-cavity 20
 

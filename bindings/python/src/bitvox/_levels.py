@@ -509,7 +509,7 @@ def lod(
         options.solid = int(bool(solid))
         set_fit(options, resolution, advanced.get("lattice"))
         sign, shell = advanced.get("sign"), advanced.get("shell")
-        options.sign = choice("sign", "auto" if sign is None else sign, "BVX_SIGN_", REPAIR_SIGNS)
+        options.sign = choice("sign", "auto" if sign is None else sign, "BVX_FILL_", REPAIR_SIGNS)
         options.sharp = sharpness(advanced.get("sharp"))
         if shell is not None:
             options.shell = or_none(float(shell), "shell")

@@ -36,8 +36,8 @@ if TYPE_CHECKING:
 
 Fill = Literal["parity", "nonzero", "vote", "flood", "regions", "below", "winding", "auto"]
 BooleanFill = Literal["parity", "nonzero", "vote", "winding", "auto"]
-Sign = Literal["auto", "exact", "normal", "pseudonormal", "winding", "vote", "none"]
-RepairSign = Literal["auto", "exact", "winding", "vote"]
+Sign = Literal["auto", "parity", "nonzero", "vote", "winding", "normal", "pseudonormal", "none"]
+RepairSign = Literal["auto", "parity", "vote", "winding"]
 Interpolation = Literal["vector", "scalar", "middle", "paper", "tangent"]
 FaceRule = Literal["separate", "join"]
 Mode = Literal["solid", "conservative", "thin", "sampled"]
