@@ -277,8 +277,8 @@ static void test_write_levels_by_names(void)
 {
     static const char *const names[3] = {"left \"lung\"", "\\\n", "\xce\xb1"};
     static const char *const texts[3] = {"\"left \\u0022lung\\u0022\"", "\"\\u005c\\u000a\"", "\"\xce\xb1\""};
-    static const uint8_t colours[12] = {255, 0, 0, 255, 0, 188, 0, 51, 1, 2, 3, 255};
-    bvx_write_options o = {.struct_size = sizeof o, .names = names, .colours = colours};
+    static const uint8_t shades[12] = {255, 0, 0, 255, 0, 188, 0, 51, 1, 2, 3, 255};
+    bvx_write_options o = {.struct_size = sizeof o, .names = names, .colours = shades};
     bvx_buffer b = {0};
 
     make_levels();
