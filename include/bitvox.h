@@ -578,9 +578,10 @@ static inline void bvx_grid_set(bvx_grid *grid, int32_t x, int32_t y, int32_t z,
 
 /* ---- Solids -------------------------------------------------------------------------------------------- */
 
-/** What decides that a centre is inside. docs/rules.md has each rule in full, docs/guide.md says which to take. AUTO
- *  takes what suits the mesh, flipped triangles turned first: PARITY where closed shells do not cross, NONZERO where
- *  they do, WINDING where there are holes, VOTE where triangles cannot be oriented. */
+/** What decides that a centre is inside, for solids, fields, repair and booleans. docs/rules.md has each rule in full,
+ *  docs/guide.md says which to take. AUTO takes what suits the mesh, flipped triangles turned first: PARITY where
+ *  closed shells do not cross, NONZERO where they do, WINDING where there are holes, VOTE where triangles cannot be
+ *  oriented; repair takes WINDING in place of the first two. A rule that a call does not take is BVX_ERR_ARGUMENT. */
 /* clang-format off */
 #define BVX_FILL_LIST(X) \
     X(BVX_FILL_AUTO, 0, "auto") \
@@ -590,13 +591,20 @@ static inline void bvx_grid_set(bvx_grid *grid, int32_t x, int32_t y, int32_t z,
     X(BVX_FILL_FLOOD, 4, "flood")     /* what a flood from outside cannot reach: fills cavities */ \
     X(BVX_FILL_REGIONS, 5, "regions") /* each region of the surface as a whole: keeps cavities */ \
     X(BVX_FILL_BELOW, 6, "below")     /* all that lies under a terrain, or between two */ \
-    X(BVX_FILL_WINDING, 7, "winding") /* a generalized winding number above a half: closes holes smoothly */
+    X(BVX_FILL_WINDING, 7, "winding") /* a generalized winding number above a half: closes holes smoothly */ \
+    X(BVX_FILL_NORMAL, 8, "normal")   /* the closest triangle's side (the paper's): wrong near edges */ \
+    X(BVX_FILL_PSEUDONORMAL, 9, "pseudonormal") /* the closest feature's side: for closed, oriented meshes */ \
+    X(BVX_FILL_NONE, 10, "none")      /* no side: distances are not negative */
 /* clang-format on */
 enum {
-    BVX_FILL_LIST(BVX_LIST_ENUM) BVX_FILL_COUNT = 8,
-    /** Rules that bvx_boolean takes: bit 1 << rule. */
+    BVX_FILL_LIST(BVX_LIST_ENUM) BVX_FILL_COUNT = 11,
+    /** Rules that bvx_voxelize_solid, bvx_boolean, bvx_repair and bvx_build_levels, bvx_measure_field take: 1 << rule */
+    BVX_FILLS_OF_SOLID = 255,
     BVX_FILLS_OF_BOOLEAN = 1 << BVX_FILL_PARITY | 1 << BVX_FILL_NONZERO | 1 << BVX_FILL_VOTE | 1 << BVX_FILL_WINDING |
-                           1 << BVX_FILL_AUTO
+                           1 << BVX_FILL_AUTO,
+    BVX_FILLS_OF_REPAIR = 1 << BVX_FILL_AUTO | 1 << BVX_FILL_PARITY | 1 << BVX_FILL_WINDING | 1 << BVX_FILL_VOTE,
+    BVX_FILLS_OF_FIELD = 1 << BVX_FILL_AUTO | 1 << BVX_FILL_PARITY | 1 << BVX_FILL_NONZERO | 1 << BVX_FILL_VOTE |
+                         1 << BVX_FILL_WINDING | 1 << BVX_FILL_NORMAL | 1 << BVX_FILL_PSEUDONORMAL | 1 << BVX_FILL_NONE
 };
 
 /** Why a rule filled a mesh. */
@@ -647,7 +655,7 @@ typedef struct bvx_solid_report {
 
 typedef struct bvx_voxelize_options {
     size_t struct_size;
-    int32_t fill; /**< BVX_FILL_... [Default: BVX_FILL_AUTO] */
+    int32_t fill; /**< BVX_FILL_... [Limit: 0..7] [Default: BVX_FILL_AUTO] */
     int32_t has_base; /**< below: 1: columns begin at base, 0: at the lattice's end [Limit: 0..1] [Default: 0] */
     bvx_window window; /**< flood, regions: the whole lattice only [Default: all zero, the whole lattice] */
     bvx_solid_report *report; /**< receives counts when not NULL [Default: NULL] */
@@ -905,25 +913,48 @@ typedef struct bvx_simplify_options {
 BVX_API bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh,
                                      const bvx_simplify_options *options, uint64_t level_count, bvx_mesh *levels);
 
-/* ---- Repair -------------------------------------------------------------------------------------------- */
+/* ---- Smoothing ----------------------------------------------------------------------------------------- */
 
-/** What decides that a centre is inside, for fields and repair. AUTO: fields take what BVX_FILL_AUTO decides, repair
- *  WINDING or VOTE. */
-/* clang-format off */
-#define BVX_SIGN_LIST(X) \
-    X(BVX_SIGN_AUTO, 0, "auto") \
-    X(BVX_SIGN_EXACT, 1, "exact")               /* BVX_FILL_PARITY: field and solid never disagree */ \
-    X(BVX_SIGN_NORMAL, 2, "normal")             /* the closest triangle's side (the paper's): wrong near edges */ \
-    X(BVX_SIGN_PSEUDONORMAL, 3, "pseudonormal") /* the closest feature's side: for closed, oriented meshes */ \
-    X(BVX_SIGN_WINDING, 4, "winding")           /* BVX_FILL_WINDING: for holes and overlaps */ \
-    X(BVX_SIGN_VOTE, 5, "vote")                 /* BVX_FILL_VOTE: for holes and flipped triangles */ \
-    X(BVX_SIGN_NONE, 6, "none")                 /* no side: distances are not negative */
-/* clang-format on */
-enum {
-    BVX_SIGN_LIST(BVX_LIST_ENUM) BVX_SIGN_COUNT = 7,
-    /** Rules that bvx_repair and bvx_build_levels take: bit 1 << rule. */
-    BVX_SIGNS_OF_REPAIR = 1 << BVX_SIGN_AUTO | 1 << BVX_SIGN_EXACT | 1 << BVX_SIGN_WINDING | 1 << BVX_SIGN_VOTE
-};
+/* SINC: no wave is swollen, and the pass band ends sharply; TAUBIN: two steps an iteration. */
+enum { BVX_SMOOTH_SINC = 0, BVX_SMOOTH_TAUBIN = 1 };
+
+typedef struct bvx_smooth_report {
+    double volume_before; /**< of a closed mesh [Units: world^3] */
+    double volume_after; /**< likewise */
+    double largest_move; /**< of a vertex [Units: world] */
+    uint64_t held; /**< positions that do not move */
+    uint64_t undone; /**< positions that went back because of crossings */
+    uint64_t reserved[3];
+} bvx_smooth_report;
+
+typedef struct bvx_smooth_options {
+    size_t struct_size;
+    int32_t method; /**< BVX_SMOOTH_... [Limit: 0..1] [Default: BVX_SMOOTH_SINC] */
+    int32_t iterations; /**< the more, the sharper the pass band ends [Limit: 1..1000] [Default: 20] */
+    double pass_band; /**< what varies more slowly is kept: eigenvalues of the Laplacian, 0 to 2; 0.1 are waves of
+                           about 14 edges [Limit: 0.001..1] [Default: 0.1] */
+    double sharp_angle; /**< vertices of edges whose triangles turn by more stay; 0: none
+                             [Limit: 0..180] [Units: degrees] [Default: 0] */
+    int32_t hold_border; /**< 1: vertices of borders stay, else they are smoothed along these
+                              [Limit: 0..1] [Default: 0] */
+    int32_t no_crossings; /**< 1: moves are undone where triangles would cross that did not
+                               [Limit: 0..1] [Default: 0] */
+    bvx_smooth_report *report; /**< filled when not NULL [Default: NULL] */
+    uint64_t reserved[2];
+} bvx_smooth_options;
+
+/** Smooth the positions of any mesh; its triangles and attributes stay. Vertices at one position move as one. On
+ *  borders and on edges of three triangles and more, vertices have the neighbours along these alone; where other than
+ *  two such edges meet they stay, bit for bit. What is slower than the pass band keeps its size, volumes to about 1 %
+ *  (TAUBIN: 3 %); report says by how much.
+ *  positions  out, of the view's type, doubles where it has a transform [Size: vertex_count * 3]
+ *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (also more than (2^32 - 1) / 3 triangles).
+ *  Source: Taubin. A Signal Processing Approach to Fair Surface Design. 1995. Taubin, Zhang, Golub. Optimal Surface
+ *  Smoothing as Filter Design. 1996. */
+BVX_API bvx_status bvx_mesh_smooth(bvx_context *context, const bvx_mesh_view *mesh, const bvx_smooth_options *options,
+                                   void *positions);
+
+/* ---- Repair -------------------------------------------------------------------------------------------- */
 
 /** Why a mesh needs a repair: the first of these that holds. */
 enum {
@@ -950,7 +981,7 @@ typedef struct bvx_repair_report {
     bvx_certificate before; /**< of the input; vertices at equal positions count as one */
     bvx_certificate after; /**< of the result */
     bvx_lattice lattice; /**< that the result was made on */
-    int32_t sign; /**< BVX_SIGN_... that decided */
+    int32_t sign; /**< BVX_FILL_... that decided */
     int32_t needs; /**< BVX_NEEDS_...: why the input needs a repair, whatever if_needed is */
     int32_t copied; /**< 1: it needed none and was copied (if_needed) */
     int32_t sharp; /**< 1: vertices were put on sharp edges and corners */
@@ -973,8 +1004,7 @@ typedef struct bvx_repair_report {
 typedef struct bvx_repair_options {
     size_t struct_size;
     bvx_fit fit; /**< [Default: 256 voxels, padded by 2 voxels and half a shell] */
-    int32_t sign; /**< BVX_SIGN_AUTO, EXACT, WINDING or VOTE [Limit: BVX_SIGNS_OF_REPAIR] [Default: BVX_SIGN_AUTO:
-                       WINDING, or VOTE where flipped triangles cannot be turned] */
+    int32_t sign; /**< BVX_FILL_...: the rule for inside [Limit: BVX_FILLS_OF_REPAIR] [Default: BVX_FILL_AUTO] */
     int32_t thin; /**< walls that the lattice would lose, BVX_THIN_... [Default: BVX_THIN_KEEP] */
     bvx_placing placing; /**< of the surface [Default: all zero] */
     double shell; /**< thickness that open sheets get; BVX_NONE: they get none [Units: largest spacings] [Limit:
@@ -1026,7 +1056,7 @@ typedef struct bvx_levels_options {
     int32_t solid; /**< 1: simplify the surface that bvx_repair measures: closed, manifold, oriented, without crossings
                         [Limit: 0..1] [Default: 0; 1 where an option marked "solid:" differs from its default] */
     bvx_fit fit; /**< solid: [Default: all zero] */
-    int32_t sign; /**< solid: as in bvx_repair_options [Limit: BVX_SIGNS_OF_REPAIR] [Default: BVX_SIGN_AUTO] */
+    int32_t sign; /**< solid: as in bvx_repair_options [Limit: BVX_FILLS_OF_REPAIR] [Default: BVX_FILL_AUTO] */
     int32_t sharp; /**< solid: BVX_SHARP_... [Default: BVX_SHARP_AUTO] */
     double shell; /**< solid: as in bvx_repair_options [Limit: BVX_NONE, or 0, or 1.5..10^6] [Default: 2] */
     bvx_parts parts; /**< solid: that are kept; least_cavity of UINT64_MAX: the outer hull [Default: all zero] */
@@ -1253,7 +1283,7 @@ BVX_API bvx_status bvx_mesh_carry(bvx_context *context, const bvx_mesh *source, 
  *  n of band, counted in the order of its bits (z, y, x). Centres beyond the band have a side only. */
 typedef struct bvx_field {
     bvx_grid band; /**< set: centres that have a value */
-    bvx_grid inside; /**< set: centres inside, in all of the window (docs/rules.md); without words for BVX_SIGN_NONE */
+    bvx_grid inside; /**< set: centres inside, in all of the window (docs/rules.md); without words for BVX_FILL_NONE */
     uint64_t *row_values; /**< index of the first value of row z * size[1] + y [Size: rows + 1] */
     uint64_t value_count; /**< row_values[rows] */
     void *vectors; /**< to the closest point; float or double [Size: value_count * 3] [Units: world] */
@@ -1261,7 +1291,7 @@ typedef struct bvx_field {
     uint32_t *triangles; /**< the closest one, or NULL [Size: value_count] */
     uint8_t *features; /**< as in bvx_closest_point, or NULL [Size: value_count] */
     int32_t value_type; /**< BVX_F32 or BVX_F64 */
-    int32_t sign; /**< BVX_SIGN_... that decided */
+    int32_t sign; /**< BVX_FILL_... that decided */
     double half_width; /**< of the band; infinity: every centre has a value [Units: world] */
     uint64_t reserved[4];
 } bvx_field;
@@ -1271,7 +1301,7 @@ BVX_API void bvx_field_free(bvx_context *context, bvx_field *field);
 typedef struct bvx_field_options {
     size_t struct_size;
     double half_width; /**< of the band [Units: largest spacings] [Limit: > 0; infinity: all] [Default: 3] */
-    int32_t sign; /**< BVX_SIGN_... [Default: BVX_SIGN_AUTO] */
+    int32_t sign; /**< BVX_FILL_...: the rule for inside [Limit: BVX_FILLS_OF_FIELD] [Default: BVX_FILL_AUTO] */
     int32_t value_type; /**< BVX_F32 (spacings 2^-100 to 2^100) or BVX_F64 [Limit: 1..2] [Default: BVX_F32] */
     bvx_window window; /**< [Default: all zero, the whole lattice] */
     int32_t no_vectors; /**< 1: vectors stay NULL [Limit: 0..1] [Default: 0] */
@@ -1320,7 +1350,7 @@ typedef struct bvx_field_surface_options {
  *  surface. Closed, outwards, edge- and vertex-manifold, without crossing triangles, for every field. Beyond the window
  *  is outside. Order as in bvx_extract_surface; sharp: vertices of cells follow, in order of their cells.
  *  mesh  that the field was measured from, or NULL: only sharp uses it, with field->triangles
- *  Returns as bvx_extract_surface; BVX_ERR_ARGUMENT also for a field of BVX_SIGN_NONE, or without vectors where they
+ *  Returns as bvx_extract_surface; BVX_ERR_ARGUMENT also for a field of BVX_FILL_NONE, or without vectors where they
  *  are needed; BVX_ERR_RANGE also for triangles that the mesh does not have, and for f64 whose steps exceed 1/512 of a
  *  voxel; BVX_ERR_LATTICE (band, inside or options.grid differ). */
 BVX_API bvx_status bvx_extract_field_surface(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh,

@@ -182,8 +182,7 @@ static bvx_status cut_between_bodies(bvxi_oblique *o, bvxi_joint_cut *cut, uint3
 typedef bvx_status (*cut_fn)(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t t, uint32_t a, uint32_t b,
                              int *made);
 
-/* Most tetrahedra are of one kind: a body that all corners have but those that are only outside, and no edge
- * from a corner inside to one of these. */
+/* Most tetrahedra are of one kind: one body at all corners that are not only outside. */
 static int has_edges_to_cut(const bvxi_joint_cut *cut, const bvxi_tetra *t)
 {
     uint64_t common = ~(uint64_t)JOINT_OUTSIDE;

@@ -227,8 +227,7 @@ static uint32_t third_vertex(const bvxi_tetra *t, uint32_t a, uint32_t b, uint32
     return BVXI_NONE;
 }
 
-/* The face that follows a face at its side, through the body: 4 times its tetrahedron and the corner
- * opposite; BVXI_NONE where the way leaves the tetrahedra. */
+/* The next face at a side, through the body: 4 * tetrahedron + corner opposite, or BVXI_NONE beyond all. */
 static uint32_t face_through_body(const joint_faces *f, uint32_t side)
 {
     const uint32_t *const v = f->corner[side / 3];
@@ -250,8 +249,7 @@ static uint32_t face_through_body(const joint_faces *f, uint32_t side)
     }
 }
 
-/* The face that follows at its side around what is beside the body there, where that is nothing but bodies of
- * higher numbers; else BVXI_NONE. */
+/* The next face at its side outside of the body, where only bodies of higher numbers are; else BVXI_NONE. */
 static uint32_t face_around_others(const joint_faces *f, uint32_t side)
 {
     const uint32_t *const v = f->corner[side / 3];

@@ -9,8 +9,13 @@
  * below all take their stretches from that ring. So the surface above a plane ends where the surface below it
  * begins, whatever the cells on both sides are. Strips of cell sides between the planes depend on what lies
  * in the strip only. Each cell's loops are then closed by construction, and triangles inside a cell share no
- * inner edge with any other's: the surface is closed and manifold without any matching afterwards. */
-#include "bodies/lone_section.h"
+ * inner edge with any other's: the surface is closed and manifold without any matching afterwards.
+ *
+ * A body in one section only: where the caps taper, the section itself is enough and the ends reach half a
+ * thickness beyond it: a lens. Else it is copied half a thickness to either side: a slab. The section stays
+ * in the middle, so that its points are vertices as they were given. Loops are looked at before they are
+ * copied, so that what is refused is named by the numbers of those given. */
+#include "contours/section.h"
 #include "layers/shift.h"
 #include "layers/slab.h"
 #include "oblique/oblique.h"
@@ -199,8 +204,7 @@ static bvx_status open_mended(const body_job *job, const bvx_sections *sections,
     return BVX_OK;
 }
 
-/* What cannot be mended is refused by its own loops' numbers, as without: only what the loops themselves cause is
- * looked at again with the given ones. */
+/* What cannot be mended is refused by its own loops' numbers, with the given ones. */
 static bvx_status open_sections(const body_job *job, const bvx_sections *sections, bvxi_mended *mended,
                                 bvxi_stack *s)
 {
@@ -213,8 +217,7 @@ static bvx_status open_sections(const body_job *job, const bvx_sections *section
                       bvxi_stack_open(job->ctx, sections_name, sections, job->o, s));
 }
 
-/* Loops that were moved apart by a hair may leave a cap that is not cut into triangles as it should be:
- * such a mesh is refused, not handed out. */
+/* Loops moved apart by a hair may leave a cap that is cut wrongly: such a mesh is refused. */
 static bvx_status check_body(const body_job *job)
 {
     bvx_certificate c;
@@ -248,8 +251,7 @@ static bvx_status put_in_sections(bvxi_stack *s, bvxi_shifted *slanted)
     return BVX_OK;
 }
 
-/* Mended loops may be left in one section only: job->left is its number and no body is made, since but for
- * tapered caps it takes two planes. */
+/* Mended loops may be left in one section only: job->left is its number and no body is made. */
 static bvx_status build_stack(body_job *job, const bvx_sections *sections)
 {
     double const opened = job->o->slabs.join > 0.0 ? 0.4 : 0.15; /* of the bar, with all sections in */
@@ -314,6 +316,122 @@ static bvx_status build_several(body_job *job, const bvx_sections *sections)
     return parallel ? build_stack(job, &stack) : build_planes(job, sections);
 }
 
+/* ---- one section only ---- */
+
+typedef struct bvxi_lone {
+    int times;             /* that the section stands in sections; 0: the body has several of its own */
+    bvx_sections sections; /* what the body is made of */
+    bvx_sections copies;   /* the arrays of a slab */
+} bvxi_lone;
+
+enum { COPIES = 3 };
+
+typedef struct lone_count {
+    uint64_t loops, points;
+    uint32_t section;
+} lone_count;
+
+/* What the body has; 0 where it is not in one section alone, or not one body. */
+static int count_lone(const bvx_sections *given, uint32_t section, int32_t label, lone_count *n)
+{
+    n->loops = n->points = 0;
+    for (uint64_t i = 0; i < given->loop_count; i++) {
+        const bvx_section_loop *const l = &given->loops[i];
+        if (label != BVXI_LABEL_ONLY && l->label != label) continue;
+        if (section != BVXI_NONE && l->section != section) continue;
+        if (n->loops != 0 && l->section != n->section) return 0;
+        if (label == BVXI_LABEL_ONLY && l->label != given->loops[0].label) return 0;
+        n->section = l->section;
+        n->loops++;
+        n->points += l->point_count;
+    }
+    return n->loops != 0;
+}
+
+static void add_section_copy(const bvx_sections *given, const bvx_sections_options *o, const lone_count *n,
+                             const double axis[3], double by, bvx_sections *to)
+{
+    uint32_t const section = (uint32_t)to->section_count++;
+
+    to->positions[section] = given->positions[n->section] + by;
+    for (uint64_t i = 0; i < given->loop_count; i++) {
+        bvx_section_loop l = given->loops[i];
+        const double *const from = given->points + 3 * l.first_point;
+        double *const at = to->points + 3 * to->point_count;
+        if (o->label != BVXI_LABEL_ONLY && l.label != o->label) continue;
+        if (l.section != n->section) continue;
+        /* The middle copy has the coordinates given, to the bit. */
+        for (uint64_t k = 0; k < 3 * (uint64_t)l.point_count; k++)
+            at[k] = by == 0.0 ? from[k] : from[k] + by * axis[k % 3];
+        l.first_point = to->point_count;
+        l.section = section;
+        to->loops[to->loop_count++] = l;
+        to->point_count += l.point_count;
+    }
+}
+
+static bvx_status copy_section(bvx_context *ctx, const char *function, const bvx_sections *one,
+                               const bvx_sections_options *o, const lone_count *n, bvxi_lone *lone)
+{
+    bvx_sections *const to = &lone->copies;
+    double axis[3][3];
+
+    /* Before anything is taken: a stack within the limits may be beyond them three times over. */
+    if (COPIES * n->points > INT32_MAX || COPIES * n->loops > INT32_MAX)
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: %u points of one section; a slab of it takes them three times, and the "
+                             "limit is 2^31",
+                             function, n->points);
+    BVXI_TRY(bvxi_section_frame(ctx, function, one->normal, axis));
+    memcpy(to->normal, one->normal, sizeof to->normal);
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * (COPIES * n->points), "the points of a slab", to->points));
+    BVXI_TRY(BVXI_ARRAY(ctx, COPIES * n->loops, "the loops of a slab", to->loops));
+    BVXI_TRY(BVXI_ARRAY(ctx, COPIES, "the positions of a slab", to->positions));
+    for (int k = 0; k < COPIES; k++) add_section_copy(one, o, n, axis[2], 0.5 * (k - 1) * o->thickness, to);
+    return BVX_OK;
+}
+
+/* section: the only one that has loops of the body, or BVXI_NONE: look for it. */
+static bvx_status bvxi_lone_open(bvx_context *ctx, const char *function, const bvx_sections *given,
+                                 uint32_t section, const bvx_sections_options *o, bvxi_lone *lone)
+{
+    bvxi_stack stack;
+    lone_count n = {0};
+
+    memset(lone, 0, sizeof *lone);
+    if (o->thickness == 0.0 || !count_lone(given, section, o->label, &n)) return BVX_OK;
+    /* The planes beside it are of no use to the body, and theirs may be other normals. */
+    bvx_sections one = *given;
+    if (given->normals != NULL)
+        memcpy(one.normal, given->normals + 3 * (uint64_t)n.section, sizeof one.normal);
+    one.normals = NULL;
+    lone->times = 1;
+    lone->sections = one;
+
+    /* A lens needs no copies: its ends reach half the thickness beyond the one plane. */
+    if (o->caps == BVX_CAPS_TAPER) return BVX_OK;
+
+    /* A stack of one plane, made and dropped: it refuses what a slab of copies would. */
+    if (!o->mend) BVXI_TRY(BVXI_SCOPE(ctx, bvxi_stack_open(ctx, function, &one, o, &stack)));
+    BVXI_TRY(copy_section(ctx, function, &one, o, &n, lone));
+    lone->times = COPIES;
+    lone->sections = lone->copies;
+    return BVX_OK;
+}
+
+/* What was counted once for each copy, as it was given. */
+static void bvxi_lone_report(const bvxi_lone *lone, bvx_sections_report *report)
+{
+    report->sections /= (uint64_t)lone->times;
+    report->loops /= (uint64_t)lone->times;
+    report->holes /= (uint64_t)lone->times;
+    report->points /= (uint64_t)lone->times;
+    report->repeated_points /= (uint64_t)lone->times;
+    report->mended_loops /= (uint64_t)lone->times;
+}
+
+/* ---- the body ---- */
+
 /* A body of one section is a slab or a lens; mending may leave several sections one with loops. */
 static bvx_status build_any(body_job *job, const bvx_sections *sections)
 {
@@ -334,8 +452,7 @@ static bvx_status build_any(body_job *job, const bvx_sections *sections)
 /* Volumes by prismoids are roots of two areas' product: that must not overflow. */
 #define SECTIONS_FARTHEST 1e75
 
-/* At the other end, a product of areas of less than 1e-308 is 0, and so would volumes be. Loops may be much smaller
- * than the widest one. */
+/* Products of areas below 1e-308 are 0, as volumes would be. Loops may be much smaller than the widest. */
 #define SECTIONS_NARROWEST 1e-70
 
 bvx_status bvxi_sections_check_extent(bvx_context *ctx, const char *function, const bvx_sections *given)

@@ -139,7 +139,7 @@ struct cli_options {
     /* what is inside a mesh */
     int32_t fill; /* BVX_FILL_... */
     int32_t close_gaps, add_shell;
-    int32_t sign;          /* BVX_SIGN_... */
+    int32_t sign;          /* BVX_FILL_... */
     int32_t interpolation; /* BVX_EDGE_... */
     int32_t sharp, no_sharp;
     double shell; /* thickness in voxels */
@@ -244,7 +244,7 @@ extern const char *const cli_fill_names[], *const cli_fill_reasons[], *const cli
 extern const int32_t cli_neighbours[];
 /* By BVX_SAMPLE_..., from BVX_SAMPLE_U8. */
 extern const char *const cli_sample_names[];
-/* By BVX_SIGN_... */
+/* The rules that fields take, "" for others. */
 extern const char *const cli_sign_names[];
 /* All rows of a command, those of other tables in their places; returns how many there are. */
 int cli_list_rows(const cli_command *command, const cli_argument *row[CLI_MAX_OPTIONS]);

@@ -253,7 +253,6 @@ int cli_parse(cli_run *run, int count, char **word)
 
 /* ---- help ---- */
 
-/* 1 when a list of words has this one. */
 static int has_word(const char *words, const char *word)
 {
     size_t const n = strlen(word);

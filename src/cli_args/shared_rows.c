@@ -4,7 +4,9 @@
 #include "cli_args/rows.h"
 
 /* Names come from the header's lists, in the order of their numbers; "" cannot be requested, NULL ends. */
-#define SIGN_OF_REPAIR(name, value, text) (BVX_SIGNS_OF_REPAIR >> (value)&1) != 0 ? text : "",
+#define FILL_OF_SOLID(name, value, text)  (BVX_FILLS_OF_SOLID >> (value)&1) != 0 ? text : "",
+#define FILL_OF_FIELD(name, value, text)  (BVX_FILLS_OF_FIELD >> (value)&1) != 0 ? text : "",
+#define FILL_OF_REPAIR(name, value, text) (BVX_FILLS_OF_REPAIR >> (value)&1) != 0 ? text : "",
 #define FORMAT_ASKED_FOR(name, value, text) \
     [value] = (value) == BVX_FORMAT_PNG ? "" : (value) == BVX_FORMAT_SVG ? NULL : text,
 
@@ -12,8 +14,9 @@ static const char *const error_names[] = {BVX_ERROR_LIST(CLI_NAME_OF) NULL};
 static const char *const topology_names[] = {BVX_TOPOLOGY_LIST(CLI_NAME_OF) NULL};
 const char *const cli_fill_names[] = {BVX_FILL_LIST(CLI_NAME_OF) NULL};
 const char *const cli_mode_names[] = {"solid", BVX_SURFACE_LIST(CLI_NAME_OF) "field", NULL};
-const char *const cli_sign_names[] = {BVX_SIGN_LIST(CLI_NAME_OF) NULL};
-static const char *const repair_sign_names[] = {BVX_SIGN_LIST(SIGN_OF_REPAIR) NULL};
+const char *const cli_sign_names[] = {BVX_FILL_LIST(FILL_OF_FIELD) NULL};
+static const char *const solid_fill_names[] = {BVX_FILL_LIST(FILL_OF_SOLID) NULL};
+static const char *const repair_sign_names[] = {BVX_FILL_LIST(FILL_OF_REPAIR) NULL};
 static const char *const edge_names[] = {BVX_EDGE_LIST(CLI_NAME_OF) NULL};
 const char *const cli_value_type_names[] = {BVX_REAL_LIST(CLI_NAME_OF) NULL};
 const char *const cli_axis_names[] = {"x", "y", "z", NULL};
@@ -24,8 +27,7 @@ static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL
 const char *const cli_sample_names[] = {BVX_SAMPLE_LIST(CLI_NAME_OF) NULL};
 const int32_t cli_neighbours[] = {6, 18, 26};
 
-/* By BVX_FORMAT_...; vtu is only written, png and svg are not requested; glb stands for gltf too. A gap ends the names
- * before those of contours. */
+/* By BVX_FORMAT_...; vtu is only written; glb stands for gltf too. A gap ends the names before contours'. */
 const char *const cli_format_names[] = {BVX_FORMAT_LIST(FORMAT_ASKED_FOR)};
 #define FORMAT_NAMES (cli_format_names + BVX_FORMAT_STL)
 
@@ -59,7 +61,7 @@ const cli_argument cli_takes_padding[] = {
     WHOLE("--padding", "N", SHARED(padding), 0, 65536, "empty voxels added on every side [0]"), {0}};
 
 const cli_argument cli_takes_fill[] = {
-    CHOICE("--fill", "RULE", SHARED(fill), cli_fill_names, BVX_FILL_AUTO,
+    CHOICE("--fill", "RULE", SHARED(fill), solid_fill_names, BVX_FILL_AUTO,
            "auto: parity where closed shells do not cross, nonzero where they do,\n"
            "winding where there are holes, flipped triangles turned before;\n"
            "parity: nested shells are cavities; nonzero: overlapping and\n"
@@ -177,9 +179,9 @@ const cli_argument cli_takes_interpolation[] = {
     {0}};
 
 const cli_argument cli_takes_sign[] = {
-    CHOICE("--sign", "RULE", SHARED(sign), repair_sign_names, BVX_SIGN_AUTO,
+    CHOICE("--sign", "RULE", SHARED(sign), repair_sign_names, BVX_FILL_AUTO,
            "winding: holes and overlaps; vote: holes and flipped triangles;\n"
-           "exact: nested shells are cavities; auto: winding, flipped triangles\n"
+           "parity: nested shells are cavities; auto: winding, flipped triangles\n"
            "turned before, or vote where they cannot be oriented [auto]"),
     {0}};
 

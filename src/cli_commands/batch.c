@@ -42,8 +42,7 @@ static const char *last_part(const char *path)
     return part;
 }
 
-/* The name in the folder: with the format's ending where one is said, else with the input's own, .gz included;
- * number stands before it. */
+/* The name in the folder, with the format's ending or the input's own, .gz included; number before it. */
 static char *path_in_folder(const char *folder, const char *input, const char *number, const char *ending)
 {
     const char *const name = last_part(input), *dot;
@@ -95,8 +94,7 @@ static int check_not_replaced(cli_run *run, const batch *b, int i)
         const char *const path = several ? numbered : b->path[i];
         int status = path == NULL ? cli_fail(run, "no memory for a file's name") : CLI_DONE;
 
-        /* What is not there, and so is not even itself, is no input. By the file and not by the name: a link or
-         * another spelling is the same file. */
+        /* By the file, not its name: a link is the same file. What does not exist is no input. */
         int const others = path != NULL && cli_are_one_file(path, path) ? b->asked.inputs : 0;
 
         for (int k = 0; status == CLI_DONE && k < others; k++)

@@ -38,7 +38,7 @@ static int check_convert_options(cli_run *run, int *kind, cli_tree *t)
         return cli_usage(run, "%s would be a picture: 'bitvox render' makes them", o->output);
     if (to == 0)
         return cli_usage(run, "%s: the name does not end in a format that can be written (%s)", o->output,
-                         *kind == CLI_MESH ? CLI_MESHES_WRITTEN : CLI_GRIDS ", .vtu of octrees");
+                         *kind == CLI_MESH ? CLI_MESHES_WRITTEN : CLI_GRIDS_WRITTEN ", .vtu of octrees");
     if (to == CLI_TREE && cli_input_format(run, o->input[0]) != BVX_FORMAT_BVX)
         return cli_usage(run,
                          "%s is not an octree, and %s would be its leaves: 'bitvox refine' makes octrees",
@@ -129,7 +129,7 @@ const cli_command cli_convert = {
     .does = "a mesh, a grid or an octree in another format",
     .details =
         "Meshes: reads " CLI_MESHES_READ ", also with .gz, and writes " CLI_MESHES_WRITTEN ".\n"
-        "Grids: reads " CLI_GRIDS ", also with .gz, and writes the same, or\n"
+        "Grids: reads " CLI_GRIDS ", also with .gz, and writes the same, .vdb, or\n"
         "their surface half way between set and empty voxels as a mesh.\n"
         "Octrees: reads .bvx and writes .vtu, .bvx, and with --expand grids of one level.\n"
         "What the new format cannot hold (colours, texture coordinates, a lattice around a window) is reported\n"

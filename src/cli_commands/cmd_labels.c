@@ -68,7 +68,7 @@ static const cli_rule labels_rules[] = {
     {.when = HAS_TWO, .message = "%f: the name has two %s"},
     {0}};
 
-static int check_labels(cli_run *run, bvx_window *window)
+static int check_labels_line(cli_run *run, bvx_window *window)
 {
     const cli_options *const o = run->options;
     const char *const place = strstr(o->output, "%s");
@@ -109,7 +109,7 @@ static label_body *find_body(labels_job *j, const char *text, size_t size, int b
 }
 
 /* Three numbers from 0 to 1 as bytes. */
-static void take_colour(label_body *b, const char *text, size_t size)
+static void take_segment_colour(label_body *b, const char *text, size_t size)
 {
     char copy[KEY_ROOM], *p = copy;
 
@@ -132,7 +132,7 @@ static int take_segments(cli_run *run, labels_job *j)
     for (int n = 0; (text = find_segment(file, n, "LabelValue", &size)) != NULL; n++) {
         label_body *const b = find_body(j, text, size, 0);
         if (b == NULL || b->named != NULL) continue;
-        if ((text = find_segment(file, n, "Color", &size)) != NULL) take_colour(b, text, size);
+        if ((text = find_segment(file, n, "Color", &size)) != NULL) take_segment_colour(b, text, size);
         if ((text = find_segment(file, n, "Name", &size)) == NULL) continue;
         if ((b->named = malloc(size + 1)) == NULL) return cli_fail(run, "no memory for names");
         memcpy(b->named, text, size);
@@ -279,7 +279,7 @@ static int make_bodies(cli_run *run, labels_job *j)
     return CLI_DONE;
 }
 
-static int write_labels(cli_run *run, void *work)
+static int write_label_bodies(cli_run *run, void *work)
 {
     labels_job *const j = work;
     char *const path[2] = {j->chosen[0]->path, j->chosen[0]->path};
@@ -295,15 +295,15 @@ static int make_labels(cli_run *run, void *work, cli_made *made)
     labels_job *const j = work;
     bvx_window window;
 
-    made->write = write_labels;
-    CLI_TRY(check_labels(run, &window));
+    made->write = write_label_bodies;
+    CLI_TRY(check_labels_line(run, &window));
     if (strstr(run->options->output, "%s") == NULL) CLI_TRY(cli_open_output(run, run->options->output));
     CLI_TRY(cli_read_volume(run, run->options->input[0], &window, &j->volume));
     CLI_TRY(take_labels(run, j));
     return make_bodies(run, j);
 }
 
-static void tell_labels(const cli_run *run, const void *work, cli_made *made)
+static void tell_label_bodies(const cli_run *run, const void *work, cli_made *made)
 {
     const labels_job *const j = work;
     cli_text *const t = &made->members;
@@ -363,6 +363,6 @@ const cli_command cli_labels = {
     .own = sizeof(labels_options),
     .job = {.size = sizeof(labels_job),
             .make = make_labels,
-            .tell = tell_labels,
+            .tell = tell_label_bodies,
             .owns = labels_owns,
             .free = free_labels}};

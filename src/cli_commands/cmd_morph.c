@@ -139,7 +139,7 @@ static const cli_rule action_rules[] = {
      .message = "--beyond nothing is for distances"},
     {.when = MEASURES,
      .unless = CLI_TO_DISTANCES,
-     .message = "%f: distances are written as .npy, .nrrd or .vti"},
+     .message = "%f: distances are written as .npy, .nrrd, .vti or .vdb"},
     {.unless = MEASURES, .also = cli_to_voxels_rules},
     {.when = MEASURES,
      .given = "--triangles --error --error-kind --sharp --no-sharp",
@@ -454,7 +454,7 @@ static int make_distances(cli_run *run, void *work, cli_made *made)
     CLI_TRY(open_morph(run, job, made));
     field->value_type = own->value_type;
     field->half_width = (double)INFINITY;
-    field->sign = BVX_SIGN_NONE;
+    field->sign = BVX_FILL_NONE;
     cli_stage_begin(run, "distance");
     bvx_status const status = measure(run, &job->in.grid, field);
     cli_stage_end(run);

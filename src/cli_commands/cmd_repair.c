@@ -49,7 +49,7 @@ static const char *const need_names[] = {"nothing", "lids",       "manifold",  "
 
 void cli_report_repair(cli_text *t, const bvx_repair_report *r, int measured)
 {
-    cli_text_add(t, ", \"repair\": {\"sign\": \"%s\"", cli_sign_names[r->sign]);
+    cli_text_add(t, ", \"repair\": {\"sign\": \"%s\"", cli_fill_names[r->sign]);
     cli_json_count(t, "holes", r->holes);
     cli_json_count(t, "boundary_edges", r->before.boundary_edges);
     cli_json_count(t, "flipped_edges", r->before.flipped_edges);
@@ -116,7 +116,7 @@ static void tell_repaired(const cli_run *run, const bvx_repair_report *r, const 
 
     if (!r->copied)
         cli_tell(made, "  lattice     %d x %d x %d, inside by %s%s\n", (int)l->dims[0], (int)l->dims[1],
-                 (int)l->dims[2], cli_sign_names[r->sign], r->sharp ? ", sharp edges kept" : "");
+                 (int)l->dims[2], cli_fill_names[r->sign], r->sharp ? ", sharp edges kept" : "");
     if (r->shelled_triangles != 0)
         cli_tell(made, "  shells      %" PRIu64 " triangles enclose nothing and became shells\n",
                  r->shelled_triangles);

@@ -38,11 +38,10 @@ static const cli_argument voxelize_rows[] = {
     FROM_TO("--half-width", "W", OWN(field.half_width), 0, 1e9,
             "with --mode field: how far from the surface centres have a distance,\n"
             "in voxels; 0: all have one [3]"),
-    CHOICE("--sign", "RULE", SHARED(sign), cli_sign_names, BVX_SIGN_AUTO,
-           "with --mode field, what is inside. exact: as --fill parity; winding:\n"
-           "holes and overlaps; vote: holes and flipped triangles; pseudonormal,\n"
-           "normal: the side of the closest point or triangle; none; auto: as\n"
-           "--fill auto [auto]"),
+    CHOICE("--sign", "RULE", SHARED(sign), cli_sign_names, BVX_FILL_AUTO,
+           "with --mode field, what is inside: auto, parity, nonzero, vote, winding\n"
+           "as by --fill; normal, pseudonormal: the side of the closest triangle or\n"
+           "point; none [auto]"),
     FLAG("--vectors", SHARED(vectors), "with --mode field: vectors to the closest points, not distances"),
     CHOICE("--value-type", "TYPE", OWN(field.value_type), cli_value_type_names, BVX_F32,
            "with --mode field: f32 or f64 [f32]"),
@@ -143,7 +142,7 @@ static const cli_rule mesh_rules[] = {
      .message = "--keep-largest and --least-part are for voxels; --mode field has no use for them"},
     {.when = SETS_FIELD,
      .unless = CLI_TO_DISTANCES,
-     .message = "%f: fields are written as .npy, .nrrd or .vti"},
+     .message = "%f: fields are written as .npy, .nrrd, .vti or .vdb"},
     {.also = fill_rules},
     {.when = CLI_OF_CLOUD, .also = cloud_rules},
     {.when = CLI_OF_GRID,
@@ -356,11 +355,11 @@ static void tell_field(const cli_options *o, const bvx_field *f, uint64_t inside
     cli_text *const t = &made->members;
 
     cli_text_add(&made->text, "  field       %s within %.9g\n  sign        %s",
-                 o->vectors ? "vectors" : "distances", f->half_width, cli_sign_names[f->sign]);
-    if (f->sign != BVX_SIGN_NONE) cli_text_add(&made->text, ", %" PRIu64 " centres inside", inside);
+                 o->vectors ? "vectors" : "distances", f->half_width, cli_fill_names[f->sign]);
+    if (f->sign != BVX_FILL_NONE) cli_text_add(&made->text, ", %" PRIu64 " centres inside", inside);
     cli_text_add(&made->text, "\n");
 
-    cli_text_add(t, ", \"field\": {\"sign\": \"%s\"", cli_sign_names[f->sign]);
+    cli_text_add(t, ", \"field\": {\"sign\": \"%s\"", cli_fill_names[f->sign]);
     cli_json_value(t, "half_width", f->half_width);
     cli_json_count(t, "values", f->value_count);
     cli_json_count(t, "inside", inside);
@@ -517,8 +516,8 @@ const cli_command cli_voxelize = {
         "Reads a mesh (" CLI_MESHES_READ ", also with .gz) and writes the voxels whose centres lie\n"
         "inside, or with --mode those of its surface: .npy (NumPy, bool, axes x, y, z), .binvox, .vox (at most 256 "
         "a\n"
-        "side), .nrrd, .vti or .bvx. .npy and .vox hold no lattice: it goes to OUT.json beside them.\n"
-        "--mode field writes the distances from the centres to the mesh: .npy, .nrrd or .vti, f32 or f64.\n"
+        "side), .nrrd, .vti, .bvx or .vdb (OpenVDB). .npy and .vox hold no lattice: it goes to OUT.json beside them.\n"
+        "--mode field writes the distances from the centres to the mesh: .npy, .nrrd, .vti, .vdb, f32 or f64.\n"
         "Where OUT is a mesh it is the voxels' closed surface: of a solid with its vertices on the mesh, of\n"
         "other modes half way between set and empty voxels.\n"
         "Which voxels are inside a mesh with holes is a matter of the rule: --fill.\n"

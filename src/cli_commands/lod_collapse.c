@@ -151,7 +151,7 @@ static void tell_lod_head(const cli_run *run, const lod_collapse *l, cli_made *m
     cli_tell(made,
              "measured: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels, inside by %s; %" PRIu64
              " triangles, %" PRIu64 " piece%s\n",
-             b->dims[0], b->dims[1], b->dims[2], cli_sign_names[r->sign], c->surface.triangles,
+             b->dims[0], b->dims[1], b->dims[2], cli_fill_names[r->sign], c->surface.triangles,
              c->surface.components, c->surface.components == 1 ? "" : "s");
     if (r->holes != 0) cli_tell(made, "holes closed: %" PRIu64 "\n", r->holes);
     if (r->shelled_triangles != 0)

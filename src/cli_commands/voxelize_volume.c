@@ -32,7 +32,7 @@ enum {
 
 static const cli_rule output_rules[] = {
     {.unless = CLI_TO_MESH | CLI_TO_GRID,
-     .message = "%f: the name ends neither in a grid format that can be written (" CLI_GRIDS
+     .message = "%f: the name ends neither in a grid format that can be written (" CLI_GRIDS_WRITTEN
                 ") nor in a mesh format (" CLI_MESHES_WRITTEN ")"},
     {.also = cli_reduction_rules},
     {.unless = CLI_TO_MESH,

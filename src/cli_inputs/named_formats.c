@@ -13,14 +13,14 @@ enum { VOX_SIDE = 256 };
 int cli_kind_of_format(int32_t format)
 {
     if (format < 0 || format > 30) return 0;
-    return (BVX_MESHES_WRITTEN >> format & 1) != 0 ? CLI_MESH
-           : (BVX_GRIDS_READ >> format & 1) != 0   ? CLI_GRID
-                                                   : 0;
+    return (BVX_MESHES_WRITTEN >> format & 1) != 0  ? CLI_MESH
+           : (BVX_GRIDS_WRITTEN >> format & 1) != 0 ? CLI_GRID
+                                                    : 0;
 }
 
 int cli_kind_of_input(int32_t format)
 {
-    return format == BVX_FORMAT_GLTF ? CLI_MESH : cli_kind_of_format(format);
+    return format == BVX_FORMAT_GLTF ? CLI_MESH : format == BVX_FORMAT_VDB ? 0 : cli_kind_of_format(format);
 }
 
 const char *cli_format_name(int32_t format)

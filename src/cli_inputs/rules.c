@@ -7,7 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#define VOLUME_FORMATS (1u << BVX_FORMAT_NPY | 1u << BVX_FORMAT_NRRD | 1u << BVX_FORMAT_VTI)
+#define VOLUME_FORMATS \
+    (1u << BVX_FORMAT_NPY | 1u << BVX_FORMAT_NRRD | 1u << BVX_FORMAT_VTI | 1u << BVX_FORMAT_VDB)
 #define NORMAL_FORMATS (1u << BVX_FORMAT_PLY | 1u << BVX_FORMAT_OBJ | 1u << BVX_FORMAT_GLB)
 
 const cli_rule cli_lattice_rules[] = {
@@ -43,12 +44,12 @@ const cli_rule cli_to_mesh_rules[] = {
 
 const cli_rule cli_to_grid_rules[] = {
     {.unless = CLI_TO_GRID,
-     .message = "%f: the name does not end in a grid format that can be written (" CLI_GRIDS ")"},
+     .message = "%f: the name does not end in a grid format that can be written (" CLI_GRIDS_WRITTEN ")"},
     {0}};
 
 const cli_rule cli_to_voxels_rules[] = {
     {.unless = CLI_TO_GRID | CLI_TO_MESH,
-     .message = "%f: the name ends neither in a grid format that can be written (" CLI_GRIDS
+     .message = "%f: the name ends neither in a grid format that can be written (" CLI_GRIDS_WRITTEN
                 ") nor in a mesh format (" CLI_MESHES_WRITTEN ")"},
     {.when = CLI_TO_GRID, .given = "--sharp --no-sharp", .message = "%o is for a mesh; the result is a grid"},
     {.also = cli_reduction_rules},

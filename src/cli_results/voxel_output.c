@@ -28,7 +28,7 @@ bvx_status cli_measure_source(cli_run *run, const bvx_mesh *source, const bvx_gr
     bvx_field_options o = {.struct_size = sizeof o};
     bvx_mesh_view view;
 
-    o.sign = BVX_SIGN_NONE;
+    o.sign = BVX_FILL_NONE;
     o.features = 1;
     o.half_width = 2.0 + far / spacing; /* both ends of an edge that the wall passes */
     memcpy(o.window.low, solid->low, sizeof o.window.low);
@@ -39,7 +39,7 @@ bvx_status cli_measure_source(cli_run *run, const bvx_mesh *source, const bvx_gr
 
     field->inside = *solid;
     field->inside.owned = 0;
-    field->sign = BVX_SIGN_EXACT;
+    field->sign = BVX_FILL_PARITY;
     return BVX_OK;
 }
 

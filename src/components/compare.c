@@ -148,7 +148,6 @@ static void visit_row_difference(const compare_side *s, int32_t y, int32_t z, co
     if (begin >= 0) take(user, begin, s->one->size[0], y, z);
 }
 
-/* All its runs. */
 static bvx_status visit_difference(bvx_context *ctx, const compare_side *s, compare_run_fn *take, void *user)
 {
     for (int32_t z = s->all->low[2]; z <= s->all->high[2]; z++) {
@@ -159,7 +158,6 @@ static bvx_status visit_difference(bvx_context *ctx, const compare_side *s, comp
     return BVX_OK;
 }
 
-/* Its rows, joined to components. */
 static bvx_status join_difference(bvx_context *ctx, const compare_side *s, bvxi_components *c)
 {
     const compare_sums *const all = s->all;

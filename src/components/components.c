@@ -219,7 +219,6 @@ BVXI_VECTOR_INLINE void join_component_row(bvxi_components *c, int32_t y, int32_
                                      {words + earlier + at - above, before + earlier + at - above},
                                      {words + earlier + at + above, before + earlier + at + above}};
 
-    /* An empty row joins nothing. */
     if (rank_component_row(c, row.words, before + now + at, fast) == 0) return;
     for (int32_t k = 0; k < c->row_words; k++)
         if (row.words[k] != 0) join_component_word(c->label, row, behind, k, connectivity, fast);

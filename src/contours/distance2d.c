@@ -71,8 +71,7 @@ void bvxi_plane_tree(bvxi_plane *p)
     p->slack *= DISTANCE_ROUNDING * DISTANCE_ROUNDING;
 }
 
-/* Boxes from this square on hold nothing nearer: a computed distance d is
- * off by less than a share of d and one of the contours' extent. */
+/* Boxes from this square on hold nothing nearer, rounding included: a share of d and one of the extent. */
 static inline double farthest_box(const bvxi_plane *p, double best)
 {
     return best * (1.0 + 1e-6) + p->slack;
@@ -187,8 +186,7 @@ double bvxi_plane_nearest(const bvxi_plane *p, double u, double v, uint32_t *seg
     return sqrt(best);
 }
 
-/* An odd number of segments to the right; the place is snapped to odd
- * numbers as the contours are, so one on a contour falls on some side. */
+/* An odd number of segments to the right; the place is snapped as the contours are, so it has a side. */
 int bvxi_plane_inside(const bvxi_stack *stack, const bvxi_plane *p, double u, double v)
 {
     double const unit = (double)(1 << stack->fine);

@@ -108,8 +108,7 @@ bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections 
     return mend_stack(&s, m);
 }
 
-/* The loops of one section, a stack of one plane, with their points where steps put them: bodies of such planes
- * are made by places alone. */
+/* The loops of one section, a stack of one plane, with their points where steps put them. */
 static bvx_status mend_section(bvx_context *ctx, const char *function, const bvx_sections *one,
                                uint32_t section, const bvx_sections_options *o, double least, bvxi_mended *m)
 {

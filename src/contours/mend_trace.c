@@ -159,8 +159,7 @@ static double mend_narrowness(const mend_trace *t, const bvxi_mend_paths *p, con
     return (j + 1) % all == i ? bvxi_mend_middle(p, s->in, s->out, middle) : 2.0;
 }
 
-/* Of the stops at one node the one in the narrowest angle stays, or one that has others on either side.
- * narrowest: scratch, by node. */
+/* At a node the stop in the narrowest angle stays, or one between others. narrowest: scratch, by node. */
 static void mend_choose_stay(const mend_trace *t, const bvxi_mend_paths *p, double *narrowest,
                              uint32_t *stays)
 {

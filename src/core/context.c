@@ -111,7 +111,6 @@ static bvx_context *place_in_arena(void *memory, uint64_t size, size_t own, bvxi
 static void place_pool(bvx_context *c)
 {
     bvxi_pool *const pool = (bvxi_pool *)(void *)((unsigned char *)c + aligned_size(sizeof *c));
-
     if (bvxi_pool_begin(pool, c->threads)) c->pool = pool;
     else c->threads = 1;
 }
@@ -127,7 +126,6 @@ const char *bvx_context_fault(int32_t header_version, const bvx_context_options 
 {
     bvx_context_options o;
     context_fault const f = take_context_options(header_version, options, &o);
-
     /* Nothing is written to the arena, which may be another context's. */
     if (f.status != BVX_OK || o.arena.memory == NULL ||
         fits_in_arena(o.arena.memory, o.arena.size, context_size(&o, choose_threads(&o))))
@@ -141,13 +139,11 @@ bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_
     bvx_context_options o;
     bvxi_arena arena = {0};
     bvx_context *c;
-    size_t size, table;
     int32_t threads;
-    context_fault fault;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     *context = NULL;
-    fault = take_context_options(header_version, options, &o);
+    context_fault fault = take_context_options(header_version, options, &o);
     if (fault.status != BVX_OK) return fault.status;
     if (o.allocator.alloc == NULL) {
         o.allocator.alloc = bvxi_heap_alloc;
@@ -157,8 +153,8 @@ bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_
     /* The helpers' state and the table of scratch lie behind the context, in the one block that creating a
      * context takes. */
     threads = choose_threads(&o); /* once: to count processors takes longer than all that follows */
-    size = context_size(&o, threads);
-    table = o.arena.memory == NULL ? BVXI_SCRATCH_ROOM * sizeof *c->scratch : 0;
+    size_t const size = context_size(&o, threads);
+    size_t const table = o.arena.memory == NULL ? BVXI_SCRATCH_ROOM * sizeof *c->scratch : 0;
     c = o.arena.memory != NULL ? place_in_arena(o.arena.memory, o.arena.size, size, &arena)
                                : o.allocator.alloc(o.allocator.user, size + table, BVXI_ALIGN);
     if (c == NULL) return BVX_ERR_MEMORY;

@@ -38,14 +38,13 @@ static uint64_t decimal_round(uint64_t top, int sticky, int32_t e, const decimal
     int32_t const natural = e + 64 - kind->precision;
     int32_t const q = natural > kind->low_exponent ? natural : kind->low_exponent;
     int32_t const cut = q - e;
-    uint64_t c, rest, half;
 
     if (q > kind->high_exponent) return decimal_infinity(kind);
     if (cut > 64) return 0; /* below half of the smallest */
-    c = cut == 64 ? 0 : top >> cut;
+    uint64_t c = cut == 64 ? 0 : top >> cut;
     /* What is cut off against half of the last bit. */
-    half = UINT64_C(1) << (cut - 1);
-    rest = cut == 64 ? top : top & ((half << 1) - 1);
+    uint64_t const half = UINT64_C(1) << (cut - 1);
+    uint64_t const rest = cut == 64 ? top : top & ((half << 1) - 1);
     /* Up above the middle; in the middle to the even one. */
     c += rest > half || (rest == half && (sticky || (c & 1)));
     /* c's leading one adds 1 to the field */
@@ -109,12 +108,11 @@ static const char *decimal_scan_number(const char *p, const char *end, decimal_s
 {
     uint64_t w = 0;
     unsigned d;
-    int64_t count;
 
     /* May overflow where there are many digits; then the first ones are taken anew. */
     s->digits = p;
     for (; p < end && (d = decimal_digit(*p)) <= 9; p++) w = w * 10 + d;
-    count = p - s->digits;
+    int64_t count = p - s->digits;
     s->exponent = 0;
     if (p < end && *p == '.') {
         const char *const fraction = ++p;
@@ -198,10 +196,9 @@ static BVXI_COLD uint64_t decimal_decide(const decimal_scan *s, uint64_t bits, c
 static uint64_t decimal_to_bits(const decimal_scan *s, const decimal_kind *kind)
 {
     int sure = 1;
-    uint64_t bits;
     if (s->w == 0 || s->exponent < DECIMAL_LEAST) return 0; /* w < 10^19, so below 10^-345 */
     if (s->exponent > 310) return decimal_infinity(kind);
-    bits = decimal_scale(s->w, (int32_t)s->exponent, kind, &sure);
+    uint64_t const bits = decimal_scale(s->w, (int32_t)s->exponent, kind, &sure);
     /* Between w and w + 1: where both round alike, the digits that follow decide nothing. */
     if (BVXI_UNLIKELY(s->truncated) && decimal_scale(s->w + 1, (int32_t)s->exponent, kind, &sure) != bits)
         sure = 0;
@@ -283,7 +280,6 @@ size_t bvxi_parse_float(const char *text, const char *end, float *value)
 {
     decimal_scan s;
     uint64_t bits;
-    uint32_t bits32;
     size_t used;
 
     if (decimal_begin(text, end, &decimal_f32, &s, &bits, &used)) {
@@ -298,7 +294,7 @@ size_t bvxi_parse_float(const char *text, const char *end, float *value)
         bits = decimal_to_bits(&s, &decimal_f32);
     }
     if (used == 0) return 0;
-    bits32 = (uint32_t)bits | (uint32_t)s.negative << 31;
+    uint32_t bits32 = (uint32_t)bits | (uint32_t)s.negative << 31;
     memcpy(value, &bits32, sizeof *value);
     return used;
 }

@@ -36,11 +36,10 @@ const char *bvxi_arithmetic_fault(void)
     volatile double const one = 1.0, minus = -1.0, half = 1.0 / 9007199254740992.0; /* half a step above 1 */
     volatile double const above = 1.0 + 1.0 / 1073741824.0, below = 1.0 - 1.0 / 1073741824.0;
     volatile float const one_f = 1.0f, half_f = 1.0f / 16777216.0f;
-    volatile double up, down, most;
 
-    up = one + half;
-    down = minus - half;
-    most = one + 1.5 * half;
+    volatile double const up = one + half;
+    volatile double const down = minus - half;
+    volatile double const most = one + 1.5 * half;
     /* To nearest rounds both halves back, and three quarters of a step up. */
     if (up != 1.0 || down != -1.0 || most == 1.0) return "numbers are not rounded to nearest";
     /* Wider registers would keep both halves, and then see a whole step. */

@@ -96,7 +96,6 @@ static uint64_t arena_size(const bvxi_arena *a, const void *block)
 static void arena_adopt(bvxi_arena *a, uint64_t mark)
 {
     size_t at = a->high;
-
     for (; at < a->size; at += header_at(a, at)->payload + BVXI_ALIGN)
         if (header_at(a, at)->serial > mark) header_at(a, at)->serial = 0;
 }
@@ -153,7 +152,6 @@ BVXI_COLD static int grow_table(bvx_context *ctx)
 static inline void remember_scratch(bvx_context *ctx, void *block, uint64_t size)
 {
     bvxi_scratch *const last = ctx->scratch + ctx->scratch_count++;
-
     last->block = block;
     last->size = size;
     last->serial = ++ctx->serial;
@@ -162,7 +160,6 @@ static inline void remember_scratch(bvx_context *ctx, void *block, uint64_t size
 static inline void forget_scratch(bvx_context *ctx, uint32_t at)
 {
     uint32_t const after = --ctx->scratch_count - at;
-
     /* Serial numbers rise along the table, so what stands behind a gap moves up. */
     if (after != 0) memmove(ctx->scratch + at, ctx->scratch + at + 1, (size_t)after * sizeof *ctx->scratch);
     /* Empty again: the larger table goes too. */
@@ -173,7 +170,6 @@ static inline void forget_scratch(bvx_context *ctx, uint32_t at)
 static inline void *block_since(const bvx_context *ctx, uint64_t mark)
 {
     uint32_t const count = ctx->scratch_count;
-
     /* Where the last is not younger than the mark, none is. */
     return count != 0 && ctx->scratch[count - 1].serial > mark ? ctx->scratch[count - 1].block : NULL;
 }
@@ -214,7 +210,6 @@ BVXI_COLD static bvx_status alloc_in_arena(bvx_context *ctx, int kind, uint64_t 
                                            void *block)
 {
     void *const p = arena_alloc(&ctx->arena, kind, (size_t)want, ++ctx->serial);
-
     if (p == NULL) return fail_memory(ctx, want, what);
     count_block(ctx, want, p, block);
     return BVX_OK;
@@ -223,7 +218,6 @@ BVXI_COLD static bvx_status alloc_in_arena(bvx_context *ctx, int kind, uint64_t 
 bvx_status bvxi_alloc(bvx_context *ctx, int kind, uint64_t size, const char *what, void *block)
 {
     uint64_t const want = size == 0 ? 1 : size;
-    void *p;
 
     /* The limit first: a refusal by it is another one than by the system. */
     if (want > SIZE_MAX - BVXI_ALIGN ||
@@ -234,7 +228,7 @@ bvx_status bvxi_alloc(bvx_context *ctx, int kind, uint64_t size, const char *wha
     /* Scratch that could not be remembered could not be taken back, so there is room for it before. */
     if (kind == BVXI_SCRATCH && ctx->scratch_count == ctx->scratch_room && !grow_table(ctx))
         return fail_memory(ctx, want, what);
-    p = ctx->alloc(ctx->alloc_user, (size_t)want, BVXI_ALIGN);
+    void *const p = ctx->alloc(ctx->alloc_user, (size_t)want, BVXI_ALIGN);
     if (p == NULL) return fail_memory(ctx, want, what);
     if (kind == BVXI_SCRATCH) remember_scratch(ctx, p, want);
     count_block(ctx, want, p, block);
@@ -244,7 +238,6 @@ bvx_status bvxi_alloc(bvx_context *ctx, int kind, uint64_t size, const char *wha
 bvx_status bvxi_alloc_zero(bvx_context *ctx, int kind, uint64_t size, const char *what, void *block)
 {
     void *p;
-
     BVXI_TRY(bvxi_alloc(ctx, kind, size, what, block));
     memcpy(&p, block, sizeof p);
     memset(p, 0, (size_t)size);
@@ -254,7 +247,6 @@ bvx_status bvxi_alloc_zero(bvx_context *ctx, int kind, uint64_t size, const char
 void bvxi_free(bvx_context *ctx, void *block, uint64_t size)
 {
     uint64_t const had = size == 0 ? 1 : size;
-    uint32_t at;
 
     if (block == NULL) return;
     lower_used(ctx, had);
@@ -263,7 +255,7 @@ void bvxi_free(bvx_context *ctx, void *block, uint64_t size)
         return;
     }
     /* A result is in no table; scratch that went by its size must not go twice. */
-    at = entry_of(ctx, block);
+    uint32_t const at = entry_of(ctx, block);
     if (at < ctx->scratch_count) forget_scratch(ctx, at);
     ctx->free(ctx->alloc_user, block, (size_t)had, BVXI_ALIGN);
 }
@@ -285,7 +277,6 @@ BVXI_COLD static void drop_any(bvx_context *ctx, void *block)
 void bvxi_drop(bvx_context *ctx, void *block)
 {
     uint32_t const count = ctx->scratch_count;
-    uint64_t size;
 
     if (block == NULL) return;
     /* A larger table goes with its last block. */
@@ -293,7 +284,7 @@ void bvxi_drop(bvx_context *ctx, void *block)
         drop_any(ctx, block);
         return;
     }
-    size = ctx->scratch[count - 1].size;
+    uint64_t const size = ctx->scratch[count - 1].size;
     ctx->scratch_count = count - 1;
     lower_used(ctx, size);
     ctx->free(ctx->alloc_user, block, (size_t)size, BVXI_ALIGN);
@@ -365,7 +356,6 @@ bvx_status bvxi_grow(bvx_context *ctx, const char *function, void *block, uint64
                      const char *what)
 {
     uint64_t const larger = *room < 64 ? 64 : *room + *room / 2;
-
     if (larger >= UINT32_MAX)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY, "%s: more than 2^32 of %s", function,
                              what);

@@ -37,7 +37,6 @@ typedef struct message_line {
 static void message_keep(message_line *l, double value)
 {
     bvx_error *const e = l->error;
-
     if (e->value_count < (int32_t)(sizeof e->value / sizeof e->value[0])) e->value[e->value_count++] = value;
 }
 
@@ -127,7 +126,6 @@ static int32_t reason_of_status(bvx_status status)
 static const char *behind_function(const char *message)
 {
     const char *p = message;
-
     /* A function's name ends at a colon or a comma. */
     if (p[0] != 'b' || p[1] != 'v' || p[2] != 'x' || p[3] != '_') return message;
     while (*p == '_' || (*p >= 'a' && *p <= 'z') || (*p >= '0' && *p <= '9')) p++;
@@ -164,7 +162,6 @@ static void keep_failure(bvx_context *ctx, bvx_status status, int32_t reason, co
 bvx_status bvxi_fail(bvx_context *ctx, bvx_status status, const char *format, ...)
 {
     va_list args;
-
     va_start(args, format);
     keep_failure(ctx, status, reason_of_status(status), format, args);
     va_end(args);
@@ -174,7 +171,6 @@ bvx_status bvxi_fail(bvx_context *ctx, bvx_status status, const char *format, ..
 bvx_status bvxi_fail_for(bvx_context *ctx, bvx_status status, int32_t reason, const char *format, ...)
 {
     va_list args;
-
     va_start(args, format);
     keep_failure(ctx, status, reason, format, args);
     va_end(args);
@@ -212,7 +208,6 @@ const bvx_error *bvx_last_error(const bvx_context *context)
                                               .message = none,
                                               .text = none,
                                               .index = -1};
-
     return context == NULL ? &without_context : &context->error;
 }
 
@@ -243,7 +238,6 @@ void bvxi_warn_box(bvx_warning *w, const bvx_lattice *lattice, const int32_t low
 uint64_t bvxi_warned(const bvx_context *ctx)
 {
     uint64_t bits = 0;
-
     for (int32_t i = 0; i < ctx->warnings; i++) bits |= (uint64_t)1 << ctx->warning[i].code;
     return bits;
 }
@@ -252,7 +246,6 @@ uint64_t bvxi_warned(const bvx_context *ctx)
 static double round_to(double value, double most)
 {
     double power = 1.0;
-
     while (bvxi_absolute(value) * power < most / 10.0 && power < 1e22) power *= 10.0;
     return value > -1e15 && value < 1e15 ? floor(value * power + 0.5) / power : value;
 }
@@ -260,7 +253,6 @@ static double round_to(double value, double most)
 static void put_rounded(message_line *l, double value, double most)
 {
     char number[32];
-
     message_put(l, number, (size_t)bvxi_print_double(round_to(value, most), number));
 }
 
@@ -306,12 +298,10 @@ const bvx_warning *bvx_next_warning(bvx_context *context)
     static const char *const texts[] = {BVX_WARN_LIST(BVXI_TEXT)};
 #undef BVXI_NAME
 #undef BVXI_TEXT
-    message_line l;
-    bvx_warning *w;
 
     if (context == NULL || context->warnings_read == context->warnings) return NULL;
-    w = &context->warning[context->warnings_read++];
-    l = (message_line){context->warning_text, sizeof context->warning_text, 0, NULL};
+    bvx_warning *const w = &context->warning[context->warnings_read++];
+    message_line l = {context->warning_text, sizeof context->warning_text, 0, NULL};
     put_warning(&l, texts[w->code], w);
     w->name = names[w->code];
     w->text = l.text;

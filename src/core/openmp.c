@@ -29,7 +29,6 @@ static int64_t this_process(void)
 static void block_signals(sigset_t *before)
 {
     sigset_t all;
-
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, before);
 }

@@ -36,7 +36,6 @@ bvx_status bvxi_take_options(bvx_context *ctx, const char *function, const void 
 static double stand_in(const bvxi_option *row, double value)
 {
     int const has_none = row->kind == BVXI_IS_ZERO_OR || (row->kind != BVXI_IS_ABOVE && row->low == 0.0);
-
     return value == 0.0 ? row->standard : value == BVX_NONE && has_none ? 0.0 : value;
 }
 
@@ -89,7 +88,6 @@ static bvx_status check_count_option(bvx_context *ctx, const char *function, con
                                      const unsigned char *at)
 {
     uint64_t value;
-
     memcpy(&value, at, sizeof value);
     if (value >= (uint64_t)row->low && value <= (uint64_t)row->high) return BVX_OK;
     return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %s is %u; %u to %u are possible",
@@ -116,10 +114,9 @@ static inline bvx_status check_real_option(bvx_context *ctx, const char *functio
                                            const unsigned char *at)
 {
     double value;
-    int within;
 
     memcpy(&value, at, sizeof value);
-    within = value >= row->low && value <= row->high;
+    int within = value >= row->low && value <= row->high;
     /* 0 as the upper end stands for none. */
     if (row->kind == BVXI_IS_ABOVE) within = value > row->low && (value <= row->high || row->high == 0.0);
     if (within || (row->kind == BVXI_IS_ZERO_OR && value == 0.0)) return BVX_OK;

@@ -46,7 +46,6 @@ bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status)
     if (--ctx->calls != 0) return status;
     /* What fails has nothing to warn of. */
     if (status != BVX_OK) ctx->warnings = 0;
-
     /* The results are there and stay: what the callback answers is not heard. */
     if (status == BVX_OK && ctx->progress != NULL) (void)ctx->progress(ctx->progress_user, ctx->stage, 1.0);
     return status;
@@ -56,7 +55,6 @@ void bvxi_share_begin(bvx_context *ctx, double from, double to)
 {
     const bvxi_share *const outer = present_share(ctx);
     bvxi_share share;
-
     if (ctx->progress == NULL) return;
     share.low = place_in(outer, from);
     share.high = place_in(outer, to);
@@ -72,10 +70,9 @@ bvx_status bvxi_share_end(bvx_context *ctx, bvx_status status)
 bvx_status bvxi_progress(bvx_context *ctx, const char *stage, double fraction)
 {
     const bvxi_share *const share = present_share(ctx);
-    double at;
 
     if (ctx->progress == NULL) return BVX_OK;
-    at = place_in(share, fraction);
+    double at = place_in(share, fraction);
 
     /* Tests call works without a public function around them; there is no whole then. */
     if (ctx->calls != 0) {
@@ -131,7 +128,6 @@ static bvx_status run_all(bvx_context *ctx, int32_t count, bvx_task_fn *task, vo
 static int32_t batch_of(const bvx_context *ctx, int32_t count)
 {
     int32_t const least = ctx->threads * TASKS_PER_WORKER, batch = (count + BATCHES - 1) / BATCHES;
-
     return batch < least && ctx->threads != 1 ? least : batch;
 }
 
@@ -141,7 +137,6 @@ static int32_t batch_of_long(const bvx_context *ctx, int32_t count, double each)
     int32_t const most = batch_of(ctx, count),
                   least = ctx->threads == 1 ? 1 : ctx->threads * LONG_TASKS_PER_WORKER;
     double const fits = BETWEEN_REPORTS * (double)ctx->threads / (each > 1.0 ? each : 1.0);
-
     if (fits >= (double)most) return most;
     if (fits <= (double)least) return least < most ? least : most;
     return (int32_t)fits;
@@ -202,7 +197,6 @@ static void run_plain(void *user, int32_t index, int32_t worker)
 void bvxi_tasks(bvx_context *ctx, int32_t count, bvxi_item_fn *item, void *user)
 {
     plain_tasks p = {.item = item, .user = user};
-
     (void)run_all(ctx, count, run_plain, &p);
 }
 
@@ -210,7 +204,6 @@ bvx_status bvxi_each(bvx_context *ctx, const char *stage, double from, double to
                      bvxi_item_fn *item, void *user)
 {
     plain_tasks p = {.item = item, .user = user};
-
     return bvxi_parallel(ctx, stage, from, to, count, run_plain, &p);
 }
 
@@ -218,7 +211,6 @@ bvx_status bvxi_each_long(bvx_context *ctx, const char *stage, double from, doub
                           double each, bvxi_item_fn *item, void *user)
 {
     plain_tasks p = {.item = item, .user = user};
-
     return bvxi_parallel_long(ctx, stage, from, to, count, each, run_plain, &p);
 }
 
@@ -232,7 +224,6 @@ bvx_status bvxi_for_ranges(bvx_context *ctx, const char *stage, double from, dou
                            uint64_t count, bvxi_range_fn *body, void *user)
 {
     plain_tasks p = {.range = body, .user = user, .count = count, .pieces = pieces};
-
     return bvxi_parallel(ctx, stage, from, to, pieces, run_plain, &p);
 }
 
@@ -240,7 +231,6 @@ bvx_status bvxi_for_pieces(bvx_context *ctx, const char *stage, double from, dou
                            uint64_t count, bvxi_piece_fn *body, void *user)
 {
     plain_tasks p = {.piece = body, .user = user, .count = count, .pieces = pieces};
-
     return bvxi_parallel(ctx, stage, from, to, pieces, run_plain, &p);
 }
 

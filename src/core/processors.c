@@ -75,10 +75,8 @@ static int64_t take_count(const char **text)
 /* Processors that quota of each period are worth, to the nearest whole one; 0: all. */
 static int32_t granted(int64_t quota, int64_t period)
 {
-    int64_t whole;
-
     if (quota <= 0 || period <= 0) return 0;
-    whole = (quota + period / 2) / period;
+    int64_t const whole = (quota + period / 2) / period;
     /* Less than one is one; more than can be used is as good as all. */
     return whole < 1 ? 1 : whole > BVXI_MAX_THREADS ? 0 : (int32_t)whole;
 }
@@ -104,7 +102,6 @@ static int32_t group_quota(const char *mounted, const char *group, size_t length
         if (read_text(path, text, sizeof text) >= 0) {
             const char *p = text;
             int64_t const quota = take_count(&p);
-
             least = lesser_quota(least, granted(quota, take_count(&p)));
         }
         if (length == 0) return least;
@@ -121,7 +118,6 @@ int32_t bvxi_processor_quota(const char *groups, const char *mounted)
 
     for (const char *p = text; length > 0 && p < text + length; p++) {
         const char *const end = bvxi_find_byte(p, text + length, '\n');
-
         if (end - p > 3 && memcmp(p, "0::", 3) == 0)
             return group_quota(mounted, p + 3, (size_t)(end - p) - 3);
         p = end;
@@ -133,7 +129,6 @@ int32_t bvxi_online_processors(void)
 {
 #if defined(_SC_NPROCESSORS_ONLN)
     long const online = sysconf(_SC_NPROCESSORS_ONLN);
-
     return online < 1 ? 1 : online > BVXI_MAX_THREADS ? BVXI_MAX_THREADS : (int32_t)online;
 #else
     return 1;
@@ -145,7 +140,6 @@ static int32_t allowed_processors(void)
 {
 #if defined(__linux__) && defined(CPU_COUNT)
     cpu_set_t set;
-
     if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0) return (int32_t)CPU_COUNT(&set);
 #endif
     return bvxi_online_processors();
@@ -159,12 +153,11 @@ int32_t bvxi_running_threads(void)
     int64_t const length = read_text("/proc/loadavg", text, sizeof text);
     const char *const end = text + (length > 0 ? length : 0);
     const char *p = bvxi_find_byte(text, end, '/');
-    int64_t running;
 
     if (p == end) return 0;
     /* The digits before the slash are those that run. */
     while (p > text && p[-1] >= '0' && p[-1] <= '9') p--;
-    running = take_count(&p);
+    int64_t const running = take_count(&p);
     return running < 0 ? 0 : running > BVXI_MAX_THREADS ? BVXI_MAX_THREADS : (int32_t)running;
 }
 
@@ -173,7 +166,6 @@ static int32_t asked_for(const char *variable)
 {
     const char *text = getenv(variable);
     int64_t const n = text == NULL ? 0 : take_count(&text);
-
     return n < 1 || n > BVXI_MAX_THREADS ? 0 : (int32_t)n;
 }
 
@@ -181,7 +173,6 @@ int32_t bvxi_processors(void)
 {
     int32_t const asked = asked_for("OMP_NUM_THREADS"), limit = asked_for("OMP_THREAD_LIMIT");
     int32_t n = asked != 0 ? asked : allowed_processors();
-
     /* Only without the variable: a scheduler knows what it grants. */
     if (asked == 0 && n > 1) n = lesser_quota(n, bvxi_processor_quota("/proc/self/cgroup", "/sys/fs/cgroup"));
     n = lesser_quota(n, limit);
@@ -191,7 +182,6 @@ int32_t bvxi_processors(void)
 static int64_t clock_time(clockid_t clock)
 {
     struct timespec t;
-
     clock_gettime(clock, &t);
     return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
 }
@@ -239,7 +229,6 @@ int64_t bvxi_now(void)
 int32_t bvxi_processors(void)
 {
     int const n = omp_get_max_threads();
-
     return n < 1 ? 1 : n > BVXI_MAX_THREADS ? BVXI_MAX_THREADS : n;
 }
 #else
@@ -272,12 +261,10 @@ void bvxi_worth_begin(bvxi_worth *w, int32_t threads)
 static int32_t count_idle(bvxi_worth *w)
 {
     int32_t const running = bvxi_running_threads();
-    int32_t idle;
-
     /* Not known here: all may be called. */
     if (running == 0) return w->most;
     if (w->online == 0) w->online = bvxi_online_processors();
-    idle = w->online - running;
+    int32_t const idle = w->online - running;
     return idle < 0 ? 0 : idle < w->most ? idle : w->most;
 }
 
@@ -315,7 +302,6 @@ int32_t bvxi_begin_alone(bvxi_worth *w, int32_t count, bvx_task_fn *task, void *
 void bvxi_worth_waited(bvxi_worth *w, int64_t start, int64_t lost)
 {
     int64_t const waited = bvxi_now() - start;
-
     /* A wait that was long because helpers had no processor: alone for a while, longer each time. */
     if (waited >= NOTICED_WAIT && lost >= waited / 2) {
         w->rest_until = start + waited + waited * w->rest;
@@ -326,7 +312,6 @@ void bvxi_worth_waited(bvxi_worth *w, int64_t start, int64_t lost)
 void bvxi_pool_be_eager(bvxi_pool *pool, int32_t how)
 {
     bvxi_worth *const w = (bvxi_worth *)(void *)pool; /* what a pool begins with */
-
     w->eager = how;
     w->idle = w->most;
 }

@@ -88,10 +88,8 @@ static void change(int32_t *number, int32_t value)
 
 static int32_t claim_task(bvxi_pool *pool)
 {
-    int32_t claimed;
-
     pthread_mutex_lock(&pool->lock);
-    claimed = pool->next++;
+    int32_t const claimed = pool->next++;
     pthread_mutex_unlock(&pool->lock);
     return claimed;
 }
@@ -141,7 +139,6 @@ static void work_on_step(bvxi_pool *pool)
 {
     /* below the number of tasks, as tasks have scratch for no more workers */
     int32_t const worker = ++pool->entered;
-    int64_t time, processor_time;
 
     /* Each helper calls two more, so that many are awake after few rounds. */
     change(&pool->inside, pool->inside + 1);
@@ -150,8 +147,8 @@ static void work_on_step(bvxi_pool *pool)
     pthread_mutex_unlock(&pool->lock);
 
     /* Time that passed without a processor shows whether others need it. */
-    time = bvxi_now();
-    processor_time = bvxi_processor_time();
+    int64_t time = bvxi_now();
+    int64_t processor_time = bvxi_processor_time();
     take_tasks(pool, worker);
     processor_time = bvxi_processor_time() - processor_time;
     time = bvxi_now() - time;
@@ -242,10 +239,8 @@ void bvxi_pool_end(bvxi_pool *pool)
 /* With the lock held: the last helpers leave. */
 static void wait_for_helpers(bvxi_pool *pool)
 {
-    int64_t start;
-
     if (pool->inside == 0) return;
-    start = bvxi_now();
+    int64_t const start = bvxi_now();
     pthread_mutex_unlock(&pool->lock);
     watch(&pool->inside, 0);
     pthread_mutex_lock(&pool->lock);

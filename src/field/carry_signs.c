@@ -119,7 +119,6 @@ static uint64_t carry_reach(const carry_front *f, uint64_t row, int32_t k, uint6
     uint64_t const tail = bvxi_tail_mask(g->size[0]);
     uint64_t own = carry_known(f, at, flip), near;
 
-    /* The row's own neighbours, by shifts. */
     if (k + 1 == g->words_per_row) own &= tail;
     near = own << 1 | own >> 1;
     if (k > 0) near |= carry_known(f, at - 1, flip) >> 63;
@@ -164,7 +163,6 @@ static void look_for_fronts(void *user, int32_t piece, uint64_t row, uint64_t en
             uint64_t const in = carry_reach(f, row, k, 0) & open;
             uint64_t const out = carry_reach(f, row, k, ~UINT64_C(0)) & open;
             f->come[at] = in | out;
-            /* Outside where both come at once. */
             f->come_in[at] = in & ~out;
             if ((in | out) != 0) f->change[row] = 1;
         }

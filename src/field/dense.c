@@ -228,7 +228,6 @@ static bvx_status propagate_all(bvx_context *ctx, propagate_job *job)
     for (int32_t s = 0; s < sweeps; s++) {
         double const from = 0.2 + 0.5 * s / sweeps, to = 0.2 + 0.5 * (s + 1) / sweeps;
 
-        /* Up and down along each axis in turn. */
         job->axis = s / 2 % 3;
         job->down = s % 2;
         job->pieces = bvxi_piece_count((uint64_t)g->size[job->axis == 2 ? 1 : 2], 1);

@@ -56,7 +56,7 @@ static bvx_status check_field_inside(bvx_context *ctx, const char *function, con
 {
     /* Without signs no grid of inside centres is needed. */
     if (field->inside.words == NULL) {
-        if (field->sign == BVX_SIGN_NONE) return BVX_OK;
+        if (field->sign == BVX_FILL_NONE) return BVX_OK;
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
                              "%s: field.inside has no words, but field.sign is %d", function,
                              (int64_t)field->sign);
@@ -88,9 +88,9 @@ bvx_status bvxi_field_check(bvx_context *ctx, const char *function, const bvx_fi
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
                              "%s: field.value_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
                              (int64_t)field->value_type);
-    if (field->sign < BVX_SIGN_EXACT || field->sign > BVX_SIGN_NONE)
+    if (field->sign < BVX_FILL_PARITY || field->sign > BVX_FILL_NONE)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
-                             "%s: field.sign is %d; BVX_SIGN_EXACT (1) to BVX_SIGN_NONE (6) are possible",
+                             "%s: field.sign is %d; BVX_FILL_PARITY (1) to BVX_FILL_NONE (10) are possible",
                              function, (int64_t)field->sign);
     if (!(field->half_width > 0.0))
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,

@@ -16,24 +16,7 @@
 
 /* At the same centres, so a field and a solid of one rule never disagree. */
 
-static int32_t fill_of_sign(int32_t sign)
-{
-    if (sign == BVX_SIGN_AUTO) return BVX_FILL_AUTO;
-    return sign == BVX_SIGN_EXACT     ? BVX_FILL_PARITY
-           : sign == BVX_SIGN_WINDING ? BVX_FILL_WINDING
-                                      : BVX_FILL_VOTE;
-}
-
-/* Of a closed mesh NONZERO is its winding number. */
-static int32_t sign_of_fill(int32_t fill)
-{
-    return fill == BVX_FILL_PARITY ? BVX_SIGN_EXACT
-           : fill == BVX_FILL_VOTE ? BVX_SIGN_VOTE
-                                   : BVX_SIGN_WINDING;
-}
-
-/* AUTO, EXACT, WINDING, VOTE: inside, which is open and whose words are written, becomes the
- * solid by that rule. AUTO becomes the one that was chosen. */
+/* AUTO, PARITY, NONZERO, WINDING, VOTE: inside, which is open, becomes the solid by that rule; AUTO the one chosen. */
 static bvx_status sign_by_solid(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t *sign, bvx_grid *inside)
 {
     bvx_solid_report report;
@@ -42,14 +25,14 @@ static bvx_status sign_by_solid(bvx_context *ctx, const bvx_mesh_view *mesh, int
     /* A field's sign and a solid's fill are one decision, made once. Only the choice is of interest: what
      * voxels lose of the mesh's walls and volume costs a third of a narrow field, and a field says
      * neither. */
-    o.fill = fill_of_sign(*sign);
-    o.report = *sign == BVX_SIGN_AUTO ? &report : NULL;
+    o.fill = *sign;
+    o.report = *sign == BVX_FILL_AUTO ? &report : NULL;
     o.check_thin = BVX_CHECK_NEVER;
     memcpy(o.window.low, inside->low, sizeof o.window.low);
     memcpy(o.window.size, inside->size, sizeof o.window.size);
     BVXI_TRY(bvx_voxelize_solid(ctx, mesh, &inside->lattice, &o, inside));
 
-    if (*sign == BVX_SIGN_AUTO) *sign = sign_of_fill(report.fill);
+    if (*sign == BVX_FILL_AUTO) *sign = report.fill;
     return BVX_OK;
 }
 
@@ -70,7 +53,7 @@ typedef struct measure_job {
 
 static const bvxi_option measure_rows[] = {
     BVXI_OR(bvx_field_options, half_width, ABOVE, 3.0, 0.0, 0.0),
-    BVXI_CHOICE(bvx_field_options, sign, 0, BVX_SIGN_COUNT - 1),
+    BVXI_AMONG(bvx_field_options, sign, BVX_FILLS_OF_FIELD),
     BVXI_OR(bvx_field_options, value_type, CHOICE, BVX_F32, BVX_F32, BVX_F64),
     BVXI_SWITCH(bvx_field_options, no_vectors),
     BVXI_SWITCH(bvx_field_options, features),
@@ -152,7 +135,6 @@ static bvx_status check_measure(bvx_context *ctx, const bvx_mesh_view *mesh, con
     return check_measure_range(ctx, job, lattice);
 }
 
-/* Every centre has a value. */
 static void take_every_centre(bvx_field *field)
 {
     uint64_t const rows = bvxi_grid_rows(&field->band);
@@ -179,7 +161,7 @@ static bvx_status make_band(bvx_context *ctx, const bvx_lattice *lattice, measur
 
 static int signs_by_features(int32_t sign)
 {
-    return sign == BVX_SIGN_NORMAL || sign == BVX_SIGN_PSEUDONORMAL;
+    return sign == BVX_FILL_NORMAL || sign == BVX_FILL_PSEUDONORMAL;
 }
 
 static bvx_status make_features(bvx_context *ctx, measure_job *job)
@@ -229,7 +211,7 @@ static bvx_status make_inside(bvx_context *ctx, const bvx_lattice *lattice, meas
 {
     bvx_field *const f = &job->field;
     bvxi_sparse const values = measured_values(job);
-    if (f->sign == BVX_SIGN_NONE) return BVX_OK;
+    if (f->sign == BVX_FILL_NONE) return BVX_OK;
     BVXI_TRY(bvxi_grid_open(ctx, measure_name, lattice, &job->window, &f->inside));
     if (!signs_by_features(f->sign)) return sign_by_solid(ctx, job->mesh, &f->sign, &f->inside);
     return bvxi_sign_features(bvxi_call_of(ctx, measure_name, measure_stage, 0.9, 0.97), job->nearest,
@@ -283,7 +265,7 @@ static bvx_status measure_steps(bvx_context *ctx, const bvx_lattice *lattice, me
     f->sign = job->o.sign;
     f->half_width = measure_width(lattice, job->o.half_width);
     /* A solid takes next to nothing of a sound mesh, and most of the time of one with holes. */
-    int const solid = f->sign != BVX_SIGN_NONE && !signs_by_features(f->sign);
+    int const solid = f->sign != BVX_FILL_NONE && !signs_by_features(f->sign);
     BVXI_TRY(bvxi_nearest_check(ctx, measure_name, job->mesh, lattice));
     if (solid) BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.2, make_inside(ctx, lattice, job)));
     BVXI_TRY(BVXI_SHARE(ctx, solid ? 0.2 : 0.0, 1.0, measure_distances_of(ctx, lattice, job)));

@@ -12,7 +12,7 @@
 static bvx_status sign_band(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band, int32_t sign,
                             bvx_grid *inside)
 {
-    return sign == BVX_SIGN_NORMAL ? bvxi_sign_normal(call, mesh, band, inside)
+    return sign == BVX_FILL_NORMAL ? bvxi_sign_normal(call, mesh, band, inside)
                                    : bvxi_sign_pseudonormal(call, mesh, band, inside);
 }
 

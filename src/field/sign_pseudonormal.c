@@ -192,7 +192,6 @@ static int pseudo_normal(const pseudo_rule *rule, const uint32_t c[3], double t[
         for (int a = 0; a < 3; a++) t[k][a] *= rule->scale;
     }
     double const length = bvxi_facet_normal((const double(*)[3])t, n);
-    /* Without area it has no direction. */
     if (!(length > 0.0)) return 0;
     for (int a = 0; a < 3; a++) n[a] /= length;
     return 1;
@@ -309,7 +308,7 @@ bvx_status bvxi_sign_pseudonormal(bvxi_call call, const bvx_mesh_view *mesh, con
 
     if (mesh->triangle_count > UINT32_MAX / 3)
         return bvxi_fail_for(call.ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: mesh.triangle_count is %u, the limit of BVX_SIGN_PSEUDONORMAL is %u",
+                             "%s: mesh.triangle_count is %u, the limit of BVX_FILL_PSEUDONORMAL is %u",
                              call.function, mesh->triangle_count, (uint64_t)(UINT32_MAX / 3));
     BVXI_TRY(bvxi_view_bounds(call.ctx, call.function, mesh, low, high));
     rule.mesh = mesh;

@@ -59,9 +59,7 @@ static bvx_status find_highest(bvxi_call step, bvxi_solid_job *job, const bvx_gr
                                bvx_solid_report *report, int32_t **highest)
 {
     uint64_t const rows = bvxi_grid_rows(turned);
-
     BVXI_TRY(bvxi_alloc(step.ctx, BVXI_SCRATCH, rows * 4, "the columns' heights", highest));
-
     /* Lower than any crossing, so that the first one counts. */
     for (uint64_t r = 0; r < rows; r++) (*highest)[r] = INT32_MIN;
     job->highest = *highest;

@@ -29,7 +29,6 @@ typedef struct gap_job {
 static void join_row_down(uint64_t *row, int32_t words, int32_t by)
 {
     int32_t const far = by >> 6, bits = by & 63;
-
     /* From the top down: words below are read before they are written, so it works in place. */
     for (int32_t k = words - 1; k >= far; k--) {
         uint64_t w = row[k - far] << bits;

@@ -247,17 +247,54 @@ static void double_voxels(bvx_lattice *lattice)
     if (lattice->fraction_bits < 16) lattice->fraction_bits++;
 }
 
+/* Voxels of l put around it, so that no triangle lies beyond. Returns 1 where there are some. */
+static int reach_around(const auto_work *w, bvx_lattice *l)
+{
+    double low[3], high[3];
+    int beyond = 0;
+
+    bvxi_view_used_bounds(&w->choice.view, low, high);
+    for (int a = 0; a < 3; a++) {
+        double const first = l->origin[a] / l->spacing[a], before = first - low[a] / l->spacing[a];
+        double const after = high[a] / l->spacing[a] - first - l->dims[a];
+        int32_t const added = before > 0.0 ? (int32_t)before + (before > (double)(int32_t)before) : 0;
+
+        double const from = l->origin[a] - added * l->spacing[a];
+
+        /* At the ends of doubles nothing is put around. */
+        if (!(from >= -BVXI_FINITE && high[a] - from <= BVXI_FINITE)) continue;
+        l->origin[a] = from;
+        l->dims[a] += added + (after > 0.0 ? (int32_t)after + 1 : 0);
+        beyond |= before > 0.0 || after > 0.0;
+    }
+    return beyond;
+}
+
+/* 1: the far end has no place in fixed point. */
+static int is_too_far(const bvx_lattice *l)
+{
+    for (int a = 0; a < 3; a++)
+        if (l->dims[a] > 1 << (29 - l->fraction_bits)) return 1;
+    return 0;
+}
+
+/* In the lattice, and around it where the mesh lies beyond: what is inside out there looks like a cavity here. */
 static bvx_status look_for_depths(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice, int32_t *depths)
 {
     bvx_lattice coarse = *lattice;
     bvxi_solid_job job = {0};
+    int32_t around = 0;
 
-    if (!has_more_rows(lattice)) return bvxi_row_depths(ctx, &w->job, lattice, 0.0, AUTO_DEPTHS, depths);
-
-    while (has_more_rows(&coarse)) double_voxels(&coarse);
+    *depths = 0;
+    if (!has_more_rows(lattice)) {
+        BVXI_TRY(bvxi_row_depths(ctx, &w->job, lattice, 0.0, AUTO_DEPTHS, depths));
+        if (!reach_around(w, &coarse)) return BVX_OK;
+    }
+    while (has_more_rows(&coarse) || is_too_far(&coarse)) double_voxels(&coarse);
     BVXI_TRY(bvxi_solid_open(ctx, w->job.function, &w->choice.view, &coarse, &job));
-    BVXI_TRY(bvxi_row_depths(ctx, &job, &coarse, 0.0, AUTO_DEPTHS, depths));
+    BVXI_TRY(bvxi_row_depths(ctx, &job, &coarse, 0.0, AUTO_DEPTHS, &around));
     bvxi_solid_close(ctx, &job);
+    *depths |= around;
     return BVX_OK;
 }
 
@@ -323,6 +360,7 @@ static bvx_status choose_balanced(bvx_context *ctx, auto_work *w, const bvx_latt
 static bvx_status choose_or_fill(bvx_context *ctx, auto_work *w, bvx_grid *solid, bvx_solid_report *report,
                                  int32_t *filled)
 {
+    bvx_lattice around = solid->lattice;
     int32_t balanced;
 
     BVXI_TRY(bvxi_edges_balance(ctx, &w->job, 0.1, &balanced));
@@ -334,7 +372,7 @@ static bvx_status choose_or_fill(bvx_context *ctx, auto_work *w, bvx_grid *solid
 
     /* Filling by parity also says how deep rows are, so a sound mesh is done when it has been examined. */
     BVXI_TRY(choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND));
-    if (is_whole_lattice(solid) && !has_more_rows(&solid->lattice))
+    if (is_whole_lattice(solid) && !has_more_rows(&solid->lattice) && !reach_around(w, &around))
         BVXI_TRY(BVXI_SHARE(ctx, 0.2, 0.4, try_parity(ctx, w, solid, report, filled)));
     return *filled ? BVX_OK : BVXI_SHARE(ctx, 0.4, AUTO_CHOSEN, choose_balanced(ctx, w, &solid->lattice));
 }
@@ -362,5 +400,7 @@ bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh
     report->fill = w.choice.fill;
     report->fill_reason = w.choice.reason;
     report->turned = w.choice.turned;
+    /* Each copy would count again. */
+    if (w.choice.doubles != 0) report->mesh_volume = BVX_NONE;
     return BVX_OK;
 }

@@ -148,7 +148,6 @@ static bvx_status fill_flood_rim(bvx_context *ctx, const bvx_grid *walls, uint64
 {
     rim_work work = {walls, solid, *solid, NULL, 0};
     uint64_t voxels = 0;
-
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.0, look_along_rim(ctx, &work, RIM_NONE, &voxels)));
     work.filled.words = filled;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 8, "the rim of what was filled", &work.queue));
@@ -201,7 +200,6 @@ static void flood_run(void *user, uint32_t space, int32_t begin, int32_t end, in
 static bvx_status flood_spaces(bvx_context *ctx, const char *function, flood_work *work)
 {
     bvxi_spaces spaces;
-
     BVXI_TRY(bvxi_spaces_open(ctx, function, "flood", work->walls, 1, BVXI_CONNECT_6, &spaces));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the flood's reach", &work->reached));
     /* Two walks: a space is known to be outside only after the last of its runs was seen. */

@@ -50,7 +50,6 @@ typedef struct measure_work {
 static void add_compensated(double *sum, double *lost, double term)
 {
     double const s = *sum + term;
-
     *lost += bvxi_absolute(*sum) >= bvxi_absolute(term) ? (*sum - s) + term : (term - s) + *sum;
     *sum = s;
 }
@@ -80,7 +79,6 @@ static void add_tetrahedron(const double centre[3], double p[3][3], triangle_sum
     for (int i = 0; i < 6; i++) {
         int32_t const a = moment_axes[i][0], b = moment_axes[i][1];
         double const at = p[0][a] * p[0][b] + p[1][a] * p[1][b] + p[2][a] * p[2][b];
-
         add_compensated(&s->sum[4 + i], &s->lost[4 + i], six * (at + sum[a] * sum[b]) / 120.0);
     }
 }
@@ -92,7 +90,6 @@ static void sum_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 
     for (uint64_t t = begin; t < end; t++) {
         double p[3][3];
-
         bvxi_view_corners(w->view, t, p);
         for (int k = 0; k < 3; k++)
             for (int a = 0; a < 3; a++) p[k][a] *= w->scale;
@@ -153,7 +150,6 @@ static bvx_status find_doubts(bvx_context *ctx, measure_work *w, const bvx_mesh_
 {
     uint64_t crossings = 0;
     bvx_certificate c;
-
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.3, bvx_mesh_check(ctx, view, 1, &c)));
     if (c.closed && c.oriented && c.components <= 1)
         BVXI_TRY(BVXI_SHARE(ctx, 0.3, 1.0, bvx_mesh_crossings(ctx, view, &crossings, NULL, 0)));
@@ -237,7 +233,6 @@ static void sum_voxels(const bvx_grid *solid, const bvx_grid *shell, voxel_sums 
                 uint64_t const mask = k + 1 < solid->words_per_row ? ~UINT64_C(0)
                                                                    : bvxi_tail_mask(solid->size[0]);
                 uint64_t const unsure = (shell->words[at] | find_changes(solid, k, y, z)) & mask;
-
                 add_voxels(body, solid->words[at], (uint64_t)k * 64, (uint64_t)y, (uint64_t)z);
                 add_voxels(edge, unsure, (uint64_t)k * 64, (uint64_t)y, (uint64_t)z);
                 *inside += bvxi_popcount(unsure & solid->words[at]);
@@ -294,7 +289,6 @@ static void report_shells(const measure_work *w, bvx_measure_report *r)
     double const reach = 2.0 * w->radius; /* nothing is farther from the centre of mass */
     measure_errors const e = {w->error, w->error * reach, w->error * reach * reach};
     double center[3];
-
     set_body(w, w->moment, w->centre, center, r);
     set_errors(w, w->moment[0], &e, r);
 }
@@ -311,7 +305,6 @@ static void weigh_voxels(const voxel_sums *s, const double spacing[3], double mo
         double const halves = 0.5 * (double)(s->moment[1 + a] + s->moment[1 + b]);
         /* A voxel has the moment of its centre, and along an axis its own. */
         double const own = a == b ? n / 3.0 : n / 4.0;
-
         moment[4 + i] = ((double)s->moment[4 + i] + halves + own) * spacing[a] * spacing[b] * one;
     }
 }
@@ -373,7 +366,6 @@ static bvx_status fill_and_sum(bvx_context *ctx, const bvx_mesh_view *mesh, int3
                                bvx_solid_report *report)
 {
     measure_work *const w = (measure_work *)(void *)report;
-
     if (fill == BVX_FILL_PARITY || fill == BVX_FILL_WINDING)
         BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5,
                             sum_shells(ctx, w, mesh, fill == BVX_FILL_PARITY ? NULL : &solid->lattice)));
@@ -449,7 +441,6 @@ static bvx_status run_measure(bvx_context *ctx, const bvx_mesh_view *mesh, const
     w.scale = bvxi_unit_scale(w.low, w.high);
     for (int a = 0; a < 3; a++) {
         double const low = w.low[a] * w.scale, high = w.high[a] * w.scale;
-
         w.centre[a] = 0.5 * low + 0.5 * high;
         w.radius += (0.5 * high - 0.5 * low) * (0.5 * high - 0.5 * low);
     }

@@ -32,7 +32,6 @@ static bvx_status vote_for_seeds(seed_judge *j, uint64_t bytes)
     bvx_solid_report unused = {0};
     bvxi_solid_job job;
     uint64_t *sure = NULL;
-
     BVXI_TRY(bvxi_solid_open(j->ctx, j->function, j->mesh, &j->surface->lattice, &job));
     BVXI_TRY(bvxi_alloc(j->ctx, BVXI_SCRATCH, bytes, "the grid of sure centres", &sure));
     return bvxi_vote(bvxi_solid_step(j->ctx, &job, 0.1, 1.0), &job, 0, &j->vote, sure, &unused);
@@ -41,7 +40,6 @@ static bvx_status vote_for_seeds(seed_judge *j, uint64_t bytes)
 static bvx_status make_seed_vote(seed_judge *j)
 {
     uint64_t const bytes = bvxi_grid_words(j->surface) * 8;
-
     j->vote = *j->surface;
     BVXI_TRY(bvxi_alloc(j->ctx, BVXI_SCRATCH, bytes, "the vote", &j->vote.words));
     return BVXI_SCOPE(j->ctx, vote_for_seeds(j, bytes));
@@ -63,7 +61,6 @@ static int scan_seed_line(const bvx_grid *g, const int32_t voxel[3], int axis, i
 {
     int32_t p[3] = {voxel[0], voxel[1], voxel[2]};
     *low = 0;
-
     *high = g->size[axis] - 1;
     for (p[axis] = *low; *low < *high && !bvx_grid_get(g, p[0], p[1], p[2]); p[axis] = *low) ++*low;
     for (p[axis] = *high; *high > *low && !bvx_grid_get(g, p[0], p[1], p[2]); p[axis] = *high) --*high;
@@ -138,12 +135,11 @@ static bvx_status turn_from_middle(seed_search *s)
     s->seed.starts++;
     for (int32_t turn = 0; turn < SEED_TURNS && may_scan(s); turn++) {
         int32_t low, high;
-        int across;
         /* The middle row may miss the model. */
         if (!scan_for_seed(s, 0, &low, &high)) return BVX_OK;
         s->voxel[0] = next_gap(s->surface, s->voxel, 0, low, high);
         if (s->voxel[0] >= high) return BVX_OK;
-        across = look_across(s, &low, &high);
+        int const across = look_across(s, &low, &high);
         if (across == -1) return judge_seed(s);
         /* The line has no room between its ends. */
         if (across == -2 || high - low < 2) return BVX_OK;
@@ -318,7 +314,6 @@ static bvx_status run_find_pockets(bvx_context *context, const bvx_grid *surface
                                    int32_t *seeds, uint64_t capacity, uint64_t *count)
 {
     seed_judge judge = {.ctx = context, .function = pockets_name, .mesh = mesh, .surface = surface};
-
     if (count == NULL) return bvxi_fail_null(context, pockets_name, "count");
     BVXI_TRY(bvxi_grid_check(context, pockets_name, surface));
     BVXI_TRY(check_seed_mesh(&judge));

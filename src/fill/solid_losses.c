@@ -273,10 +273,12 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
     if (report->fill == BVX_FILL_BELOW) return BVX_OK;
 
     /* Only of a sound mesh is the volume that of the body. */
-    if (report->fill_reason == BVX_FILL_REASON_SOUND && !o->add_shell && report->turned == 0) {
+    if (report->fill_reason == BVX_FILL_REASON_SOUND && !o->add_shell && report->turned == 0 &&
+        report->mesh_volume == 0) {
         BVXI_TRY(sum_mesh(ctx, mesh, 0, &sums));
         report->mesh_volume = comparable_volume(&sums, mesh, solid);
     }
+    if (report->mesh_volume < 0) report->mesh_volume = 0;
 
     /* A solid that the memory limit allows is not refused for a look that nobody requested. */
     status = look ? BVXI_SHARE(ctx, 0.1, 0.95,

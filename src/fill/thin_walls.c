@@ -66,7 +66,6 @@ static void count_listed(void *user, int32_t piece, uint64_t begin, uint64_t end
     list_job *const job = user;
     const uint64_t *const words = job->walls->places.words;
     uint64_t count = 0;
-
     for (uint64_t i = begin; i < end; i++) count += bvxi_popcount(words[i]);
     job->first[piece] = count;
 }
@@ -77,7 +76,6 @@ static void list_wall_piece(void *user, int32_t piece, uint64_t begin, uint64_t 
     const list_job *const job = user;
     const uint64_t *const words = job->walls->places.words;
     uint64_t n = job->first[piece];
-
     for (uint64_t i = begin; i < end; i++)
         for (uint64_t bits = words[i]; bits != 0; bits &= bits - 1)
             job->walls->at[n++] = i * 64 + (uint64_t)bvxi_lowest(bits);
@@ -87,11 +85,10 @@ static void list_wall_piece(void *user, int32_t piece, uint64_t begin, uint64_t 
 bvx_status bvxi_walls_list(bvxi_walls *t)
 {
     list_job job = {.walls = t, .pieces = bvxi_piece_count(t->bytes / 8, LIST_GRAIN)};
-    uint64_t count;
 
     bvxi_walls_drop(t);
     BVXI_TRY(bvxi_for_pieces(t->ctx, "thin", 0.1, 0.1, job.pieces, job.walls->bytes / 8, count_listed, &job));
-    count = bvxi_place_counts(job.first, (uint64_t)job.pieces);
+    uint64_t const count = bvxi_place_counts(job.first, (uint64_t)job.pieces);
     if (count == 0) return BVX_OK;
 
     BVXI_TRY(bvxi_alloc(t->ctx, BVXI_SCRATCH, count * 8, "the thin places", &t->at));
@@ -107,7 +104,6 @@ bvx_status bvxi_walls_list(bvxi_walls *t)
 static void mark_diagonals(const uint64_t *in, uint64_t *out, size_t a, size_t b, size_t c, size_t d)
 {
     uint64_t const p = in[a] & in[d] & ~in[b] & ~in[c], q = in[b] & in[c] & ~in[a] & ~in[d];
-
     out[b] |= p;
     out[c] |= p;
     out[a] |= q;
@@ -152,7 +148,6 @@ static void mark_slice_diagonals(void *user, int32_t index)
     for (int32_t y = 0; y < g->size[1]; y++) {
         size_t const at = (size_t)z * slice + (size_t)y * row;
         int const up = y + 1 < g->size[1];
-
         if (up) mark_row_diagonals(g->words, job->out, at, at + row, words);
         if (on) mark_row_diagonals(g->words, job->out, at, at + slice, words);
         for (size_t i = at; up && on && i < at + row; i++)
@@ -163,7 +158,6 @@ static void mark_slice_diagonals(void *user, int32_t index)
 bvx_status bvxi_walls_mark(bvxi_walls *t)
 {
     diagonal_job job = {t->solid, t->places.words, 0};
-
     BVXI_TRY(bvxi_lost_surface(t->ctx, t->function, t->mesh, t->solid, &t->places, t->beyond));
     for (; job.first < 2; job.first++)
         BVXI_TRY(bvxi_each(t->ctx, "thin", 0.1, 0.1, (t->solid->size[2] + 1 - job.first) / 2,
@@ -212,7 +206,6 @@ static int is_nothing_behind(const bvxi_walls *t, const double p[3], const doubl
 {
     for (int step = 2; step <= 4; step++) {
         double at[3];
-
         for (int a = 0; a < 3; a++) at[a] = p[a] - out[a] * (0.25 * step) * t->unit;
         if (is_inside_at(t->solid, at)) return 0;
     }
@@ -237,7 +230,6 @@ static void look_behind(const bvxi_walls *t, const bvx_closest_point *front, con
     unit_normal(t, back->triangle, back_normal);
     for (int a = 0; a < 3; a++) {
         double const d = front->position[a] - back->position[a];
-
         square += d * d;
         deep += d * out[a];
     }
@@ -334,7 +326,6 @@ static void ask_piece(void *user, uint64_t begin, uint64_t end)
 {
     const bvxi_walls *const t = user;
     uint32_t hint[2] = {0, 0};
-
     /* Hints go from place to place: neighbours have near triangles. */
     for (uint64_t n = begin; n < end; n++) ask_thin_centre(t, t->at[n], hint, &t->point[n]);
 }
@@ -342,7 +333,6 @@ static void ask_piece(void *user, uint64_t begin, uint64_t end)
 bvx_status bvxi_walls_ask(bvxi_walls *t, double limit)
 {
     uint64_t const pieces = t->count / WALL_GRAIN + 1;
-
     t->limit = limit;
     t->pieces = pieces < WALL_PIECES ? (int32_t)pieces : WALL_PIECES;
     return bvxi_for_ranges(t->ctx, "thin", 0.0, 1.0, t->pieces, t->count, ask_piece, t);
@@ -369,7 +359,6 @@ static double common_wall(const wall_range bins[WALL_BINS], uint64_t all)
 {
     uint64_t below = 0;
     int bin = 0;
-
     for (; bin + 1 < WALL_BINS; bin++) {
         below += bins[bin].count;
         if (below * 10 > all) break;
@@ -379,14 +368,11 @@ static double common_wall(const wall_range bins[WALL_BINS], uint64_t all)
 
 int32_t bvxi_wall_resolution(int32_t longest, double wall)
 {
-    double needed;
-    int32_t whole;
-
     if (!(wall > 0)) return 0;
-    needed = (double)longest * BVXI_THIN_WALL / wall;
+    double const needed = (double)longest * BVXI_THIN_WALL / wall;
     /* Finer than any lattice may be. */
     if (!(needed <= (double)(1 << 24))) return 0;
-    whole = (int32_t)needed;
+    int32_t const whole = (int32_t)needed;
     return whole < needed ? whole + 1 : whole;
 }
 
@@ -445,7 +431,6 @@ void bvxi_walls_close(bvxi_walls *t)
 static int is_inside_out(const bvx_mesh_view *mesh)
 {
     double low[3], high[3], centre[3], volume = 0;
-
     bvxi_view_used_bounds(mesh, low, high);
     for (int a = 0; a < 3; a++) centre[a] = 0.5 * low[a] + 0.5 * high[a];
     for (uint64_t t = 0; t < mesh->triangle_count; t++) volume += bvxi_patches_volume(mesh, t, centre);

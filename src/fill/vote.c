@@ -181,7 +181,6 @@ static bvx_status find_holes_and_ask(bvx_context *ctx, bvxi_solid_job *job, vote
 {
     double const part = from + (to - from) / 8;
     bvxi_holes holes;
-
     /* Back along x, since the last vote has left the vertices turned. */
     BVXI_TRY(bvxi_snap_turn(ctx, 0, from, &job->snapped));
     if (job->holes != NULL) return move_sheet(ctx, job, w, job->holes, from, to);

@@ -22,7 +22,7 @@ static bvx_status refuse_for_rule(bvx_context *ctx, const char *option, const ch
 }
 
 static const bvxi_option voxelize_rows[] = {
-    BVXI_CHOICE(bvx_voxelize_options, fill, 0, BVX_FILL_COUNT - 1),
+    BVXI_CHOICE(bvx_voxelize_options, fill, 0, BVX_FILL_WINDING),
     BVXI_SWITCH(bvx_voxelize_options, has_base),
     BVXI_WHOLE(bvx_voxelize_options, close_gaps, 0, BVXI_MOST_GAP),
     BVXI_SWITCH(bvx_voxelize_options, add_shell),

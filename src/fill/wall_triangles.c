@@ -14,7 +14,7 @@
 /* From a place to the centres around it: the root of 3, rounded up [Units: largest spacings] */
 #define WALL_BESIDE 1.8
 
-/* Voxels along a block's edge at least; bits of a block's coordinates, of which an axis has as many as fit. */
+/* Voxels along a block's edge at least; bits of a block's coordinates, of which the highest is 0. */
 enum { NEAR_BLOCK = 3, NEAR_BITS = 10, NEAR_MANY_BLOCKS = 512, NEAR_TRIANGLES = 4096, NEAR_PIECES = 64 };
 
 /* What is done to vertices or triangles piece by piece. */
@@ -39,7 +39,6 @@ typedef struct near_job {
 static bvx_status run_near(near_job *job, uint64_t count, bvxi_range_fn *body)
 {
     bvx_context *const ctx = job->ctx;
-
     return BVXI_SHARE(ctx, 0.2, 0.2, bvxi_for(ctx, "thin", count, NEAR_TRIANGLES, body, job));
 }
 
@@ -70,7 +69,6 @@ static void block_range(const near_job *t, const double low[3], const double hig
     for (int a = 0; a < 3; a++) {
         double const last = (double)t->block_size[a] - 1;
         double const l = low[a] / t->block, h = high[a] / t->block;
-
         from[a] = l > 0 ? (l < last ? (int32_t)l : (int32_t)last) : 0;
         to[a] = h > 0 ? (h < last ? (int32_t)h : (int32_t)last) : 0;
     }
@@ -81,7 +79,7 @@ static uint8_t *block_row(const near_job *t, int32_t y, int32_t z)
     return t->blocks + ((size_t)z * (size_t)t->block_size[1] + (size_t)y) * (size_t)t->block_size[0];
 }
 
-/* What blocks hold: a mark, or one in the next block along some of the axes. */
+/* What blocks hold: a mark, or one in a block beside. */
 enum { BESIDE_MARK = 1, MARK = 2 };
 
 static void mark_around(near_job *t, uint64_t bit, double reach, uint8_t mark)
@@ -94,23 +92,24 @@ static void mark_around(near_job *t, uint64_t bit, double reach, uint8_t mark)
     for (int a = 0; a < 3; a++) {
         /* A little more for rounding. */
         double const far = 1.01 * reach / g->lattice.spacing[a];
-
         low[a] = (double)at[a] + 0.5 - far;
         high[a] = (double)at[a] + 0.5 + far;
     }
     block_range(t, low, high, from, to);
-    for (int a = 0; a < 3; a++) from[a] -= mark == BESIDE_MARK && from[a] > 0;
+    for (int a = 0; a < 3 && mark == BESIDE_MARK; a++) {
+        from[a] -= from[a] > 0;
+        to[a] += to[a] + 1 < t->block_size[a];
+    }
     /* Rows of blocks, so that each is set at once. */
     for (int32_t z = from[2]; z <= to[2]; z++)
         for (int32_t y = from[1]; y <= to[1]; y++)
             memset(block_row(t, y, z) + from[0], mark, (size_t)(to[0] - from[0]) + 1);
 }
 
-/* The blocks within reach of all places, or also those just before them. */
+/* The blocks within reach of all places, or also those beside them. */
 static void mark_blocks(near_job *t, double reach, uint8_t mark)
 {
     uint64_t const words = bvxi_grid_words(t->grid);
-
     for (uint64_t i = 0; i < words; i++)
         for (uint64_t bits = t->grid->words[i]; bits != 0; bits &= bits - 1)
             mark_around(t, i * 64 + (uint64_t)bvxi_lowest(bits), reach, mark);
@@ -147,24 +146,32 @@ static inline int32_t block_index(uint32_t block, int axis)
     return (int32_t)(block >> axis * NEAR_BITS & ((1u << NEAR_BITS) - 1));
 }
 
+/* 1: block b is a or beside it. The difference of each coordinate, and one more, is added to its highest bit. */
+static inline int is_block_beside(uint32_t a, uint32_t b)
+{
+    uint32_t const ones = 1u | 1u << NEAR_BITS | 1u << 2 * NEAR_BITS, all = (1u << 3 * NEAR_BITS) - 1;
+    uint32_t const high = ones << (NEAR_BITS - 1), x = ((a & all) | high) - (b & all) + ones;
+
+    return (x & ~(3 * ones)) == high && (x & x >> 1 & ones) == 0;
+}
+
 static int is_in_marked_block(const near_job *t, const uint32_t c[3])
 {
     uint32_t const corner[3] = {t->block_of[c[0]], t->block_of[c[1]], t->block_of[c[2]]};
     int32_t from[3], to[3];
 
-    /* Most triangles lie in one block, or in two along each axis: one look tells that there is no mark. */
+    /* Most triangles lie in one block, or in that and blocks beside it. */
     if (corner[0] == corner[1] && corner[0] == corner[2]) return corner[0] >> 3 * NEAR_BITS == MARK;
+    if (corner[0] >> 3 * NEAR_BITS == 0 && is_block_beside(corner[0], corner[1]) &&
+        is_block_beside(corner[0], corner[2]))
+        return 0;
     for (int a = 0; a < 3; a++) {
         int32_t const p = block_index(corner[0], a), q = block_index(corner[1], a);
         int32_t const r = block_index(corner[2], a);
         int32_t const low = p < q ? p : q, high = p < q ? q : p;
-
         from[a] = r < low ? r : low;
         to[a] = r > high ? r : high;
     }
-    if (((to[0] - from[0]) | (to[1] - from[1]) | (to[2] - from[2])) <= 1 &&
-        BVXI_LIKELY(block_row(t, from[1], from[2])[from[0]] == 0))
-        return 0;
     /* Very large triangles count without a look. */
     if ((int64_t)(to[0] - from[0] + 1) * (to[1] - from[1] + 1) * (to[2] - from[2] + 1) > NEAR_MANY_BLOCKS)
         return 1;
@@ -179,13 +186,15 @@ static int is_in_marked_block(const near_job *t, const uint32_t c[3])
 static void take_piece_nearby(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     near_job *const t = user;
+    int const packed = bvxi_view_packed_u32(t->mesh);
     uint32_t *to = t->corner + 3 * begin;
 
     for (uint64_t n = begin; n < end; n++) {
         double p[3][3], normal[3];
         uint32_t c[3];
 
-        bvxi_view_triangle(t->mesh, n, c);
+        if (packed) memcpy(c, (const unsigned char *)t->mesh->indices + (size_t)n * 12, sizeof c);
+        else bvxi_view_triangle(t->mesh, n, c);
         if (!is_in_marked_block(t, c)) continue;
         for (int k = 0; k < 3 && t->with_area; k++) bvxi_view_position(t->mesh, c[k], p[k]);
         if (t->with_area && !(bvxi_facet_normal((const double(*)[3])p, normal) > 0)) continue;
@@ -202,7 +211,7 @@ static bvx_status take_triangles_nearby(near_job *t, double reach)
 
     t->block = NEAR_BLOCK;
     for (int a = 0; a < 3; a++)
-        while (t->grid->size[a] / t->block >= 1 << NEAR_BITS) t->block *= 2;
+        while (t->grid->size[a] / t->block >= 1 << (NEAR_BITS - 1)) t->block *= 2;
     for (int a = 0; a < 3; a++) {
         t->block_size[a] = t->grid->size[a] / t->block + 1;
         bytes *= (uint64_t)t->block_size[a];
@@ -231,7 +240,6 @@ bvx_status bvxi_triangles_near(bvx_context *ctx, const bvx_mesh_view *mesh, cons
     BVXI_TRY(take_triangles_nearby(&job, reach));
     for (int32_t i = 0; i < job.pieces; i++) {
         uint64_t begin, end;
-
         bvxi_piece(mesh->triangle_count, job.pieces, i, &begin, &end);
         memmove(job.corner + 3 * taken, job.corner + 3 * begin, (size_t)job.taken[i] * 12);
         taken += job.taken[i];
@@ -282,7 +290,6 @@ static void order_piece_nearby(void *user, int32_t piece, uint64_t begin, uint64
             bvxi_view_position(&t->near, c[k], p);
             for (int a = 0; a < 3; a++) {
                 int const first = n == begin && k == 0;
-
                 p[a] += 0.0; /* -0 is 0 */
                 if (first || p[a] < low[a]) low[a] = p[a];
                 if (first || p[a] > high[a]) high[a] = p[a];
@@ -296,7 +303,6 @@ static void side_piece_nearby(void *user, uint64_t begin, uint64_t end)
 {
     const near_job *const job = user;
     const bvxi_walls *const t = job->walls;
-
     for (uint64_t n = begin; n < end; n++) t->against[n] = (uint8_t)job->sorted[job->numbers[n]];
 }
 
@@ -304,7 +310,6 @@ static void move_piece_nearby(void *user, uint64_t begin, uint64_t end)
 {
     const near_job *const job = user;
     const uint32_t *const corner = job->walls->corner;
-
     for (uint64_t n = begin; n < end; n++)
         memcpy(job->sorted + 3 * n, corner + 3 * (size_t)job->numbers[n], 12);
 }

@@ -134,8 +134,7 @@ BVXI_VECTOR_INLINE uint64_t bits_behind(const uint64_t *row, int32_t words, int3
     return shift == 0 ? low : low >> shift | high << (64 - shift);
 }
 
-/* sum[i] += other[i + m], both of so many digits; the sum then has
- * `digits`. other may be sum: words in front are done with first. */
+/* sum[i] += other[i + m]; the sum then has `digits`. other may be sum: front words are done first. */
 BVXI_VECTOR_INLINE void add_shifted(uint64_t *sum, int32_t sum_digits, const uint64_t *other,
                                     int32_t other_digits, int32_t words, int32_t m, int32_t digits)
 {

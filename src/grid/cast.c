@@ -193,7 +193,6 @@ static void cast_row(cast_ray *r, int32_t low, int32_t high, int32_t y, int32_t 
                                 ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row;
     int32_t const k_low = low >> 6, k_high = high >> 6, back = r->axis[0].way < 0;
 
-    /* Words in the ray's order, and bits of each from the ray's side. */
     for (int32_t n = 0; n <= k_high - k_low; n++) {
         int32_t const k = back ? k_high - n : k_low + n;
         uint64_t w = row[k];

@@ -34,8 +34,7 @@ BVXI_VECTOR_INLINE int64_t cover_row(const bvxi_sample_axis *x, const uint64_t *
     return sum;
 }
 
-/* The same summed over neighbouring rows, for boxes of at most 64 voxels: what does not change from row to
- * row is done once, and cut voxels are counted apart. */
+/* The same over neighbouring rows, for boxes of at most 64 voxels; cut voxels are counted apart. */
 BVXI_VECTOR_INLINE int64_t cover_rows(const bvxi_sample_axis *x, const uint64_t *row, int32_t words,
                                       int32_t rows, int32_t i, int fast)
 {
@@ -75,7 +74,6 @@ BVXI_VECTOR_INLINE int64_t cover_box(const bvxi_downsample *d, int32_t i, int32_
 {
     const bvxi_sample_axis *const x = &d->axis[0], *const y = &d->axis[1], *const z = &d->axis[2];
     int32_t const words = d->fine->words_per_row, begin = y->begin[j], rows = y->end[j] - begin;
-    /* rows of the grid, one at least */
     int32_t const inside = y->voxels - begin < rows ? y->voxels - begin : rows;
     int32_t const between = (inside < rows ? inside : rows - 1) - 1;
     int64_t sum = 0;

@@ -101,7 +101,6 @@ bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bv
         entries += (uint64_t)axis->count * 6;
     }
 
-    /* Six tables an axis, in one block. */
     d->table_bytes = entries * sizeof *d->tables;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, d->table_bytes, "the samples' places", &d->tables));
     int32_t *memory = d->tables;

@@ -44,7 +44,6 @@ static bvx_status lay_planes(bvx_context *ctx, const char *function, bvxi_blocks
     return bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the blocks' planes", &b->planes);
 }
 
-/* Check, lay out lattice, window and tables. */
 static bvx_status blocks_open(bvx_context *ctx, const char *function, const bvx_grid *grid,
                               const int32_t factor[3], int32_t what, bvxi_blocks *b)
 {

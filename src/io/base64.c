@@ -9,7 +9,6 @@ enum { BASE64_NONE = 64, BASE64_PADDING = 65, BASE64_SPACE = 66 };
 void bvxi_base64_start(bvxi_base64 *b, const char *p, const char *end)
 {
     static const char alphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-
     memset(b, 0, sizeof *b);
     memset(b->digit, BASE64_NONE, sizeof b->digit);
     for (uint8_t i = 0; i < 64; i++) b->digit[(unsigned char)alphabet[i]] = i;

@@ -68,13 +68,12 @@ bvx_status bvxi_make_file(bvx_context *ctx, const char *what, double from, uint6
 {
     file_job job = {0};
     bvx_status status;
-    uint64_t most;
 
     /* The room is for the greatest length, since the true one is only known when the text is made. */
     job.part = part;
     job.parts = parts;
     for (int32_t i = 0; i < parts; i++) job.things += part[i].count;
-    most = file_place(&job, job.things);
+    uint64_t const most = file_place(&job, job.things);
     job.pieces = bvxi_piece_count(most, FILE_PIECE_BYTES);
     BVXI_TRY(bvxi_make_buffer(ctx, head + most, what, file));
     job.bytes = file->bytes + head;

@@ -22,7 +22,6 @@ int32_t bvxi_word_is(const char *text, size_t n, const char *names)
 static int name_ends_with(const char *text, size_t n, const char *ending)
 {
     size_t const k = bvxi_text_length(ending);
-
     return n >= k && bvxi_word_is(text + n - k, k, ending);
 }
 
@@ -34,9 +33,8 @@ int32_t bvx_format_of_name(const char *name)
         int32_t format;
     } known[] = {BVX_FORMAT_LIST(BVXI_FORMAT_ENDING){".nhdr", BVX_FORMAT_NRRD}};
 #undef BVXI_FORMAT_ENDING
-    size_t n;
     if (name == NULL) return BVX_FORMAT_UNKNOWN;
-    n = bvxi_text_length(name);
+    size_t n = bvxi_text_length(name);
     /* A packed file is what it is when unpacked: the name before .gz decides. */
     if (name_ends_with(name, n, ".gz")) n -= 3;
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)

@@ -23,7 +23,6 @@ typedef struct json_walk {
 BVXI_COLD static bvx_status json_fail(const json_walk *w, const char *at, const char *what)
 {
     uint64_t const byte = bvxi_source_byte(w->source, at);
-
     if (at == w->end)
         return bvxi_fail(w->source->ctx, BVX_ERR_FORMAT,
                          "%s: the JSON ends at byte %u, where %s was expected", w->source->format, byte,
@@ -81,7 +80,6 @@ static int json_escape(const char *p, const char *end)
 {
     static const char letters[] = "\"\\/bfnrt";
     const char *const stop = letters + sizeof letters - 1;
-
     if (end - p < 2) return 0;
     if (p[1] == 'u') return json_hex(p + 2, end) >= 0 ? 6 : 0;
     return bvxi_find_byte(letters, stop, p[1]) != stop ? 2 : 0;
@@ -94,7 +92,6 @@ static bvx_status json_take_text(json_walk *w)
     while (p < w->end && *p != '"') {
         unsigned char const c = (unsigned char)*p;
         int n = 1;
-
         if (c == '\\') n = json_escape(p, w->end);
         else if (c < ' ' || c >= 0x80) n = c < ' ' ? 0 : json_sequence(p, w->end);
         if (n == 0) return json_fail(w, p, "a character of a text in UTF-8, or an escape");
@@ -159,7 +156,6 @@ static bvx_status json_take_scalar(json_walk *w, uint32_t *kind)
 static uint32_t json_begin(json_walk *w)
 {
     uint32_t const i = w->json->count++;
-
     if (w->json->value != NULL) w->json->value[i].at = (uint32_t)(w->p - w->json->text);
     return i;
 }
@@ -168,7 +164,6 @@ static uint32_t json_begin(json_walk *w)
 static void json_end(json_walk *w, uint32_t i, uint32_t kind, uint32_t items)
 {
     bvxi_json_value *const v = w->json->value;
-
     if (v == NULL) return;
     v[i].size = (uint32_t)(w->p - w->json->text) - v[i].at;
     v[i].next = w->json->count;
@@ -178,12 +173,10 @@ static void json_end(json_walk *w, uint32_t i, uint32_t kind, uint32_t items)
 /* The name of a member and the colon after it, where p stands in an object. */
 static bvx_status json_take_name(json_walk *w)
 {
-    uint32_t i;
-
     json_skip(w);
     if (w->close[w->depth - 1] != '}') return BVX_OK;
     if (w->p == w->end || *w->p != '"') return json_fail(w, w->p, "the name of a member");
-    i = json_begin(w);
+    uint32_t const i = json_begin(w);
     BVXI_TRY(json_take_text(w));
     json_end(w, i, BVXI_JSON_TEXT, 0);
     json_skip(w);
@@ -288,20 +281,17 @@ uint32_t bvxi_json_plain(const bvxi_json *json, uint32_t value, char *to)
     const char *const end = p + size;
 
     while (p < end) {
-        int32_t c;
-        const char *letter;
-
         if (*p != '\\') {
             to[n++] = *p++;
             continue;
         }
         if (p[1] != 'u') {
-            letter = bvxi_find_byte(letters, letters + 5, p[1]);
+            const char *const letter = bvxi_find_byte(letters, letters + 5, p[1]);
             to[n++] = letter != letters + 5 ? meant[letter - letters] : p[1];
             p += 2;
             continue;
         }
-        c = json_hex(p + 2, end);
+        int32_t c = json_hex(p + 2, end);
         p += 6;
         /* Two halves are one character; one half alone is none. */
         if (c >= 0xd800 && c < 0xdc00 && end - p >= 6 && p[0] == '\\' && p[1] == 'u') {
@@ -331,10 +321,9 @@ int bvxi_json_is(const bvxi_json *json, uint32_t value, const char *text)
     size_t const n = bvxi_text_length(text);
     char plain[6 * LONGEST + 1];
     uint32_t size;
-    const char *at;
 
     if (bvxi_json_kind(json, value) != BVXI_JSON_TEXT) return 0;
-    at = bvxi_json_text(json, value, &size);
+    const char *const at = bvxi_json_text(json, value, &size);
     if (size == n && memcmp(at, text, n) == 0) return 1;
     /* A text with escapes is longer than what it means. */
     if (size <= n || size > 6 * LONGEST || bvxi_find_byte(at, at + size, '\\') == at + size) return 0;
@@ -344,7 +333,6 @@ int bvxi_json_is(const bvxi_json *json, uint32_t value, const char *text)
 uint32_t bvxi_json_member(const bvxi_json *json, uint32_t object, const char *name)
 {
     uint32_t i = object + 1, left = bvxi_json_count(json, object);
-
     if (bvxi_json_kind(json, object) != BVXI_JSON_OBJECT) return BVXI_JSON_NONE;
     for (left = left < JSON_MEMBERS ? left : JSON_MEMBERS; left > 0; left--, i = json->value[i + 1].next)
         if (bvxi_json_is(json, i, name)) return i + 1;
@@ -354,7 +342,6 @@ uint32_t bvxi_json_member(const bvxi_json *json, uint32_t object, const char *na
 double bvxi_json_number(const bvxi_json *json, uint32_t value)
 {
     double v = 0.0;
-
     if (bvxi_json_kind(json, value) == BVXI_JSON_NUMBER) {
         const char *const at = json->text + json->value[value].at;
         (void)bvxi_parse_double(at, at + json->value[value].size, &v);

@@ -17,7 +17,6 @@ bvx_status bvxi_source_ask(bvxi_source *source, const char *at)
 {
     double const done = (double)(at - source->begin) / (double)(source->end - source->begin);
     double const fraction = source->from + (source->to - source->from) * done;
-
     /* The next report is due a megabyte further on; at the end of the bytes none is made. */
     source->ask = source->end - at > SOURCE_ASK_BYTES ? at + SOURCE_ASK_BYTES : source->end;
     if (source->ask == at) return BVX_OK;

@@ -113,7 +113,6 @@ static bvx_status json_take_count(const json_lattice *l, uint32_t value, int32_t
     return BVX_OK;
 }
 
-/* Three numbers, into doubles or counts. */
 static bvx_status json_take_three(const json_lattice *l, uint32_t object, const char *key, double *doubles,
                                   int32_t *counts)
 {

@@ -359,8 +359,7 @@ static bvx_status nrrd_take_line(nrrd_head *h, const char *line, const char *end
     size_t const length = (size_t)(colon - line);
     for (size_t i = 0; i < sizeof nrrd_fields / sizeof nrrd_fields[0]; i++) {
         int32_t const which = bvxi_word_is(line, length, nrrd_fields[i].names);
-        /* One bit for each field, so that one that comes twice is refused; those that are left out, at the
-         * end, have one for each name. */
+        /* A bit for each field, so that doubles are refused; those left out, have one for each name. */
         size_t const bit = nrrd_fields[i].take == nrrd_field_ignored ? i + (size_t)which : i;
         if (which == 0) continue;
         if ((h->seen >> bit & 1) != 0) return bvxi_fail_expected(&h->source, line, "each field once");

@@ -56,7 +56,6 @@ PACK_64(pack_64_u16, uint16_t)
 PACK_64(pack_64_u32, uint32_t)
 PACK_64(pack_64_u64, uint64_t)
 
-/* Up to 64 numbers anywhere. */
 static uint64_t pack_few(const uint8_t *p, int64_t stride, uint32_t size, uint64_t mask, int32_t n)
 {
     uint64_t w = 0;

@@ -305,7 +305,6 @@ static bvx_status run_read_volume(bvx_context *context, const void *bytes, uint6
     /* Found before it is made: what is wrong with the head costs no memory. */
     BVXI_TRY(find_volume(&source, format, &dense));
     BVXI_TRY(make_volume(&source, &dense, &made));
-    /* Replaced only after success. */
     if (volume->owned == 1) bvx_volume_free(context, volume);
     *volume = made;
     return BVX_OK;

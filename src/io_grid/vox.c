@@ -25,7 +25,6 @@ static uint64_t vox_at(const bvxi_grid_source *source, const uint8_t *p)
     return (uint64_t)(p - source->begin);
 }
 
-/* One chunk with content of n bytes. */
 static bvx_status vox_take_chunk(const bvxi_grid_source *source, const uint8_t *chunk, uint32_t n,
                                  vox_model *model)
 {

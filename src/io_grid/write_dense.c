@@ -247,8 +247,10 @@ static bvx_status run_write_field(bvx_context *context, const bvx_field *field, 
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_field_check(context, function, field));
     BVXI_TRY(bvxi_field_check_vectors(context, function, field, vectors));
+    if (format == BVX_FORMAT_VDB && vectors == 0) return bvxi_write_vdb(context, &field->band, field, file);
     if (format != BVX_FORMAT_NPY && format != BVX_FORMAT_NRRD && format != BVX_FORMAT_VTI)
-        return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: format %d holds no field; take NPY, NRRD or VTI",
+        return bvxi_fail(context, BVX_ERR_UNSUPPORTED,
+                         "%s: format %d holds no such field; take NPY, NRRD, VTI or, of distances, VDB",
                          function, (int64_t)format);
     w.grid = &field->band;
     w.bytes = field->value_type == BVX_F32 ? 4 : 8;

@@ -101,7 +101,6 @@ static void json_three(bvxi_output *out, const char *name, const double value[3]
 static void json_string(bvxi_output *out, const char *text)
 {
     static const char hex[] = "0123456789abcdef";
-
     bvxi_output_text(out, "\"");
     for (const char *p = text; *p != 0; p++) {
         uint8_t const c = (uint8_t)*p;
@@ -132,7 +131,6 @@ static size_t json_inner(const char *array, const char **inner)
 static int json_names(const char *array, const char *name)
 {
     size_t const n = array != NULL ? bvxi_text_length(array) : 0, length = bvxi_text_length(name);
-
     for (size_t i = 0; i + length + 2 <= n; i++)
         if (array[i] == '"' && array[i + 1 + length] == '"' && memcmp(array + i + 1, name, length) == 0)
             return 1;
@@ -143,7 +141,6 @@ static int json_names(const char *array, const char *name)
 static void json_copy(bvxi_output *out, const char *name, const char *array)
 {
     const char *inner;
-
     if (json_inner(array, &inner) == 0) return; /* glTF has no empty arrays */
     json_name(out, name);
     bvxi_output_text(out, array);
@@ -314,7 +311,6 @@ static void glb_put_mesh(const bvxi_glb_file *file, uint64_t level, uint64_t *nu
 static void glb_put_meshes(const bvxi_glb_file *file, bvxi_output *out)
 {
     uint64_t number = 0;
-
     bvxi_output_text(out, "\"meshes\":[");
     for (uint64_t level = 0; level < file->levels; level++) {
         if (level > 0) bvxi_output_text(out, ",");

@@ -136,7 +136,6 @@ static inline double gltf_component(const uint8_t *p, int32_t type, int32_t norm
 static void gltf_element(const bvxi_gltf_array *a, const uint8_t *p, double v[4])
 {
     uint64_t const size = gltf_component_size(a->type);
-
     for (int32_t k = 0; k < a->components; k++)
         v[k] = p != NULL ? gltf_component(p + (uint64_t)k * size, a->type, a->normalized) : 0.0;
 }

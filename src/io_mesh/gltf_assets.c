@@ -58,7 +58,6 @@ static const char *gltf_put_array(const bvxi_json *j, const char *member, bvxi_o
 {
     uint32_t const array = bvxi_json_member(j, 0, member);
     const char *const text = gltf_put_place(out);
-
     if (bvxi_json_kind(j, array) != BVXI_JSON_ARRAY) return NULL;
     gltf_put_raw(j, array, out);
     bvxi_output_add(out, "", 1);
@@ -190,7 +189,6 @@ static void gltf_put_file(const bvxi_gltf *f, bvx_assets *assets, bvxi_output *o
     bvxi_output_text(out, "]");
     for (uint32_t k = 1; k < j->value[0].next; k = j->value[k + 1].next) {
         int left_out = 0;
-
         for (int i = 0; i < 4; i++) left_out |= bvxi_json_is(j, k, without[i]);
         if (left_out) continue;
         bvxi_output_text(out, ",");
@@ -213,7 +211,6 @@ static void gltf_lay_out(const bvxi_gltf *f, bvx_assets *assets, bvxi_asset_imag
     assets->extensions_used = gltf_put_extensions(&f->json, out);
     for (uint32_t i = 0; i < f->list_count[BVXI_GLTF_IMAGE]; i++) {
         bvxi_asset_image image;
-
         image.members = gltf_put_members(f, i, out);
         image.bytes = (const uint8_t *)gltf_put_place(out);
         image.size = f->image[i].size;

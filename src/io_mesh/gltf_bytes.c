@@ -133,7 +133,6 @@ static void gltf_name_of_uri(const bvxi_gltf *f, uint32_t uri, char shown[64])
 {
     uint32_t size, n;
     const char *const text = bvxi_json_text(&f->json, uri, &size);
-
     n = size < 60 ? size : 60;
     memcpy(shown, text, n);
     memcpy(shown + n, size > 60 ? "..." : "", size > 60 ? 4 : 1);

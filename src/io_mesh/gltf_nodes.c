@@ -90,7 +90,6 @@ static bvx_status gltf_local(const bvxi_gltf *f, uint32_t node, bvxi_gltf_world 
 static bvx_status gltf_node_named(const bvxi_gltf *f, int list, uint64_t i, uint32_t value, uint32_t *node)
 {
     double const v = bvxi_json_number(&f->json, value);
-
     *node = 0;
     if (bvxi_json_kind(&f->json, value) != BVXI_JSON_NUMBER || !(v >= 0.0) ||
         !(v < (double)f->list_count[BVXI_GLTF_NODE]) || v != (double)(uint32_t)v)
@@ -103,7 +102,6 @@ static bvx_status gltf_node_named(const bvxi_gltf *f, int list, uint64_t i, uint
 static uint32_t gltf_children(const bvxi_gltf *f, uint32_t node, uint32_t *value)
 {
     uint32_t const array = bvxi_json_member(&f->json, f->list[BVXI_GLTF_NODE][node], "children");
-
     *value = array + 1;
     return bvxi_json_kind(&f->json, array) == BVXI_JSON_ARRAY ? bvxi_json_count(&f->json, array) : 0;
 }

@@ -76,7 +76,6 @@ static bvx_status off_take_integer(off_file *f, const char *expected, int64_t *v
 {
     const char *const end = f->source->end, *const at = off_skip(f->p, end);
     const char *p = at;
-
     if (!bvxi_take_integer(&p, end, value) || !off_word_ends(p, end))
         return bvxi_fail_expected(f->source, at, expected);
     f->p = p;
@@ -450,7 +449,6 @@ static bvx_status off_take_faces(off_file *f)
 bvx_status bvxi_read_off(bvxi_source *source, bvx_mesh *mesh)
 {
     off_file f = {0};
-
     f.source = source;
     f.mesh = mesh;
     BVXI_TRY(off_take_keyword(&f));

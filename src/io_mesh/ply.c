@@ -69,7 +69,6 @@ static bvx_status ply_take_all(ply_file *f)
 {
     const ply_header *const h = f->header;
     const ply_element *last = h->vertex;
-
     /* Elements after the last wanted one are not even stepped over: their rows may be broken. */
     if (h->face > last) last = h->face;
     if (h->strips > last) last = h->strips;

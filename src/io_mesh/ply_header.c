@@ -102,11 +102,10 @@ static bvx_status ply_take_element(const bvxi_source *s, ply_line *line, ply_hea
 {
     ply_element *const e = &h->elements[h->element_count];
     const char *word;
-    size_t n;
     memset(e, 0, sizeof *e);
     e->name_size = ply_word(line, &e->name);
     if (e->name_size == 0) return bvxi_fail_expected(s, e->name, "an element's name");
-    n = ply_word(line, &word);
+    size_t n = ply_word(line, &word);
     /* A count of too many digits stops growing while it is large: the bytes refuse it later. */
     for (size_t i = 0; i < n; i++) {
         if (word[i] < '0' || word[i] > '9') n = 0;
@@ -183,11 +182,10 @@ static bvx_status ply_take_property(const bvxi_source *s, ply_line *line, ply_he
 {
     ply_property *const property = &h->properties[h->property_count];
     const char *const start = line->p, *word;
-    size_t n;
     if (h->element_count == 0) return ply_fail_line(s, start, "a property before any element");
     ply_element *const e = &h->elements[h->element_count - 1];
     memset(property, 0, sizeof *property);
-    n = ply_word(line, &word);
+    size_t n = ply_word(line, &word);
     /* Where the word is not 'list', it is read once more, as a type. */
     int const is_list = ply_is(word, n, "list");
     if (is_list) BVXI_TRY(ply_take_type(s, line, 1, &property->count_type));

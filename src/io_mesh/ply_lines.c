@@ -47,7 +47,6 @@ static void count_ply_piece(void *user, int32_t index)
 {
     const ply_file *const f = user;
     ply_piece *const piece = &f->pieces[index];
-
     piece->line = count_newlines(piece->begin, piece->end);
     /* The last line of a file may lack its end. */
     if (piece->end == f->source->end && piece->end > piece->begin && piece->end[-1] != '\n') piece->line++;
@@ -152,7 +151,6 @@ static void count_before_ply_pieces(ply_file *f, int32_t first, int32_t last)
     for (int32_t i = first; i <= last; i++) {
         ply_piece *const piece = &f->pieces[i];
         uint64_t const three = piece->triangles, more = piece->polygons;
-
         piece->triangles = triangles;
         piece->polygons = polygons;
         triangles += three;

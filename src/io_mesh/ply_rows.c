@@ -38,7 +38,6 @@ bvx_status bvxi_ply_fail_end(const ply_file *f, const ply_element *e, uint64_t r
 bvx_status bvxi_ply_fail_finite(const ply_file *f, const char *at, uint64_t row, int32_t role)
 {
     static const char *const names[] = {"coordinate", "colour", "texture coordinate"};
-
     if (f->source->ctx == NULL) return BVX_ERR_FORMAT;
     return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
                          "PLY: %s %u (%s %u) has a %s that is not finite",

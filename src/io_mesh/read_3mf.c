@@ -291,7 +291,7 @@ static bvx_status add_vertex(model_file *f, model_resource *o, const double p[3]
     return BVX_OK;
 }
 
-static bvx_status add_triangle(model_file *f, model_resource *o, const double v[3], uint64_t label)
+static bvx_status add_3mf_triangle(model_file *f, model_resource *o, const double v[3], uint64_t label)
 {
     uint32_t corners[4] = {0, 0, 0, (uint32_t)label};
 
@@ -326,7 +326,7 @@ static bvx_status take_triangle(model_file *f, model_resource *o)
     for (int k = 1; k < 3 && bvxi_xml_attribute(&f->xml, "p1", &first); k++)
         if (bvxi_xml_attribute(&f->xml, properties[k], &text) && !bvxi_xml_same(first, text))
             *f->lost |= BVX_LOST_ATTRIBUTES;
-    return add_triangle(f, o, v, label);
+    return add_3mf_triangle(f, o, v, label);
 }
 
 /* A copy of an object, x' = x m[0] + y m[3] + z m[6] + m[9], after all ranges. A mirror turns triangles. */
@@ -354,7 +354,7 @@ static bvx_status add_copy(model_file *f, model_resource *to, const model_resour
         const uint32_t *const c = f->corners + 4 * i;
         double const v[3] = {first + c[mirrors ? 2 : 0], first + c[1], first + c[mirrors ? 0 : 2]};
 
-        BVXI_TRY(add_triangle(f, to, v, c[3]));
+        BVXI_TRY(add_3mf_triangle(f, to, v, c[3]));
     }
     return BVX_OK;
 }
@@ -453,7 +453,7 @@ static bvx_status take_tag(model_file *f)
 }
 
 /* <vertex x="1" y="2" z="3"/> or <triangle v1="0" v2="1" v3="2"/>, which most of a file is, up to another tag. */
-static bvx_status take_run(model_file *f, int vertices)
+static bvx_status take_3mf_run(model_file *f, int vertices)
 {
     static const char *const before[2][3] = {{"<triangle v1=\"", "\" v2=\"", "\" v3=\""},
                                              {"<vertex x=\"", "\" y=\"", "\" z=\""}};
@@ -475,7 +475,7 @@ static bvx_status take_run(model_file *f, int vertices)
         if (end - p < 4 || *p != '"') return BVX_OK;
         p += p[1] == ' ' ? 2 : 1;
         if (p[0] != '/' || p[1] != '>') return BVX_OK;
-        BVXI_TRY(vertices ? add_vertex(f, o, v) : add_triangle(f, o, v, o->label));
+        BVXI_TRY(vertices ? add_vertex(f, o, v) : add_3mf_triangle(f, o, v, o->label));
         f->xml.p = p + 2;
         BVXI_TRY(bvxi_source_at(&f->xml.source, f->xml.p));
     }
@@ -494,8 +494,8 @@ static bvx_status read_part(model_file *f)
         if (f->xml.event == BVXI_XML_END) return BVX_OK;
         if (f->xml.event == BVXI_XML_OPEN) BVXI_TRY(take_tag(f));
         if (f->xml.depth != 5 || f->xml.is_empty) continue;
-        if (bvxi_xml_is_at(&f->xml, "model/resources/object/mesh/vertices")) BVXI_TRY(take_run(f, 1));
-        if (bvxi_xml_is_at(&f->xml, "model/resources/object/mesh/triangles")) BVXI_TRY(take_run(f, 0));
+        if (bvxi_xml_is_at(&f->xml, "model/resources/object/mesh/vertices")) BVXI_TRY(take_3mf_run(f, 1));
+        if (bvxi_xml_is_at(&f->xml, "model/resources/object/mesh/triangles")) BVXI_TRY(take_3mf_run(f, 0));
     }
 }
 
@@ -528,7 +528,7 @@ static bvx_status make_mesh(const model_file *f, bvx_mesh *mesh)
 }
 
 /* As glTF has them. A name that JSON would write otherwise is left out. */
-static void put_materials(const model_file *f, bvxi_output *out)
+static void put_3mf_materials(const model_file *f, bvxi_output *out)
 {
     for (uint64_t i = 0; i < f->label_count; i++) {
         const model_label *const l = &f->labels[i];
@@ -560,13 +560,13 @@ bvx_status bvxi_read_3mf(bvxi_source *source, const bvx_read_options *options, u
     BVXI_TRY(make_mesh(&f, mesh));
     if (f.label_count == 0) return BVX_OK;
 
-    put_materials(&f, &out);
+    put_3mf_materials(&f, &out);
     BVXI_TRY(bvxi_alloc_zero(f.ctx, BVXI_RESULT, sizeof *a + out.size, "the materials", &a));
     a->block_bytes = sizeof *a + out.size;
     a->material_count = f.label_count;
     a->materials = (const char *)(a + 1);
     out = (bvxi_output){.bytes = (uint8_t *)(a + 1)};
-    put_materials(&f, &out);
+    put_3mf_materials(&f, &out);
     mesh->assets = a;
     return BVX_OK;
 }

@@ -450,7 +450,6 @@ static bvx_status gltf_take_values(gltf_target *t, uint32_t accessor, int which)
     static bvxi_gltf_put *const put[GLTF_ATTRIBUTES] = {gltf_put_position, gltf_put_normal, gltf_put_uv,
                                                         gltf_put_uv2, gltf_put_colour};
     bvxi_gltf_array a;
-
     BVXI_TRY(bvxi_gltf_array_of(&t->r->f, accessor, &a));
     if (which == GLTF_COLOUR) a.normalized = 1;
     return bvxi_gltf_each(&t->r->f, accessor, &a,
@@ -562,7 +561,6 @@ static bvx_status gltf_choose_type(gltf_reader *r, int32_t *type)
         for (uint32_t k = 0; k < m->count; k++) {
             uint32_t const accessor = r->primitive[m->first + k].attribute[GLTF_POSITION];
             bvxi_gltf_array a;
-
             if (r->primitive[m->first + k].shares) continue;
             BVXI_TRY(bvxi_gltf_array_of(&r->f, accessor, &a));
             BVXI_TRY(bvxi_gltf_each(&r->f, accessor, &a, gltf_put_bounds, &t));
@@ -655,7 +653,6 @@ bvx_status bvxi_read_gltf(bvxi_source *source, const bvx_read_options *options, 
     uint64_t const mark = bvxi_scratch_begin(source->ctx);
     gltf_reader r = {.f = {.source = source, .options = options}, .out = mesh};
     bvx_status const status = gltf_read_all(&r);
-
     /* The lists of what is open are scratch, so they go after it. */
     bvxi_gltf_close(&r.f);
     *lost = r.f.lost;

@@ -112,7 +112,6 @@ static bvx_status run_read_points(bvx_context *context, const void *bytes, uint6
 {
     bvxi_source source = {0};
     bvx_mesh made = {0};
-    bvx_status status;
 
     if (points == NULL) return bvxi_fail_null(context, read_points_name, "points");
     BVXI_TRY(bvxi_check_bytes(context, read_points_name, bytes, size));
@@ -127,7 +126,7 @@ static bvx_status run_read_points(bvx_context *context, const void *bytes, uint6
     source.ctx = context;
     source.begin = bytes;
     source.end = source.begin + (size_t)size;
-    status = BVXI_SCOPE(context, read_points_as(&source, format, &made));
+    bvx_status const status = BVXI_SCOPE(context, read_points_as(&source, format, &made));
     if (status != BVX_OK) {
         bvx_mesh_free(context, &made);
         return status;

@@ -203,7 +203,6 @@ static bvx_status soup_plant_tree(stl_soup *s)
     bvxi_drop(ctx, s->table);
     s->table = NULL;
     BVXI_TRY(bvxi_key_tree_open(ctx, &s->tree, soup_key, s, s->vertex_room));
-
     /* The tree is filled in the order of vertices, so that their numbers stay what they are. */
     for (uint64_t v = 0; v < s->vertex_count; v++) bvxi_key_tree_find(&s->tree, v);
     return BVX_OK;
@@ -377,9 +376,8 @@ static bvx_status stl_take_corner(const bvxi_source *s, const char **p, uint32_t
 static const char *stl_skip_notes(const char *p, const char *end)
 {
     for (;;) {
-        const char *next;
         while (p < end && bvxi_is_blank(*p)) p++;
-        next = p;
+        const char *next = p;
         if (p == end || *p == '\n' || *p == '\r' || stl_take(&next, end, "facet") ||
             stl_take(&next, end, "endsolid"))
             return p;
@@ -488,7 +486,6 @@ bvx_status bvxi_read_stl(bvxi_source *source, bvx_mesh *mesh)
     stl_soup soup = {0};
     uint64_t count;
     int binary;
-    bvx_status status;
 
     BVXI_TRY(stl_tell_apart(source, &binary, &count));
     if (binary && count == 0)
@@ -496,7 +493,7 @@ bvx_status bvxi_read_stl(bvxi_source *source, bvx_mesh *mesh)
     if (count > INT32_MAX && binary)
         return bvxi_fail_for(source->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "STL: the file has %u triangles, the limit is below 2^31", count);
-    status = stl_read(&soup, source, binary, count, mesh);
+    bvx_status const status = stl_read(&soup, source, binary, count, mesh);
     bvxi_free(source->ctx, soup.triangles, soup.triangle_room * 12);
     return status;
 }

@@ -114,7 +114,6 @@ static size_t glb_source(const bvxi_glb *glb, uint64_t vertex)
 static void glb_position(const bvxi_glb *glb, uint64_t vertex, double p[3])
 {
     const bvxi_file_frame *const frame = glb->frame;
-
     bvxi_world_position(glb->mesh, glb_source(glb, vertex), p);
     for (int a = 0; a < 3; a++) {
         if (frame->step > 0.0) p[a] = bvxi_frame_steps(frame, a, p[a]);
@@ -174,7 +173,6 @@ static uint8_t *glb_put_colours(const void *user, uint64_t begin, uint64_t end, 
 static uint8_t *glb_put_uv(const float uv[2], int32_t component, uint8_t *at)
 {
     double const pair[2] = {(double)uv[0], 1.0 - (double)uv[1]};
-
     for (int a = 0; a < 2; a++) {
         if (component == BVXI_GLB_U16) bvxi_store_u16(at + 2 * a, (uint16_t)(pair[a] * UINT16_MAX + 0.5));
         else bvxi_store_f32(at + 4 * a, (float)pair[a]);
@@ -284,11 +282,10 @@ static bvx_status glb_make_file(bvx_context *ctx, const bvxi_glb_file *glb, bvx_
     uint64_t const parts = glb->levels * GLB_PARTS + bvxi_glb_images(glb) * 2;
     bvxi_output json = {0};
     bvxi_file_part *part;
-    uint64_t head;
 
     /* Counted first, as the length of the description decides where the arrays begin. */
     bvxi_glb_put_json(glb, &json);
-    head = GLB_HEAD + bvxi_glb_padded(json.size) + GLB_CHUNK;
+    uint64_t const head = GLB_HEAD + bvxi_glb_padded(json.size) + GLB_CHUNK;
     BVXI_TRY(bvxi_glb_check_size(ctx, head + bvxi_glb_padded(glb->end), glb->levels));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, parts * sizeof *part, "the list of arrays", &part));
     glb_list_parts(glb, part);
@@ -343,12 +340,11 @@ static bvx_status glb_group_triangles(bvx_context *ctx, uint64_t materials, bvxi
 {
     const uint32_t *const of = materials != 0 ? level->mesh->materials : NULL;
     uint64_t const triangles = level->mesh->triangle_count;
-    uint64_t *next;
 
     /* Group g is counted at g + 2 and its triangles are placed from g + 1 on, which is then where it ends. */
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (materials + 3) * sizeof *level->group,
                              "the triangles of each material", &level->group));
-    next = level->group + 1;
+    uint64_t *const next = level->group + 1;
     if (of == NULL) {
         next[materials] = triangles;
         return BVX_OK;

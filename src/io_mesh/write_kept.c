@@ -30,7 +30,6 @@ static bvx_status primitive_of(bvx_context *ctx, const bvx_assets *assets, const
 
     while (high - low > 1) {
         uint64_t const middle = low + (high - low) / 2;
-
         if (parts[middle].base <= v[0]) low = middle;
         else high = middle;
     }

@@ -19,7 +19,6 @@ static int lattice_number_ok(double v)
 bvx_status bvxi_lattice_check(bvx_context *ctx, const char *function, const bvx_lattice *lattice)
 {
     static const char axis_name[3][2] = {"x", "y", "z"};
-
     if (lattice == NULL) return bvxi_fail_null(ctx, function, "lattice");
     for (int32_t a = 0; a < 3; a++) {
         if (!lattice_number_ok(lattice->origin[a]))

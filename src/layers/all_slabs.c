@@ -33,8 +33,7 @@ typedef struct slabs_job {
     uint64_t *vertex, *triangle; /* where each slab's begin */
 } slabs_job;
 
-/* Vertices that all loops of the slab's cells have together, about: a
- * ring's points once a cell, crossings twice, heights four times. */
+/* Vertices of all loops in the slab's cells: a ring's points once, crossings twice, heights four times. */
 static void count_slab_piece(void *user, uint64_t begin, uint64_t end)
 {
     slabs_job *const job = user;
@@ -48,8 +47,7 @@ static void count_slab_piece(void *user, uint64_t begin, uint64_t end)
         slab->lines = 0;
         for (uint64_t k = 0; k < words; k++) slab->lines += bvxi_popcount(below[k] ^ above[k]);
         heights = (uint64_t)slab->lines + slab->hanging_count;
-        /* Places of the ring and crossings; of a nesting level about those of its own loops, of which each arc ends
-         * at one crossing. */
+        /* Places of the ring and crossings; of a nesting level about those of its loops: one an arc. */
         for (int k = 0; k < 2; k++) {
             const bvxi_plane *const p = slab->plane[k];
             rings += p->whole == NULL ? (uint64_t)p->ring_count + p->cut_count

@@ -78,11 +78,9 @@ double bvxi_blend_zero(const bvxi_blend *b, const double f[BVXI_BLEND_SECTIONS])
     for (int i = 0; i < BLEND_STEPS; i++) {
         double const value = first + t * (c[0] + t * (c[1] + t * c[2]));
         double const slope = c[0] + t * (2.0 * c[1] + t * 3.0 * c[2]);
-
         if (value == 0.0) return t;
 
-        /* The zero stays between low and high, since the cubic has one sign at each; so a wild step of
-         * Newton's cannot lose it. */
+        /* The zero stays between low and high, whatever Newton does: the cubic has one sign at each. */
         if ((value > 0.0) == (first > 0.0)) low = t;
         else high = t;
         double next = slope != 0.0 ? t - value / slope : low;

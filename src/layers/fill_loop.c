@@ -84,8 +84,7 @@ static int fill_four(const bvxi_trace *l, uint32_t *first)
 
 /* ---- a strip ---- */
 
-/* A loop of one stretch below and one above: below and above hold their
- * corners, side by side. Returns how many lie below, 0 for another loop. */
+/* A loop of one stretch below and one above: their corners. Returns how many lie below, or 0. */
 static uint32_t find_stretches(const bvxi_trace *l, uint32_t *below, uint32_t *above)
 {
     uint32_t const n = l->count;

@@ -9,8 +9,7 @@
 
 enum { PLAIN_ABOVE = 4, PLAIN_OVER = 8, PLAIN_PLACES = 12, PLAIN_NONE = 0xff, PLAIN_OPEN = 0xfe };
 
-/* From one crossing (low four bits) to the other: 0 below, 1 right, 2 above, 3 left. Bits of the number:
- * inside at the left and right corner below, then above. */
+/* From crossing (low four bits) to crossing: 0 below, 1 right, 2 above, 3 left. Index: corners inside. */
 static const uint8_t plain_strip[16] = {PLAIN_NONE, 0x03, 0x10, 0x13, 0x32, 0x02, PLAIN_OPEN, 0x12, 0x21,
                                         PLAIN_OPEN, 0x20, 0x23, 0x31, 0x01, 0x30, PLAIN_NONE};
 

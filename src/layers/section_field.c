@@ -44,8 +44,7 @@ static int is_nothing(const bvxi_field *f, int k)
     return bvxi_plane_is_nothing(f->slab->plane[k]);
 }
 
-/* Where the part of plane k that is nearest to a place ends before the
- * other plane: its depth, and the distance to it; else 0. */
+/* Depth of the part of plane k nearest to a place, if it ends before the other plane, and distance; or 0. */
 static double ending_part(bvxi_field *f, int k, double u, double v, double *distance)
 {
     const bvxi_plane *const p = f->slab->plane[k];
@@ -140,8 +139,7 @@ static int ending_line(bvxi_field *f, int from, double u, double v, double d[2])
     return 1;
 }
 
-/* Where the blend is 0, as a share of the way: distances on both planes, with signs on those beyond. from:
- * the plane on which the place is inside. */
+/* Where the blend is 0, as a share of the way. Beyond distances have signs. from: the plane inside. */
 static double line_zero(const bvxi_field *f, int from, const double d[BVXI_BLEND_SECTIONS])
 {
     double value[BVXI_BLEND_SECTIONS];

@@ -203,8 +203,7 @@ static bvx_status trace_loop(shift_lattice *l, int32_t i, int32_t j)
 
 /* ---- sections ---- */
 
-/* The grid's cells halved until the thinnest part that moves is some of them wide; half a cell aside, so
- * that no crossing lies on a line of the grid. */
+/* Cells halved until the thinnest moving part is some of them wide; half a cell aside, off its lines. */
 static void lay_shift_lattice(shift_lattice *l)
 {
     const bvxi_stack *const s = l->s;

@@ -163,8 +163,7 @@ static shift_near find_near_disc(bvxi_discs on[2], const uint8_t *met, uint32_t 
     return near;
 }
 
-/* The nearest pair of all is joined, until none is left. What was nearest to each disc is looked for again
- * only when another has taken it. */
+/* The nearest pair is joined, until none is left. A disc's nearest is found anew when it was taken. */
 static void join_nearest(bvxi_discs on[2], uint8_t *met, uint32_t *joined, shift_near *near, double reach)
 {
     for (uint32_t i = 0; i < on[0].count; i++)
@@ -215,8 +214,7 @@ static void number_groups(bvxi_disc_groups *g, bvxi_discs on[2], uint32_t *joine
         for (uint32_t i = 0; i < on[k].count; i++) add_to_group(g, on, k, i);
 }
 
-/* One disc on either plane: by how much it moves, and in how many steps, so that what follows each other
- * overlaps by most of its width. */
+/* One disc on either plane: how far it moves, in how many steps so that neighbours overlap by most of it. */
 static void set_shift(bvxi_disc_groups *g, bvxi_discs on[2], bvxi_disc_group *group, double reach)
 {
     const bvxi_disc *const a = &on[0].disc[group->first[0]], *const b = &on[1].disc[group->first[1]];

@@ -74,8 +74,7 @@ static bvx_status join_pair(bvxi_trace *t, int k, uint32_t first, uint32_t secon
     }
     BVXI_TRY(bvxi_trace_add_point(t, *vertex, (uint32_t)BVXI_FACE_SIDE << side, &point));
 
-    /* counter-clockwise around the strip from P to Q inside: P to Q. Below
-     * the strip's order is counter-clockwise, above not. */
+    /* counter-clockwise around the strip from P to Q inside: P to Q. The strip's order is that below. */
     if ((k == 0) == !inside_before) {
         link_points(t, first, point);
         link_points(t, point, second);

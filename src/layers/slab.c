@@ -23,8 +23,7 @@ static bvx_status order_hanging(bvxi_split_work *w, bvxi_slab *slab)
     BVXI_TRY(BVXI_RESERVE(w->s, w->order, n, w->order_room, what));
     BVXI_TRY(BVXI_RESERVE(w->s, w->sorted, n, w->sorted_room, what));
 
-    /* By the second coordinate and then the first, which also brings equal points together: two cells of one
-     * side report the same corner. */
+    /* By the second coordinate, then the first: equal points come together, as two cells report one. */
     for (uint32_t i = 0; i < n; i++) {
         w->key[i] = hanging_key(&slab->hanging[i], 1);
         w->order[i] = i;
@@ -154,8 +153,7 @@ static const bvxi_plane *plane_beyond(const bvxi_stack *s, const bvxi_slab *slab
     return b->level == 0 ? whole : NULL;
 }
 
-/* Between neighbours; towards an empty plane half the way; beyond the ends
- * half a spacing when they taper. nothing: a plane without loops. */
+/* Between neighbours; to an empty plane half the way; beyond tapers half a spacing. nothing: no loops. */
 static uint32_t lay_slabs(bvxi_stack *s, bvxi_slab *slabs, bvxi_plane *nothing)
 {
     uint32_t const n = s->plane_count;

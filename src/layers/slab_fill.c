@@ -10,8 +10,7 @@ static uint64_t row_word_up(const uint64_t *row, int32_t i, int32_t words)
     return row[i] >> 1 | (i + 1 < words ? row[i + 1] << 63 : 0);
 }
 
-/* Cells of a row that the surface may cross: corners whose line is crossed,
- * contours, corners unlike each other where the field decides. */
+/* Cells of a row that the surface may cross: crossed lines, contours, unlike corners. */
 static void find_active(bvxi_slab_work *w, int32_t j)
 {
     bvxi_stack *const s = w->s;
@@ -19,8 +18,7 @@ static void find_active(bvxi_slab_work *w, int32_t j)
     size_t const low = (size_t)j * (size_t)words, high = low + (size_t)words;
     const uint64_t *const c = w->field.crossed;
 
-    /* A word for 64 cells: a cell is active when any of its four corner lines is, two of which are its
-     * neighbour's bits shifted by one. */
+    /* A word for 64 cells: active when any of four corner lines is, two of them the neighbour's bits. */
     for (int32_t i = 0; i < words; i++)
         w->row[i] = c[low + (size_t)i] | c[high + (size_t)i] | row_word_up(c + low, i, words) |
                     row_word_up(c + high, i, words);

@@ -52,8 +52,7 @@ static bvx_status add_hanging_nodes(bvxi_trace *t, int side)
     return BVX_OK;
 }
 
-/* What a corner is on the cell's own levels, from the planes' and from the
- * layer in which its height is crossed (in inside[0]). */
+/* What a corner is on the cell's own levels, from the planes and the layer of its crossing (in inside[0]). */
 static void level_node(bvxi_trace_node *n, int32_t layer)
 {
     int32_t const crossed = n->inside[0];

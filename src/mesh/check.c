@@ -95,8 +95,7 @@ static void add_round(collector *w, double *area, double *volume)
         }
 }
 
-/* Keep the triangles with three different vertices, after welding; their
- * bounds, area, and volume about the centre of the bounds low and high. */
+/* Keep triangles of three vertices after welding; their bounds, area, and volume about the bounds' centre. */
 static bvx_status collect_triangles(bvx_context *ctx, checker *c, double progress, const double low[3],
                                     const double high[3])
 {

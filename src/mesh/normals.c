@@ -62,8 +62,7 @@ bvx_status bvxi_sum_normals(bvx_context *ctx, const bvx_mesh_view *view, double 
     return BVX_OK;
 }
 
-/* Facets have their own normals or, as the paper on surface modelling in section data fields shades them, the
- * mean of those of their three vertices. */
+/* Facets have their own normals or, as papers.md 5 shades them, the mean of their three vertices'. */
 static const char normals_name[] = "bvx_mesh_normals";
 
 static bvx_status run_mesh_normals(bvx_context *context, const bvx_mesh_view *mesh, int32_t averaged,

@@ -14,8 +14,7 @@
 enum {
     ORIENT_LIMBS = 66,
     ORIENT_SUM_LIMBS = 3 * ORIENT_LIMBS + 1,
-    /* Differences have one more. Of two axes together: products of two differences fit 63, and three products with the
-     * third axis 126. */
+    /* Products of two axes' differences fit 63 bits, with the third axis 126. */
     ORIENT_FEW_BITS = 60
 };
 

@@ -134,8 +134,7 @@ static int32_t meet_triangle(const uint32_t c[3], const double p[3][3], const in
     return left[0] ? -1 : 1;
 }
 
-/* Count the crossings of one axis or, once there is room for them, list them. Of a ray that says nothing only
- * so many are listed that it shows. */
+/* Count the crossings of one axis or list them, of a ray that says nothing only so many that it shows. */
 static void cross_rays(side_rays *r, const int axis[3], int list)
 {
     int const u = axis[1], v = axis[2];

@@ -171,7 +171,6 @@ static void list_border(patch_work *w, uint64_t at, uint64_t n)
     w->border_count += n;
 }
 
-/* Number the patches; returns how many. */
 static uint64_t number_patches(patch_work *w, uint32_t *number)
 {
     uint32_t count = 0, differs;
@@ -184,8 +183,7 @@ static uint64_t number_patches(patch_work *w, uint32_t *number)
     return count;
 }
 
-/* Patches that face inward beside others: closed meshes have none that the rule for inside does not tell,
- * unless the triangles are the first ones of two. */
+/* Patches that face inward beside others: closed meshes have none, unless these are the first of two. */
 static bvx_status turn_whole_patches(bvx_context *ctx, patch_work *w)
 {
     bvxi_patch_sides in = {.view = w->view, .centre = w->centre, .corner = w->corner, .turn = w->out->turn};

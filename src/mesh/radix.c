@@ -22,7 +22,6 @@ static void swap_radix_arrays(radix_arrays *a)
 {
     uint64_t *const keys = a->key_from;
     uint32_t *const numbers = a->number_from;
-
     a->key_from = a->key_to;
     a->key_to = keys;
     a->number_from = a->number_to;
@@ -33,7 +32,6 @@ static void swap_radix_arrays(radix_arrays *a)
 static uint64_t differing_bits(const uint64_t *keys, uint64_t count)
 {
     uint64_t bits = 0;
-
     for (uint64_t i = 1; i < count; i++) bits |= keys[i] ^ keys[0];
     return bits;
 }
@@ -46,11 +44,9 @@ static void move_radix_elements(const radix_arrays *a, uint64_t begin, uint64_t 
     const uint32_t *const number_from = a->number_from;
     uint64_t *const key_to = a->key_to;
     uint32_t *const number_to = a->number_to;
-
     for (uint64_t i = begin; i < end; i++) {
         uint64_t const key = key_from[i];
         uint32_t const to = place[key >> shift & 255]++;
-
         key_to[to] = key;
         number_to[to] = number_from[i];
     }
@@ -69,7 +65,6 @@ static void count_radix_piece(void *user, int32_t index)
     uint32_t *BVXI_RESTRICT const count = p->place[index];
     int32_t const shift = p->shift;
     uint64_t begin, end;
-
     bvxi_piece(p->all.count, p->pieces, index, &begin, &end);
     memset(count, 0, sizeof p->place[index]);
     for (uint64_t i = begin; i < end; i++) count[keys[i] >> shift & 255]++;
@@ -79,7 +74,6 @@ static void move_radix_piece(void *user, int32_t index)
 {
     radix_pass *const p = user;
     uint64_t begin, end;
-
     bvxi_piece(p->all.count, p->pieces, index, &begin, &end);
     move_radix_elements(&p->all, begin, end, p->shift, p->place[index]);
 }
@@ -88,7 +82,6 @@ static void move_radix_piece(void *user, int32_t index)
 static void place_radix_pieces(radix_pass *p)
 {
     uint32_t sum = 0;
-
     for (int v = 0; v < RADIX_VALUES; v++)
         for (int32_t i = 0; i < p->pieces; i++) {
             uint32_t const n = p->place[i][v];

@@ -14,8 +14,7 @@ enum { SHARP_MOST = 500000 }; /* meshes of more triangles are scans */
 #define SHARP_COSINE 0.766
 #define BENT_COSINE  0.966
 
-/* Of the length of all edges: enough where few are bent, and enough anyhow
- * (machine parts of coarse cylinders). To one of bent ones. */
+/* Of the length of all edges: where few are bent, and anyhow (coarse cylinders). To one of bent ones. */
 #define SHARP_SHARE        0.01
 #define SHARP_SHARE_ANYHOW 0.1
 #define SHARP_TO_BENT      2.0

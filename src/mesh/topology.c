@@ -183,8 +183,7 @@ static int is_of_range(const topology *c, uint32_t h, uint64_t from)
     return c->corners[half_edge_before(h)] >= from;
 }
 
-/* The triangles of an edge, along its ring. Those of the range are nobody else's; pairs with others are kept
- * where entries were that have been read. */
+/* The triangles of an edge, along its ring; pairs with others take the place of entries already read. */
 static void join_around_edge(const topology *c, uint32_t first, uint64_t from, uint64_t *waiting,
                              topology_counts *counts)
 {
@@ -272,7 +271,6 @@ static int walk_fan(const topology *c, uint32_t v, uint32_t h, uint32_t from, ui
     for (;;) {
         uint32_t const over = c->ring[h];
         uint32_t corner;
-        /* The edge has one triangle only: the fan ends here. */
         if (over == h) return 0;
         if (c->corners[over] == v) { /* the neighbour leaves v over this edge: its other edge at v comes in */
             corner = over;

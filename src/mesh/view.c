@@ -283,8 +283,7 @@ static int indices_within(const unsigned char *at, size_t n, uint32_t last)
                                  : block_passes(at, n, last) == 0;
 }
 
-/* Look through all triangles: *within says whether every number is a
- * vertex, the result whether each of the wanted vertices is used. */
+/* All triangles: *within is whether every index is a vertex, the result whether all wanted are used. */
 static int triangles_mention(const bvx_mesh_view *v, uint32_t want[6], int *within)
 {
     const unsigned char *const p = v->indices;

@@ -83,7 +83,6 @@ static void grow_slice_along_x(const runs_job *job, const uint64_t *from, uint64
               grow_slice_avx2(from, &job->ends, job->around, out, job->slice));
 }
 
-/* out joined with a and b. */
 static void join_two(const runs_job *job, uint64_t *out, const uint64_t *a, const uint64_t *b, size_t words)
 {
     BVXI_PATH(job->cpu == BVX_CPU_AVX2, join_words_loop(out, a, b, words), join_words_avx2(out, a, b, words));

@@ -37,7 +37,6 @@ static int32_t first_target(const bvxi_target_row *row, int32_t x)
     int32_t const words = bvxi_row_words(row->size);
     int32_t k = x >> 6;
     if (k >= words) return -1;
-    /* Targets before x are not looked at. */
     uint64_t w = target_word(row, k) & ~UINT64_C(0) << (x & 63);
     while (w == 0) {
         if (++k == words) return -1;

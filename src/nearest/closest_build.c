@@ -139,8 +139,7 @@ static void order_short_runs(void *user, int32_t index)
     const closest_builder *const b = user;
     uint64_t const stop = b->run[index + 1];
     uint64_t end;
-    /* Few share a key, so a look at the neighbours is all that most of them cost; those of the next piece are
-     * not looked at, as they change meanwhile. */
+    /* Few share a key, so most cost a look at the neighbours; those of the next piece change meanwhile. */
     for (uint64_t first = b->run[index]; first < stop; first = end) {
         end = end_of_its_run(b, first, stop);
         if (end - first == 1) continue;
@@ -149,8 +148,7 @@ static void order_short_runs(void *user, int32_t index)
     }
 }
 
-/* 1 when more than twice CLOSEST_FEW triangles have one key: of so many, two that are CLOSEST_FEW apart stand
- * at multiples of it. */
+/* 1 when more than 2 CLOSEST_FEW triangles have one key: two of these stand at multiples of CLOSEST_FEW. */
 static int has_long_run(const closest_builder *b)
 {
     for (uint64_t i = CLOSEST_FEW; i < b->tree->triangle_count; i += CLOSEST_FEW)
@@ -163,8 +161,7 @@ static bvx_status order_by_positions(bvx_context *ctx, closest_builder *b)
 {
     uint64_t const n = b->tree->triangle_count;
 
-    /* Long runs take memory to be sorted, which tasks cannot request. Meshes have none, unless most of their
-     * triangles lie in a speck. */
+    /* Sorting long runs takes memory, which tasks cannot request. Only meshes within a speck have them. */
     if (has_long_run(b)) {
         uint64_t end;
         for (uint64_t first = 0; first < n; first = end) {

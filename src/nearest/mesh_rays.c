@@ -82,8 +82,7 @@ static int open_ray(const bvxi_closest_tree *tree, const double *ray, mesh_ray *
 
 /* ---- One triangle ---- */
 
-/* On which side of the line the edge from a to b passes: 1 or -1, and 0 where both ends lie on it, or beyond the place
- * where they would meet. */
+/* On which side of the line the edge from a to b passes: 1, -1, or 0 where both ends lie on it or beyond. */
 static int edge_side(const mesh_ray *r, const double a[3], const double b[3])
 {
     int const side = bvxi_orient(r->q, a, b, r->o);

@@ -22,8 +22,7 @@ static inline float near_magnitude(float x)
     return x < 0.0f ? -x : x;
 }
 
-/* The error of distances to a leaf's triangles: in proportion to where its far corner is, and to where the
- * centres are; and a float's half unit of the feet's places. */
+/* The error of distances to a leaf's triangles: shares of its far corner and the centres, and rounding. */
 static inline float near_error(float far_corner, const bvxi_near_cell *cell)
 {
     float reach = far_corner;

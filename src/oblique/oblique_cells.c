@@ -357,8 +357,7 @@ static int straight_side(const bvxi_oblique *o, uint32_t v, uint32_t plane, doub
     return *height > BVXI_OBLIQUE_NEAR ? 1 : *height < -BVXI_OBLIQUE_NEAR ? -1 : 0;
 }
 
-/* A vertex is taken onto a plane by its nearness only where its edge crosses the plane: so no tetrahedron
- * ever lies in a plane with all its corners. */
+/* A near vertex is taken onto a plane only where its edge crosses it: no tetrahedron lies in a plane. */
 static int side_of_plane(bvxi_oblique *o, uint32_t v, uint32_t plane, double *height)
 {
     const bvxi_tetra_vertex *const x = &o->vertex[v];

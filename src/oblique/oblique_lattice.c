@@ -253,8 +253,7 @@ static void mark_segment(bvxi_oblique *o, const double a[3], const double b[3])
     }
 }
 
-/* What a stretch of a contour sweeps on its way from (a, b) to where it is moved, (c, d): there the plane
- * says another thing afterwards. */
+/* What a stretch of a contour sweeps from (a, b) to (c, d): there the plane says another thing afterwards. */
 static void mark_sweep(bvxi_oblique *o, const double a[3], const double b[3], const double c[3],
                        const double d[3])
 {
@@ -283,8 +282,7 @@ static void mark_sweep(bvxi_oblique *o, const double a[3], const double b[3], co
     }
 }
 
-/* A segment as given, and from knot to knot what it sweeps on its way to them; after: the one behind it,
- * whose first point may be moved. */
+/* A segment and what it sweeps from knot to knot; after: the next one, whose first point may move. */
 static void mark_moved_segment(bvxi_oblique *o, uint32_t plane, uint32_t segment, uint32_t after,
                                const double a[3], const double b[3])
 {

@@ -132,8 +132,7 @@ static uint32_t block_beside(const bvxi_oblique *o, uint32_t known, int corner, 
     return o->block_at[at] < 0 ? BVXI_NONE : (uint32_t)o->block_at[at];
 }
 
-/* A bit of the kinds of the block's vertices, moved on by the ways of a cell's corners: [0] is the block's
- * own. Of one body it is their signs. */
+/* A bit of the block's vertices' kinds, moved to a cell's corners: [0] is the block's own. */
 static void bits_around(const bvxi_oblique *o, uint32_t known, uint32_t bit, uint64_t moved[8])
 {
     const uint64_t *const inside = o->inside + (uint64_t)bit * o->known_count;

@@ -31,8 +31,7 @@ static int bulge_slope(const double segment[2], const double beside[2], double *
     double const dot = segment[0] * beside[0] + segment[1] * beside[1];
     double const cross = segment[0] * beside[1] - segment[1] * beside[0];
     if (!(dot > BULGE_CORNER * own * other)) return 0;
-    /* The tangent of half the turn, as on a circle with equal segments. The longer of two takes less: a long
-     * one beside a short one is a straight line that ends there. */
+    /* The tangent of half the turn, as on a circle with equal segments. The longer of two takes less. */
     *slope = cross / (own * other + dot) * (2.0 * (own < other ? own : other) / (own + other));
     return 1;
 }

@@ -121,8 +121,7 @@ static void open_link(link_work *w)
     w->large.most = 0;
 }
 
-/* 1: the vertex's sign makes a bridge or a hole, and the other one does not. Inside around the vertex has the
- * Euler number 1 where its sign changes nothing. */
+/* 1: only this sign makes a bridge or hole. The Euler number inside is 1 where its sign changes nothing. */
 static int is_wrong_sign(const bvxi_oblique *o, const bvxi_look *look, uint32_t v)
 {
     int any, all, inside;
@@ -333,8 +332,7 @@ static uint32_t main_root(const bvxi_oblique *o, const bvxi_look *l, int sign, u
     return found;
 }
 
-/* A vertex that is not connected with those of its sign that are kept, or BVXI_NONE. Those inside come first: to
- * split them off opens and closes nothing. */
+/* A vertex not connected with the kept ones of its sign, or BVXI_NONE. Those inside come first. */
 static uint32_t find_torn(const bvxi_oblique *o, bvxi_look *l, uint32_t v)
 {
     uint32_t const plane = bvxi_first_plane(o, v);

@@ -398,29 +398,70 @@ static bvx_status drop_boolean_parts(boolean_job *job)
 
 /* ---- Closest points ---- */
 
+/* How far from a centre its body is looked for among nearby triangles at first [Units: largest spacings] */
+#define BOOLEAN_REACH 2.0
+
+static bvx_status measure_among(boolean_job *job, boolean_body *b, const bvx_mesh_view *mesh)
+{
+    /* ends of edges that the body crosses */
+    double const guess = bvxi_largest_spacing(&job->lattice) * (1 + 1e-6);
+    bvxi_nearest *nearest = NULL;
+
+    BVXI_TRY(bvxi_nearest_open(bvxi_call_of(job->ctx, boolean_name, "measure", 0.0, 0.3), mesh, &job->lattice,
+                               &nearest));
+    bvxi_nearest_prefer_planes(nearest);
+    BVXI_TRY(
+        bvxi_nearest_fill(bvxi_call_of(job->ctx, NULL, "measure", 0.3, 1.0), nearest, guess, &b->values));
+    bvxi_nearest_close(job->ctx, nearest);
+    return BVX_OK;
+}
+
+/* Among the triangles near what is measured, where they are few: what lies within reach of a centre is nearer than all
+ * that is not among them. *all becomes 1 where that holds for each centre. */
+static bvx_status measure_nearby(boolean_job *job, boolean_body *b, int *all)
+{
+    double const reach = BOOLEAN_REACH * bvxi_largest_spacing(&job->lattice);
+    const double *const distances = b->values.distances;
+    bvx_mesh_view near;
+    uint32_t *corner;
+    bvx_status status = BVX_OK;
+
+    *all = 0;
+    BVXI_TRY(bvxi_triangles_near(job->ctx, b->mesh, &b->values.where, reach, 0, &near, &corner));
+    if (near.triangle_count != 0 && near.triangle_count <= b->mesh->triangle_count / 2) {
+        *all = 1;
+        status = measure_among(job, b, &near);
+        for (uint64_t i = 0; i < b->values.count && status == BVX_OK; i++) *all &= distances[i] <= reach;
+    }
+    /* None of them has an area. */
+    if (status == BVX_ERR_EMPTY) {
+        *all = 0;
+        status = BVX_OK;
+    }
+    bvxi_drop(job->ctx, corner);
+    return status;
+}
+
 static bvx_status measure_body(boolean_job *job, boolean_body *b)
 {
     bvx_context *const ctx = job->ctx;
-    /* ends of edges that the body crosses */
-    double const guess = bvxi_largest_spacing(&job->lattice) * (1 + 1e-6);
-    double const from = 0.05, part = 0.35;
     uint32_t const triangles = job->report.sharp ? BVXI_TRIANGLES : 0;
-    bvxi_nearest *nearest = NULL;
+    /* Only a part of the body bounds the result. Indices of triangles are those of the whole mesh. */
+    int const partly = triangles == 0 && (job->operation == BVX_BOOLEAN_INTERSECTION ||
+                                          (job->operation == BVX_BOOLEAN_DIFFERENCE && b == &job->body[1]));
+    int measured = 0;
 
     /* Only ends of edges on which the result and this body both change: all other centres would be measured
      * for nothing. */
     BVXI_TRY(bvxi_sparse_open(ctx, &job->inside, &b->values));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, from, bvxi_ends_mark(ctx, &job->inside, &b->solid, &b->values.where)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.05, bvxi_ends_mark(ctx, &job->inside, &b->solid, &b->values.where)));
     BVXI_TRY(bvxi_sparse_rank(ctx, &b->values));
     BVXI_TRY(bvxi_sparse_columns(ctx, &b->values, BVX_F64, BVXI_VECTORS | BVXI_DISTANCES | triangles));
 
     /* A body that does not bound the result anywhere needs no search tree. */
     if (b->values.count == 0) return BVX_OK;
-    BVXI_TRY(bvxi_nearest_open(bvxi_call_of(ctx, boolean_name, "measure", from, part), b->mesh, &job->lattice,
-                               &nearest));
-    bvxi_nearest_prefer_planes(nearest);
-    BVXI_TRY(bvxi_nearest_fill(bvxi_call_of(ctx, NULL, "measure", part, 1.0), nearest, guess, &b->values));
-    bvxi_nearest_close(ctx, nearest);
+    if (partly) BVXI_TRY(BVXI_SHARE(ctx, 0.05, 0.5, measure_nearby(job, b, &measured)));
+    if (!measured) BVXI_TRY(BVXI_SHARE(ctx, partly ? 0.5 : 0.05, 1.0, measure_among(job, b, b->mesh)));
     bvxi_thin_values(&b->thin, &b->values);
     return BVX_OK;
 }
@@ -504,6 +545,7 @@ static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
 
 #define BOOLEAN_OFF    0.02 /* of a volume */
 #define BOOLEAN_LIDDED 0.05 /* where lines of centres see it, which miss lids by half a voxel */
+#define BOOLEAN_CRUMBS 3    /* from which on a wall has broken */
 #define BOOLEAN_SHARED 1.25 /* the factor by which a shared volume counted in voxels may be off */
 
 /* The volume that both bodies share: the part of their voxels, of the smaller one of both volumes. */
@@ -678,6 +720,9 @@ static bvx_status warn_of_boolean(boolean_job *job, const bvx_mesh *result)
         bvxi_warn(job->ctx, BVX_WARN_APART, 0, NULL)->input = 1;
     if ((r->few & BVX_FEW_RESULT) != 0)
         BVXI_WARN(job->ctx, BVX_WARN_FEW_RESULT, bvxi_advised(r->advised_resolution));
+    /* Of walls that arise between both bodies: one or two come off acute edges. */
+    if (job->operation != BVX_BOOLEAN_UNION && r->crumbs >= BOOLEAN_CRUMBS)
+        BVXI_WARN(job->ctx, BVX_WARN_CRUMBS, (double)r->crumbs, finer);
     /* Their room is what the check needs. */
     for (int32_t i = 0; i < 2; i++) bvxi_sparse_close(job->ctx, &job->body[i].values);
     if (result->triangle_count != 0 && job->operation != BVX_BOOLEAN_INTERSECTION) {

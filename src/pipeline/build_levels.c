@@ -44,7 +44,7 @@ static const bvxi_option levels_rows[] = {
     BVXI_PARTS(bvx_levels_options),
     BVXI_COLLAPSE(bvx_levels_options),
     BVXI_SWITCH(bvx_levels_options, solid),
-    BVXI_AMONG(bvx_levels_options, sign, BVX_SIGNS_OF_REPAIR),
+    BVXI_AMONG(bvx_levels_options, sign, BVX_FILLS_OF_REPAIR),
     BVXI_CHOICE(bvx_levels_options, sharp, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS),
     BVXI_OR(bvx_levels_options, shell, ZERO_OR, LEVELS_SHELL, 1.5, 1e6),
 };
@@ -52,7 +52,7 @@ static const bvxi_option levels_rows[] = {
 /* Requested, or implied by an option that only a measured surface can follow. */
 static int wants_solid(const bvx_levels_options *o)
 {
-    return o->solid || o->fit.lattice != NULL || o->fit.resolution != 0 || o->sign != BVX_SIGN_AUTO ||
+    return o->solid || o->fit.lattice != NULL || o->fit.resolution != 0 || o->sign != BVX_FILL_AUTO ||
            o->sharp != BVX_SHARP_AUTO || o->shell != LEVELS_SHELL || o->parts.least_part != 0 ||
            o->parts.keep_largest != 0 || o->parts.least_cavity != 0 || o->parts.keep_crumbs;
 }

@@ -64,7 +64,6 @@ typedef struct flatten_job {
 static double reach_at(const bvxi_thin *thin, const int32_t at[3])
 {
     const bvx_grid *const g = &thin->near.where;
-
     /* Beyond the window lies no wall. */
     for (int a = 0; a < 3; a++)
         if (at[a] < 0 || at[a] >= g->size[a]) return 0;
@@ -82,7 +81,6 @@ static int changes_along(const bvxi_flat_body *body, const int32_t low[3], const
     for (int end = 0; end < 2; end++) {
         const int32_t *const at = end == 0 ? low : high;
         int within = 1;
-
         for (int a = 0; a < 3; a++) within &= at[a] >= 0 && at[a] < body->solid->size[a];
         side[end] = within && bvx_grid_get(body->solid, at[0], at[1], at[2]);
     }
@@ -101,7 +99,6 @@ static uint32_t thin_walls_at(const flatten_job *f, const double p[3])
     /* Between two centres along one axis, or on a centre: those ends differ along one axis at most. */
     for (int a = 0; a < 3; a++) {
         double const v = (p[a] - g->lattice.origin[a]) / g->lattice.spacing[a] - (double)g->low[a] - 0.5;
-
         low[a] = (int32_t)floor(v + FLATTEN_ON_EDGE);
         high[a] = (int32_t)floor(v + 1.0 - FLATTEN_ON_EDGE);
         axes += high[a] != low[a];
@@ -110,11 +107,10 @@ static uint32_t thin_walls_at(const flatten_job *f, const double p[3])
     if (axes > 1) return 0;
     for (int32_t b = 0; b < f->body_count; b++) {
         const bvxi_thin *const thin = f->bodies[b].thin;
-        double first, second;
 
         if (thin->near.where.words == NULL || !changes_along(&f->bodies[b], low, high)) continue;
-        first = reach_at(thin, low);
-        second = reach_at(thin, high);
+        double const first = reach_at(thin, low);
+        double const second = reach_at(thin, high);
         /* Beside a sheet nothing moves: it has no second side. */
         if (first < 0 || second < 0) return 0;
         if (first > 0 || second > 0) found |= UINT32_C(1) << b;
@@ -136,7 +132,6 @@ static uint64_t list_moved(flatten_job *f)
     bvx_mesh_view_of(f->mesh, &view);
     for (uint64_t v = 0; v < view.vertex_count; v++) {
         double p[3];
-
         world_position(f, &view, v, p);
         /* Numbers from 1; 0 stays where it is. */
         f->number[v] = thin_walls_at(f, p) != 0 ? (uint32_t)++count : 0;
@@ -154,12 +149,11 @@ static void aim_piece(void *user, int32_t piece)
     bvx_mesh_view_of(f->mesh, &view);
     bvxi_piece(view.vertex_count, f->pieces, piece, &begin, &end);
     for (uint64_t v = begin; v < end; v++) {
-        flatten_vertex *m;
         bvx_closest_point q;
         double p[3];
 
         if (f->number[v] == 0) continue;
-        m = &f->moved[f->number[v] - 1];
+        flatten_vertex *const m = &f->moved[f->number[v] - 1];
         world_position(f, &view, v, p);
         /* Each body's walls aim at its own mesh. */
         if ((thin_walls_at(f, p) >> f->asked & 1) == 0) continue;
@@ -182,7 +176,6 @@ static void aim_piece(void *user, int32_t piece)
 static int32_t block_along(const flatten_job *f, int axis, double p)
 {
     double const b = (p - f->block_origin[axis]) * f->block_scale[axis];
-
     if (!(b > 0)) return 0;
     return b < (double)f->block_size[axis] ? (int32_t)b : f->block_size[axis] - 1;
 }
@@ -201,7 +194,6 @@ static void blocks_of(const flatten_job *f, const bvx_mesh_view *all, const uint
         for (int end = 0; end < 2; end++)
             for (int a = 0; a < 3; a++) {
                 int32_t const at = block_along(f, a, p[end][a]);
-
                 if ((k == 0 && end == 0) || at < low[a]) low[a] = at;
                 if ((k == 0 && end == 0) || at > high[a]) high[a] = at;
             }
@@ -338,7 +330,6 @@ static bvx_status open_around(flatten_job *f)
 static void read_positions(flatten_job *f)
 {
     bvx_mesh_view all;
-
     bvx_mesh_view_of(f->mesh, &all);
     for (uint64_t v = 0; v < f->near.vertex_count; v++)
         bvxi_view_position(&all, f->vertex[v], f->position + 3 * v);
@@ -355,7 +346,6 @@ static void write_position(const flatten_job *f, const flatten_vertex *m)
         double const p = m->step == FLATTEN_STAYS ? m->from[a]
                                                   : m->from[a] + (m->to[a] - m->from[a]) * share[m->step];
         uint64_t const i = 3 * (uint64_t)m->vertex + (uint64_t)a;
-
         if (f->mesh->position_type == BVX_F32) ((float *)f->mesh->positions)[i] = (float)p;
         else ((double *)f->mesh->positions)[i] = p;
     }
@@ -365,10 +355,9 @@ static void write_position(const flatten_job *f, const flatten_vertex *m)
 static void mark_vertex(flatten_job *f, uint64_t v)
 {
     uint32_t const number = f->number[f->vertex[v]];
-    flatten_vertex *m;
 
     if (number == 0) return;
-    m = &f->moved[number - 1];
+    flatten_vertex *const m = &f->moved[number - 1];
     /* It cannot go back further, or does already. */
     if (m->step == FLATTEN_STAYS || m->back) return;
     m->back = 1;
@@ -392,7 +381,6 @@ static int reach_of_triangle(const flatten_job *f, uint64_t t, int32_t low[3], i
         changed |= number != 0 && f->moved[number - 1].changed;
         for (int a = 0; a < 3; a++) {
             int32_t const at = block_along(f, a, f->position[3 * (uint64_t)v + (uint64_t)a]);
-
             if (k == 0 || at < low[a]) low[a] = at;
             if (k == 0 || at > high[a]) high[a] = at;
         }
@@ -455,7 +443,6 @@ static void mark_flat(flatten_job *f, const bvx_mesh_view *view)
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         double p[3][3];
         const double *const corner[3] = {p[0], p[1], p[2]};
-
         bvxi_view_corners(view, t, p);
         if (!bvxi_has_area(corner)) mark_triangle(f, f->part[t]);
     }
@@ -516,7 +503,6 @@ static bvx_status move_vertices(flatten_job *f)
 static bvx_status aim_at_body(flatten_job *f, int32_t body)
 {
     double const from = 0.3 * body / f->body_count, to = 0.3 * (body + 1) / f->body_count;
-    bvx_status status;
 
     if (f->bodies[body].thin->near.where.words == NULL) return BVX_OK;
     f->asked = body;
@@ -524,7 +510,7 @@ static bvx_status aim_at_body(flatten_job *f, int32_t body)
     /* Searched anew: a tree kept since the walls were found would be there when memory is scarcest. */
     BVXI_TRY(bvxi_closest_open(bvxi_call_of(f->ctx, f->function, "thin", from, from + (to - from) / 3),
                                &f->bodies[body].thin->mesh, &f->closest));
-    status = bvxi_each(f->ctx, "thin", from + (to - from) / 3, to, f->pieces, aim_piece, f);
+    bvx_status const status = bvxi_each(f->ctx, "thin", from + (to - from) / 3, to, f->pieces, aim_piece, f);
     bvxi_closest_shut(f->ctx, &f->closest);
     return status;
 }
@@ -565,7 +551,6 @@ bvx_status bvxi_move_apart(bvx_context *ctx, const char *function, const bvx_gri
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, count * sizeof *f.moved, "the vertices that move", &f.moved));
     for (uint64_t v = 0; v < view.vertex_count; v++) {
         flatten_vertex *const m = number[v] != 0 ? &f.moved[number[v] - 1] : NULL;
-
         if (m == NULL) continue;
         bvxi_view_position(&view, v, m->from);
         memcpy(m->to, to + 3 * v, sizeof m->to);

@@ -153,11 +153,9 @@ static bvx_status count_level(bvx_context *ctx, lod_job *job, int32_t resolution
 
 static void report_lod(const lod_job *job, const level_work *w, const bvx_mesh *mesh)
 {
-    bvx_lod_report *report;
-
     /* Reports are made only where the caller has room for them. */
     if (job->options->reports == NULL) return;
-    report = &job->options->reports[job->level];
+    bvx_lod_report *const report = &job->options->reports[job->level];
     memset(report, 0, sizeof *report);
     for (int32_t a = 0; a < 3; a++) {
         report->resolution[a] = w->samples.axis[a].count;

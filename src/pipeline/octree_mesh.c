@@ -105,7 +105,6 @@ static void choose_for_block(octree_mesh_job *job, const int32_t b[3])
 static bvx_status visit_block(octree_mesh_job *job, const int32_t b[3])
 {
     int holds = 0;
-
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, job->part == NULL ? 1.0 : 0.1, block_may_hold(job, b, &holds)));
     if (!holds) return BVX_OK;
     if (job->part != NULL) return BVXI_SHARE(job->ctx, 0.1, 1.0, extract_block(job, b));

@@ -6,11 +6,14 @@
  * overlap it has less. Boxes say quickly what cannot lie within what; voxels, filled by two rules that
  * differ in nothing else, say whether something does.  Sums are taken around the middle of the mesh, so that
  * far coordinates keep their digits. */
+#include "mesh/cross.h"
 #include "mesh/view.h"
+#include "nearest/closest.h"
 #include "pipeline/repair.h"
 
 enum {
-    MOST_TURNED = 4096 /* pieces beyond which none is turned: pairs of boxes would take long */
+    MOST_TURNED = 4096, /* pieces beyond which none is turned: pairs of boxes would take long */
+    MOST_RAYS = 1 << 24 /* times triangles that are looked at */
 };
 
 static void add_to_piece(bvxi_mesh_piece *s, const double p[3][3])
@@ -152,5 +155,108 @@ bvx_status bvxi_fill_twice(bvx_context *ctx, const bvx_mesh_view *mesh, const bv
         o.fill = rule[i];
         BVXI_TRY(BVXI_SHARE(ctx, 0.5 * i, 0.5 * (i + 1), bvx_voxelize_solid(ctx, mesh, lattice, &o, &grid)));
     }
+    return BVX_OK;
+}
+
+/* ---- Bodies ---- */
+
+typedef struct apart_job {
+    const bvx_mesh_view *mesh;
+    bvxi_mesh_piece *pieces;
+    uint64_t count, bodies;
+    uint32_t *group;  /* of each vertex, to be joined; at first its piece's mark */
+    uint32_t *number; /* of each vertex: its piece */
+    uint8_t *odd;     /* of each piece: a ray crosses it an odd number of times */
+} apart_job;
+
+/* Which pieces a ray from one, aslant to all that is modelled, is in, of those whose boxes hold it. */
+static void cast_from(apart_job *job, const bvxi_mesh_piece *from, const double beyond[3])
+{
+    double p[3], q[3][3];
+    const double *const ray[3] = {p, beyond, beyond}, *const triangle[3] = {q[0], q[1], q[2]};
+
+    memset(job->odd, 0, (size_t)job->count);
+    bvxi_view_position(job->mesh, from->mark, p);
+    for (uint64_t t = 0; t < job->mesh->triangle_count; t++) {
+        uint32_t c[3], n;
+
+        bvxi_view_triangle(job->mesh, t, c);
+        n = job->number[c[0]];
+        if (!is_within_box(from, &job->pieces[n])) continue;
+        for (int k = 0; k < 3; k++) bvxi_view_position(job->mesh, c[k], q[k]);
+        job->odd[n] ^= (uint8_t)bvxi_triangles_cross(triangle, ray);
+    }
+}
+
+/* Boxes alone decide where rays would take long. */
+static void join_enclosed(apart_job *job, const double beyond[3])
+{
+    uint64_t rays = 0;
+
+    for (uint64_t n = 0; n < job->count; n++)
+        for (uint64_t m = 0, cast = 0; m < job->count; m++) {
+            if (!is_within_box(&job->pieces[n], &job->pieces[m])) continue;
+            if (!cast && rays < MOST_RAYS / job->mesh->triangle_count) {
+                cast_from(job, &job->pieces[n], beyond);
+                rays += cast = 1;
+            }
+            if (!cast || job->odd[m])
+                job->bodies -= (uint64_t)bvxi_join(job->group, (uint32_t)job->pieces[n].mark,
+                                                   (uint32_t)job->pieces[m].mark);
+        }
+}
+
+static bvx_status join_crossing(bvx_context *ctx, const char *function, apart_job *job,
+                                const bvxi_welded *welded)
+{
+    uint64_t pairs = 0;
+    uint32_t *pair, a[3], b[3];
+
+    BVXI_TRY(bvxi_mesh_crossings(ctx, function, welded, &pairs, NULL, 0));
+    if (pairs == 0) return BVX_OK;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, pairs * 8, "the crossing triangles", &pair));
+    BVXI_TRY(bvxi_mesh_crossings(ctx, function, welded, &pairs, pair, pairs));
+    for (uint64_t i = 0; i < pairs; i++) {
+        bvxi_view_triangle(job->mesh, pair[2 * i], a);
+        bvxi_view_triangle(job->mesh, pair[2 * i + 1], b);
+        job->bodies -= (uint64_t)bvxi_join(job->group, a[0], b[0]);
+    }
+    return BVX_OK;
+}
+
+bvx_status bvxi_bodies_apart(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                             uint64_t *bodies)
+{
+    static const double aslant[3] = {0.3719, 0.6131, 0.2357};
+    uint64_t const bytes = mesh->vertex_count * 4;
+    bvxi_welded welded = {.view = mesh};
+    apart_job job = {.mesh = mesh};
+    bvxi_piece_marks by = {0};
+    bvx_certificate of;
+    uint32_t *representative;
+    double beyond[3];
+
+    *bodies = 0;
+    bvxi_view_used_bounds(mesh, of.box.low, of.box.high);
+    memcpy(welded.low, of.box.low, sizeof welded.low);
+    memcpy(welded.high, of.box.high, sizeof welded.high);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' places", &representative));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' pieces", &job.group));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the pieces' numbers", &job.number));
+    BVXI_TRY(bvxi_weld(ctx, mesh, representative, &welded.different));
+    welded.representative = representative;
+    bvxi_pieces(mesh, representative, job.group);
+    by.piece = job.group;
+    BVXI_TRY(bvxi_mesh_pieces_open(ctx, mesh, &by, &of, &job.pieces, &job.count));
+    if (job.count > MOST_TURNED) return BVX_OK;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job.count, "the pieces around", &job.odd));
+    for (uint64_t n = 0; n < job.count; n++) job.number[job.pieces[n].mark] = (uint32_t)n;
+    for (uint64_t v = 0; v < mesh->vertex_count; v++) job.number[v] = job.number[job.group[v]];
+
+    for (int a = 0; a < 3; a++) beyond[a] = of.box.high[a] + aslant[a] * (of.box.high[a] - of.box.low[a]);
+    job.bodies = job.count;
+    join_enclosed(&job, beyond);
+    BVXI_TRY(join_crossing(ctx, function, &job, &welded));
+    *bodies = job.bodies;
     return BVX_OK;
 }

@@ -81,11 +81,9 @@ static uint64_t room_for_planned(const bvx_context *ctx, const bvx_mesh_view *me
 {
     uint64_t const limit = bvxi_memory_limit(ctx);
     uint64_t const beside = bvx_memory_used(ctx) + 16 * mesh->vertex_count + 4 * mesh->triangle_count;
-    uint64_t room;
-
     /* Without a limit the most that is ever planned. */
     if (limit == 0) return PLAN_MOST_BYTES;
-    room = limit > beside ? (limit - beside) / 2 : 0;
+    uint64_t const room = limit > beside ? (limit - beside) / 2 : 0;
     return room < PLAN_MOST_BYTES ? room : PLAN_MOST_BYTES;
 }
 

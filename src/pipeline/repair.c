@@ -13,7 +13,7 @@
 #include <math.h>
 
 static const bvxi_option repair_rows[] = {
-    BVXI_CHOICE(bvx_repair_options, sign, 0, BVX_SIGN_COUNT - 1),
+    BVXI_AMONG(bvx_repair_options, sign, BVX_FILLS_OF_REPAIR),
     BVXI_RESERVED(bvx_repair_options, fit.reserved),
     BVXI_PLACING(bvx_repair_options),
     BVXI_PARTS(bvx_repair_options),
@@ -26,13 +26,7 @@ static const bvxi_option repair_rows[] = {
 
 static bvx_status check_repair_choices(bvx_context *ctx, bvx_repair_options *o)
 {
-    BVXI_TRY(bvxi_check_options(ctx, bvxi_repair_name, o, BVXI_OPTIONS(repair_rows)));
-    if ((BVX_SIGNS_OF_REPAIR >> o->sign & 1) == 0)
-        return bvxi_fail_for(
-            ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
-            "%s: sign %d is by normals, which are wrong beyond holes; take auto, exact, winding or vote",
-            bvxi_repair_name, (int64_t)o->sign);
-    return BVX_OK;
+    return bvxi_check_options(ctx, bvxi_repair_name, o, BVXI_OPTIONS(repair_rows));
 }
 
 static bvx_status check_repair_lattice(bvx_context *ctx, bvx_repair_options *o)

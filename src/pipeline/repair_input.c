@@ -43,7 +43,7 @@ static bvx_status turn_flipped(bvxi_repair_job *job, const double low[3], const 
                                job->report.before.duplicates != 0, patches));
     if (patches->unorientable != 0 || (patches->odd_edges == 0 && patches->open_edges != 0)) {
         /* What only shows once triangles are there once each does not count. */
-        if (job->report.before.flipped_edges != 0) *sign = BVX_SIGN_VOTE;
+        if (job->report.before.flipped_edges != 0) *sign = BVX_FILL_VOTE;
         bvxi_patches_close(job->ctx, patches);
     } else if (patches->turned != 0) {
         /* Scratch may be there from leaving out copies. */
@@ -64,17 +64,14 @@ static bvx_status choose_sign(bvxi_repair_job *job, const double low[3], const d
     int32_t sign = job->options->sign;
 
     /* Winding numbers need triangles of one mind; where none were flipped only whole patches are turned. */
-    if (sign == BVX_SIGN_AUTO) {
+    if (sign == BVX_FILL_AUTO) {
         const bvx_certificate *const c = &job->report.before;
 
-        sign = BVX_SIGN_WINDING;
+        sign = BVX_FILL_WINDING;
         if (c->flipped_edges != 0 || c->duplicates != 0 || (c->boundary_edges != 0 && c->components > 1))
             BVXI_TRY(turn_flipped(job, low, high, representative, &sign));
     }
-    job->report.sign = sign;
-    job->fill = sign == BVX_SIGN_EXACT  ? BVX_FILL_PARITY
-                : sign == BVX_SIGN_VOTE ? BVX_FILL_VOTE
-                                        : BVX_FILL_WINDING;
+    job->report.sign = job->fill = sign;
     return BVX_OK;
 }
 
@@ -109,7 +106,7 @@ static bvx_status check_given(bvxi_repair_job *job, const double low[3], const d
     bvx_certificate *const r = &job->report.before;
     /* Where bodies touch at vertices, pieces that are inside out are distinguished by edges. */
     int const edges_alone = job->options->report == NULL && !job->options->if_needed &&
-                            job->options->sign != BVX_SIGN_AUTO;
+                            job->options->sign != BVX_FILL_AUTO;
     bvxi_welded welded = {.view = job->given, .representative = representative};
 
     memcpy(welded.low, low, sizeof welded.low);
@@ -229,7 +226,7 @@ static bvx_status judge_marked(bvxi_repair_job *job, const uint32_t *representat
     for (uint64_t n = 0; n < count && by->part != NULL; n++)
         if (known->open[pieces[n].mark]) pieces[n].volume6 = 0;
     if (known->open_edges == 0) job->facts.parts_volume = bvxi_mesh_pieces_volume(pieces, count);
-    if (job->options->sign == BVX_SIGN_AUTO && count > 1)
+    if (job->options->sign == BVX_FILL_AUTO && count > 1)
         BVXI_TRY(turn_inside_out(job, representative, by, pieces, count));
     bvxi_drop(job->ctx, pieces);
     return BVX_OK;
@@ -254,7 +251,7 @@ static bvx_status take_pieces(bvxi_repair_job *job, const uint32_t *representati
         BVXI_TRY(bvxi_patches_open(job->ctx, &job->mesh, representative, centre, 0, &job->patches));
     by.piece = job->piece;
     by.part = job->patches.part;
-    if (job->report.sign != BVX_SIGN_VOTE) BVXI_TRY(judge_marked(job, representative, &by));
+    if (job->report.sign != BVX_FILL_VOTE) BVXI_TRY(judge_marked(job, representative, &by));
     bvxi_patches_close(job->ctx, &job->patches);
     return BVX_OK;
 }

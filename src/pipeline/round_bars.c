@@ -55,7 +55,6 @@ static const uint32_t *bar_corners(const bar_job *b, uint64_t t)
 static void bar_triangle(const bar_job *b, uint64_t t, double p[3][3], double n[3])
 {
     double u[3], v[3];
-
     for (int k = 0; k < 3; k++) memcpy(p[k], b->place + 3 * (uint64_t)bar_corners(b, t)[k], sizeof p[k]);
     for (int a = 0; a < 3; a++) {
         u[a] = p[1][a] - p[0][a];
@@ -76,7 +75,6 @@ static int ends_along(const bar_job *b, const double p[3], const double way[3])
 
         for (int a = 0; a < 3; a++) {
             double const v = p[a] + way[a] * step - g->low[a];
-
             if (!(v >= 0 && v < (double)g->size[a])) return 1;
             at[a] = (int32_t)v;
         }
@@ -112,7 +110,6 @@ static void place_bar_vertices(bar_job *b)
     bvx_mesh_view_of(b->surface, &view);
     for (uint64_t v = 0; v < b->vertices; v++) {
         double *const p = b->place + 3 * v;
-
         bvxi_view_position(&view, v, p);
         for (int a = 0; a < 3; a++) p[a] = (p[a] + b->surface->frame[a] - l->origin[a]) / l->spacing[a];
     }
@@ -127,7 +124,6 @@ static void sum_bar_areas(bar_job *b)
         size = bvxi_vec_length(n);
         for (int k = 0; k < 3; k++) {
             double *const sum = b->sums + 4 * (uint64_t)bar_corners(b, t)[k];
-
             for (int a = 0; a < 3; a++) sum[a] += n[a];
             sum[3] += size;
         }
@@ -141,7 +137,6 @@ static void number_bars(bar_job *b)
     for (uint64_t v = 0; v < b->vertices; v++) {
         double *const sum = b->sums + 4 * v, length = bvxi_vec_length(sum);
         int const bent = length > 0 && length < BAR_EVEN * sum[3];
-
         for (int a = 0; bent && a < 3; a++) sum[a] /= length;
         sum[3] = 0;
         b->number[v] = (uint32_t)(bent && is_on_bar(b, b->place + 3 * v, sum));
@@ -150,7 +145,6 @@ static void number_bars(bar_job *b)
     for (uint64_t t = 0; b->count != 0 && t < b->surface->triangle_count; t++) {
         const uint32_t *const c = bar_corners(b, t);
         double const bent = (b->number[c[0]] & b->number[c[1]] & b->number[c[2]]) != 0 ? 2 : -1;
-
         for (int k = 0; k < 3; k++) b->sums[4 * (uint64_t)c[k] + 3] += bent;
     }
     b->count = 0;
@@ -167,7 +161,6 @@ static void list_bars(bar_job *b)
     }
     for (uint64_t t = 0; t < b->surface->triangle_count; t++) {
         const uint32_t *const c = bar_corners(b, t);
-
         if ((b->number[c[0]] | b->number[c[1]] | b->number[c[2]]) != 0)
             b->triangle[b->triangles++] = (uint32_t)t;
     }
@@ -199,7 +192,6 @@ static void way_to_mesh(const bar_job *b, const double at[3], uint32_t *hint, do
     const bvx_lattice *const l = &b->inside->lattice;
     bvx_closest_point found;
     double p[3];
-
     for (int a = 0; a < 3; a++) p[a] = at[a] * l->spacing[a] + l->origin[a];
     bvxi_closest_ask(&b->closest, p, hint, &found);
     for (int a = 0; a < 3; a++) off[a] = (found.position[a] - l->origin[a]) / l->spacing[a] - at[a];
@@ -209,7 +201,6 @@ static void look_from_vertices(void *user, uint64_t begin, uint64_t end)
 {
     const bar_job *const b = user;
     uint32_t hint = 0;
-
     for (uint64_t n = begin; n < end; n++)
         way_to_mesh(b, b->place + 3 * (uint64_t)b->bar[n].vertex, &hint, b->bar[n].off);
 }
@@ -301,7 +292,6 @@ static uint64_t list_targets(bar_job *b)
     for (uint64_t n = 0; n < b->count; n++) {
         const bar_vertex *const v = &b->bar[n];
         double *const p = b->place + 3 * (uint64_t)v->vertex;
-
         b->number[v->vertex] = bvxi_absolute(v->moved) >= BAR_LEAST ? (uint32_t)++count : 0;
         for (int a = 0; a < 3; a++) p[a] = p[a] * l->spacing[a] + l->origin[a] - b->surface->frame[a];
     }

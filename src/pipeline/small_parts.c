@@ -124,7 +124,6 @@ static uint64_t crumb_word(const crumb_job *job, int32_t k, int32_t y, int32_t z
 {
     const bvx_grid *const g = job->inside;
     uint64_t w;
-
     /* Beyond the window is not of the part. */
     if (k < 0 || y < 0 || z < 0 || k >= g->words_per_row || y >= g->size[1] || z >= g->size[2]) return 0;
     w = g->words[((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row + (size_t)k];
@@ -137,7 +136,6 @@ static uint64_t crumb_cores(const crumb_job *job, int32_t k, int32_t y, int32_t 
     uint64_t const w = crumb_word(job, k, y, z);
     uint64_t const left = w << 1 | crumb_word(job, k - 1, y, z) >> 63;
     uint64_t const right = w >> 1 | crumb_word(job, k + 1, y, z) << 63;
-
     return w & left & right & crumb_word(job, k, y - 1, z) & crumb_word(job, k, y + 1, z) &
            crumb_word(job, k, y, z - 1) & crumb_word(job, k, y, z + 1);
 }
@@ -165,7 +163,6 @@ static void mark_small_run(void *user, uint32_t space, int32_t begin, int32_t en
     crumb_job *const job = user;
     uint64_t *const row = job->small.words + ((size_t)z * (size_t)job->small.size[1] + (size_t)y) *
                                                  (size_t)job->small.words_per_row;
-
     if (!job->part[space].small) return;
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) row[k] |= bvxi_run_mask(begin, end, k);
 }
@@ -194,16 +191,13 @@ static void find_small_parts(crumb_job *job)
 /* 0: nothing, 1: a voxel of a large part, 2: of a small one. [Units: voxels of the window] */
 static int crumb_at(const crumb_job *job, const double at[3])
 {
-    uint64_t bit;
-    size_t word;
-
     /* Beyond the window: nothing, or the outside. */
     for (int a = 0; a < 3; a++)
         if (!(at[a] >= 0 && at[a] < (double)job->inside->size[a])) return job->empty;
-    bit = UINT64_C(1) << ((size_t)at[0] & 63);
-    word = ((size_t)at[2] * (size_t)job->inside->size[1] + (size_t)at[1]) *
-               (size_t)job->inside->words_per_row +
-           ((size_t)at[0] >> 6);
+    uint64_t const bit = UINT64_C(1) << ((size_t)at[0] & 63);
+    size_t const word = ((size_t)at[2] * (size_t)job->inside->size[1] + (size_t)at[1]) *
+                            (size_t)job->inside->words_per_row +
+                        ((size_t)at[0] >> 6);
     /* Not of the kind that parts are made of. */
     if (((job->inside->words[word] & bit) != 0) == (job->empty != 0)) return 0;
     return (job->small.words[word] & bit) != 0 ? 2 : 1;
@@ -220,13 +214,12 @@ static int crumb_beside(const crumb_job *job, const double p[3][3])
     if (!(length > 0)) return 0;
     for (int d = 0; d < 4; d++) {
         double at[3];
-        int found;
         /* The middle, and from there along the normal. */
         for (int a = 0; a < 3; a++)
             at[a] = ((p[0][a] + p[1][a] + p[2][a]) / 3.0 + n[a] / length * depth[d] * h - l->origin[a]) /
                         l->spacing[a] -
                     (double)job->inside->low[a];
-        found = crumb_at(job, at);
+        int const found = crumb_at(job, at);
         if (found != 0) return found;
     }
     return 0;
@@ -277,19 +270,17 @@ static void count_beside(crumb_job *job, int32_t s)
     const bvx_mesh_view *const mesh = job->source[s].mesh;
 
     for (uint64_t t = 0; t < mesh->triangle_count; t++) {
-        crumb_piece *piece;
         double p[3][3];
         uint32_t v[3];
-        int found;
 
         bvxi_view_triangle(mesh, t, v);
         /* By the piece of the first corner, as all three are of one. */
-        piece = &job->piece[s][job->source[s].piece[v[0]]];
+        crumb_piece *const piece = &job->piece[s][job->source[s].piece[v[0]]];
         if (2 * (uint64_t)piece->large > piece->triangles || 2 * (uint64_t)piece->small >= piece->triangles ||
             piece->large > piece->beside)
             continue;
         for (int k = 0; k < 3; k++) bvxi_view_position(mesh, v[k], p[k]);
-        found = crumb_beside(job, (const double(*)[3])p);
+        int const found = crumb_beside(job, (const double(*)[3])p);
         piece->large += found == 1;
         piece->small += found == 2;
     }
@@ -304,7 +295,6 @@ static void size_pieces(crumb_job *job)
         for (uint64_t t = 0; t < job->source[s].mesh->triangle_count; t++) {
             crumb_piece *piece;
             uint32_t v[3];
-
             bvxi_view_triangle(job->source[s].mesh, t, v);
             piece = &job->piece[s][job->source[s].piece[v[0]]];
             piece->triangles += piece->triangles != 0;
@@ -380,7 +370,6 @@ static bvx_status ask_meshes(crumb_job *job)
     BVXI_TRY(find_pieces_beside(job, reach, distance));
     for (uint64_t n = 0; n < job->spaces.count; n++) {
         int const is_far = job->part[n].small && !(distance[n] <= reach);
-
         if (is_far) distance[n] = HUGE_VAL;
         far += (uint64_t)is_far;
     }
@@ -399,9 +388,8 @@ static uint64_t judge_crumbs(crumb_job *job)
     /* The largest small part of each piece first. */
     for (uint64_t n = 0; n < job->spaces.count; n++) {
         const crumb_part *const p = &job->part[n];
-        crumb_piece *piece;
         if (!p->small) continue;
-        piece = &job->piece[p->source][p->piece];
+        crumb_piece *const piece = &job->piece[p->source][p->piece];
         if (piece->best == 0 || p->voxels > job->part[piece->best - 1].voxels) piece->best = (uint32_t)n + 1;
     }
     for (uint64_t n = 0; n < job->spaces.count; n++) {
@@ -421,7 +409,6 @@ static void flip_crumb_run(void *user, uint32_t space, int32_t begin, int32_t en
     crumb_job *const job = user;
     uint64_t *const row = job->inside->words + ((size_t)z * (size_t)job->inside->size[1] + (size_t)y) *
                                                    (size_t)job->inside->words_per_row;
-
     if (!job->part[space].dropped) return;
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) row[k] ^= bvxi_run_mask(begin, end, k);
 }

@@ -42,7 +42,6 @@ static void widen_places(thin_job *t)
             for (int32_t y = low[1]; y <= high[1]; y++)
                 for (int32_t x = low[0]; x <= high[0]; x++) {
                     uint64_t const bit = bvxi_centre_bit(g, x, y, z);
-
                     g->words[bit / 64] |= UINT64_C(1) << (bit & 63);
                 }
     }
@@ -71,14 +70,13 @@ static int gather_crumb(const thin_job *t, uint64_t from, uint64_t found[THIN_CR
         bvxi_bit_centre(g, found[n], at);
         for (int side = 0; side < 6; side++) {
             int32_t to[3] = {at[0], at[1], at[2]};
-            uint64_t bit;
             int known = 0;
 
             to[side / 2] += side % 2 * 2 - 1;
             if (to[side / 2] < 0 || to[side / 2] >= g->size[side / 2] ||
                 !bvx_grid_get(g, to[0], to[1], to[2]))
                 continue;
-            bit = bvxi_centre_bit(g, to[0], to[1], to[2]);
+            uint64_t const bit = bvxi_centre_bit(g, to[0], to[1], to[2]);
             for (int k = 0; k < count; k++) known |= found[k] == bit;
             if (known) continue;
             /* More than a few: no crumb. */
@@ -95,11 +93,9 @@ static void drop_thin_crumbs(thin_job *t)
     uint64_t found[THIN_CRUMB];
 
     for (uint64_t n = 0; n < t->walls->count; n++) {
-        int count;
-
         /* Not inside: nothing to take back. */
         if ((t->inside->words[t->walls->at[n] / 64] >> (t->walls->at[n] & 63) & 1) == 0) continue;
-        count = gather_crumb(t, t->walls->at[n], found);
+        int const count = gather_crumb(t, t->walls->at[n], found);
         for (int k = 0; k < count; k++) t->inside->words[found[k] / 64] &= ~(UINT64_C(1) << (found[k] & 63));
     }
 }
@@ -125,7 +121,6 @@ static bvx_status mend_walls(thin_job *t, uint64_t *near, int *more)
     BVXI_TRY(BVXI_SHARE(t->walls->ctx, 0.5, 1.0, bvxi_walls_ask(t->walls, 1.0)));
     for (uint64_t n = 0; n < t->walls->count; n++) {
         uint64_t const bit = UINT64_C(1) << (t->walls->at[n] & 63);
-
         if (t->walls->point[n].wall == BVXI_NO_WALL) continue;
         t->inside->words[t->walls->at[n] / 64] |= bit;
         *more = 1;
@@ -181,9 +176,7 @@ static bvx_status mend_all(thin_job *t, uint64_t *near, int *mended)
 /* The walls of the list of seeds. */
 static bvx_status widen(thin_job *t)
 {
-    bvxi_walls asked;
     uint64_t *near;
-    bvx_status status;
     int mended = 0;
 
     /* From here on only what lies around the walls matters; most places had none. */
@@ -200,11 +193,11 @@ static bvx_status widen(thin_job *t)
     memcpy(near, t->walls->places.words, (size_t)t->walls->bytes);
 
     /* The answers for all centres are kept while mending asks for some. */
-    asked = *t->walls;
+    bvxi_walls asked = *t->walls;
     t->walls->at = NULL;
     t->walls->point = NULL;
     t->walls->count = 0;
-    status = mend_all(t, near, &mended);
+    bvx_status const status = mend_all(t, near, &mended);
     bvxi_drop(t->walls->ctx, near);
 
     /* Without that, the first answers are still those of all centres. */
@@ -225,7 +218,6 @@ static bvx_status widen(thin_job *t)
 static void hand_on(thin_job *t)
 {
     bvxi_thin *const thin = t->thin;
-
     thin->corner = t->walls->corner;
     thin->corner_bytes = t->walls->corner_bytes;
     thin->mesh = t->walls->near;
@@ -235,7 +227,6 @@ static void hand_on(thin_job *t)
 bvx_status bvxi_thicken(bvxi_walls *walls, bvx_grid *inside, bvxi_thin *thin)
 {
     thin_job t;
-
     t.walls = walls;
     t.inside = inside;
     t.thin = thin;
@@ -256,7 +247,6 @@ void bvxi_thin_close(bvx_context *ctx, bvxi_thin *thin)
 void bvxi_thin_value(double thick, double vector[3], double *distance)
 {
     double const d = *distance, scale = d > 0 ? (d - thick) / d : 0;
-
     for (int a = 0; a < 3; a++) vector[a] *= scale;
     *distance = d - thick;
 }
@@ -280,10 +270,8 @@ void bvxi_thin_values(const bvxi_thin *thin, const bvxi_sparse *values)
         }
         for (uint64_t bits = where->words[i]; bits != 0; bits &= bits - 1, n++) {
             uint64_t const bit = bits & (~bits + 1);
-            double reach;
-
             if ((beside[i] & bit) == 0) continue;
-            reach = reaches[m + bvxi_popcount(beside[i] & (bit - 1))];
+            double const reach = reaches[m + bvxi_popcount(beside[i] & (bit - 1))];
             bvxi_thin_value((reach < 0 ? -reach : reach) * unit, vectors + 3 * n, &distances[n]);
         }
     }

@@ -15,8 +15,7 @@ typedef struct leaves_job {
     uint64_t place[BVXI_MOST_PIECES];
 } leaves_job;
 
-/* An octet on the way down. Those of its children that are split are consecutive octets a level down, so the
- * rank is looked up once, on entering, and then counted up. */
+/* An octet on the way down. Its split children are consecutive octets below: their rank is found once. */
 typedef struct leaf_step {
     uint64_t octet, next_split_octet;
     uint32_t next_child;

@@ -143,8 +143,7 @@ static void drop_octets(bvxi_refine_job *job, int32_t from)
     }
 }
 
-/* Levels that memory allowed: all that were made and leave room for their boundary states. What the step that
- * failed left behind since its mark does not count. */
+/* Levels that memory allowed, with their boundary states; leftovers of the failed step do not count. */
 static bvx_status fail_at_level(bvxi_refine_job *job, int32_t made, uint64_t mark)
 {
     bvx_context *const ctx = job->ctx;

@@ -122,8 +122,7 @@ static int32_t slice_pixels(double size, double scale, int32_t room)
     return n < 1.0 ? 1 : n > room ? room : (int32_t)n;
 }
 
-/* The number of columns that shows slices largest; the fewest where several do. Sizes are divided by the
- * larger one: they may lie anywhere in what doubles hold. */
+/* The fewest columns that show slices largest. Sizes are divided by the larger one. */
 static void lay_out_sheet(slice_sheet *s)
 {
     const double *const spacing = s->grid->lattice.spacing;

@@ -36,8 +36,7 @@ bvx_status bvxi_mesh_scene_normals(bvx_context *ctx, bvxi_mesh_scene *s)
     return BVX_OK;
 }
 
-/* Twice the area of the triangle that the edge across from corner k makes with a sample, in the frame; it has
- * the sign of the whole where the sample lies inside. */
+/* Twice the area of a sample with the edge across from corner k; its sign is the whole's inside. */
 static double area_across(const double p[3][3], int k, double x, double y)
 {
     const double *const a = p[(k + 1) % 3], *const b = p[(k + 2) % 3];

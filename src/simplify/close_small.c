@@ -160,7 +160,7 @@ static int may_put(const bvxi_collapse *c, const uint32_t v[3])
     const double *const p[3] = {at[v[0]].p, at[v[1]].p, at[v[2]].p};
 
     return bvxi_has_area(p) &&
-           !bvxi_crossing_tree_visit(&c->tree, p, BVXI_VERTEX_NONE, BVXI_VERTEX_NONE, NULL, NULL, NULL);
+           !bvxi_crossing_tree_visit(&c->tree, p, BVXI_VERTEX_NONE, BVXI_VERTEX_NONE, NULL, NULL, NULL, NULL);
 }
 
 /* Make one that is gone a triangle of v; beside: the corner across the edge from each to the next. */

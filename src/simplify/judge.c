@@ -281,7 +281,7 @@ static void mark_beside(judge_origin *o)
 
         for (int k = 0; k < 3; k++) open |= o->beside[o->part[v[k]]] > o->came[o->part[v[k]]];
         if (open)
-            bvxi_crossing_tree_visit(&o->tree, p, BVXI_VERTEX_NONE, BVXI_VERTEX_NONE, NULL, mark_new_crossing,
+            bvxi_crossing_tree_visit(&o->tree, p, BVXI_VERTEX_NONE, BVXI_VERTEX_NONE, NULL, NULL, mark_new_crossing,
                                      o);
     }
 }
@@ -348,7 +348,7 @@ int bvxi_collapse_crosses(const bvxi_collapse *c, uint32_t u, uint32_t v, const 
         a[1] = at[link[i]].p;
         a[2] = at[link[i + 1]].p;
         /* Where triangles crossed in the mesh they may go on. */
-        if (bvxi_crossing_tree_visit(&c->tree, a, u, v, came ? c->came : NULL, NULL, NULL)) return 1;
+        if (bvxi_crossing_tree_visit(&c->tree, a, u, v, came ? c->came : NULL, NULL, NULL, NULL)) return 1;
 
         for (int32_t j = 0; j < i && !came; j++) {
             const double *b[3] = {p, NULL, NULL};
@@ -416,10 +416,13 @@ static void look_around(judge_found *list, uint32_t v, int boxes)
             bvxi_crossing_tree_move(&c->tree, t);
         } else if (first) {
             const double *const p[3] = {m->at[w[0]].p, m->at[w[1]].p, m->at[w[2]].p};
+            /* Of two that no collapse has changed none can be undone. */
+            int const still = (c->last[w[0]] & c->last[w[1]] & c->last[w[2]]) == BVXI_VERTEX_NONE;
 
             list->triangle = t;
             bvxi_crossing_tree_visit(&c->tree, p, graph, BVXI_VERTEX_NONE,
-                                     bvxi_collapse_has_come(c, t) ? c->came : NULL, add_pair, list);
+                                     bvxi_collapse_has_come(c, t) ? c->came : NULL, still ? c->last : NULL,
+                                     add_pair, list);
         }
     } while (at != c->any[v]);
 }

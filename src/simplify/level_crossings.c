@@ -523,7 +523,7 @@ bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, doub
 
 static int visit_node(const crossing_tree *tree, uint64_t node, const box_query *query,
                       const bvxi_orient_plane *plane, const double *const p[3], const uint32_t ends[2],
-                      const uint8_t *skip, crossing_visit *visit, void *user)
+                      const uint8_t *skip, const uint32_t *still, crossing_visit *visit, void *user)
 {
     for (uint32_t bits = overlaps_leaf(tree, node, query); bits != 0; bits &= bits - 1) {
         uint64_t const t = node * WIDTH + (uint64_t)bvxi_lowest(bits);
@@ -531,6 +531,7 @@ static int visit_node(const crossing_tree *tree, uint64_t node, const box_query 
         const double *q[3];
 
         if (!is_alive(tree, t) || (skip != NULL && (skip[v[0]] | skip[v[1]] | skip[v[2]]) != 0)) continue;
+        if (still != NULL && (still[v[0]] & still[v[1]] & still[v[2]]) == BVXI_VERTEX_NONE) continue;
         for (int k = 0; k < 2; k++)
             if ((v[0] == ends[k]) | (v[1] == ends[k]) | (v[2] == ends[k])) goto next;
         /* Not itself. */
@@ -543,7 +544,7 @@ next:;
 }
 
 int bvxi_crossing_tree_visit(const crossing_tree *tree, const double *const p[3], uint32_t u, uint32_t v,
-                             const uint8_t *skip, crossing_visit *visit, void *user)
+                             const uint8_t *skip, const uint32_t *still, crossing_visit *visit, void *user)
 {
     uint32_t const ends[2] = {u, v};
     uint64_t stack[WIDTH * CROSSING_LEVELS];
@@ -559,7 +560,7 @@ int bvxi_crossing_tree_visit(const crossing_tree *tree, const double *const p[3]
         int32_t const level = (int32_t)(top & 15);
 
         if (level == 0) {
-            if (visit_node(tree, index, &query, &plane, p, ends, skip, visit, user)) return 1;
+            if (visit_node(tree, index, &query, &plane, p, ends, skip, still, visit, user)) return 1;
             continue;
         }
         for (uint32_t bits = overlaps(&tree->node[level][index], &query); bits != 0; bits &= bits - 1)

@@ -50,10 +50,11 @@ bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, doub
                                uint32_t **pairs, uint64_t *count);
 
 /* Call visit for each triangle that crosses the one with corners p, but those with a vertex u or v, or one that skip
- * marks (NULL: none), until it returns 1; returns what it returned last, or 0. visit NULL: 1 where there is any. */
+ * marks, or with vertices that all have BVXI_VERTEX_NONE in still (NULL: none), until it returns 1; returns what it
+ * returned last, or 0. visit NULL: 1 where there is any. */
 typedef int crossing_visit(void *user, uint32_t t);
 int bvxi_crossing_tree_visit(const crossing_tree *tree, const double *const p[3], uint32_t u, uint32_t v,
-                             const uint8_t *skip, crossing_visit *visit, void *user);
+                             const uint8_t *skip, const uint32_t *still, crossing_visit *visit, void *user);
 
 /* 1 when both triangles cross. */
 int bvxi_crossing_pair(const crossing_tree *tree, uint32_t s, uint32_t t);

@@ -399,7 +399,7 @@ static uint64_t run_length(const sheet_work *w, uint64_t m, uint64_t *up)
 }
 
 /* Those of a patch belong together where as many run up as down; of what remains, all. */
-static bvx_status order_crowd(sheet_work *w)
+static bvx_status order_sheet_crowd(sheet_work *w)
 {
     for (uint64_t m = 0; m < w->crowded; m++) w->crowd[m] = (uint32_t)m;
     BVXI_TRY(sort_crowd(w));
@@ -586,7 +586,7 @@ static bvx_status pair_and_split(sheet_work *w, bvxi_sheets *sheets)
 {
     if (w->crowded != 0) {
         BVXI_TRY(open_crowd(w));
-        BVXI_TRY(order_crowd(w));
+        BVXI_TRY(order_sheet_crowd(w));
     }
     bvxi_drop(w->ctx, w->link);
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->triangles * 12, "the corners' vertices", &w->parent));

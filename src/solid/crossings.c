@@ -99,7 +99,6 @@ BVXI_VECTOR_INLINE void judge_edge(double e, double dy, double dz, double turn, 
     double const first = turn * (e + (dz * 4294967296.0 - dy < 0 ? 0.5 : -0.5));
     double const along_y = turn * step * dz, along_z = turn * step * dy;
     double const at[4] = {first, first - along_y, first + along_z, first - along_y + along_z};
-
     for (int c = 0; c < 4; c++) least[c] = at[c] < least[c] ? at[c] : least[c];
 }
 
@@ -200,13 +199,12 @@ BVXI_VECTOR_INLINE void flush_blocks(const bvxi_solid_job *job, bvxi_cross_batch
         double const q = (bx * (cy * az - ay * cz) + cx * (ay * bz - by * az)) / b->area[i];
         double const v = (q + (double)(ax - half)) * scale;
         int32_t down, code;
-        double part;
         out->row = row;
         if (BVXI_LIKELY(b->spread[i] < CROSS_SMALL)) {
             /* Floor without a call. Only a fraction close to a centre could be rounded to its other side, and
              * those go the exact way. */
             down = (int32_t)v - (v < (double)(int32_t)v);
-            part = v - (double)down;
+            double const part = v - (double)down;
             if (BVXI_LIKELY(part > near_centre) && BVXI_LIKELY(part < 1.0 - near_centre)) {
                 out->code = (int32_t)((uint32_t)(down + 1) << 1 | (uint32_t)(b->area[i] > 0));
                 out++;
@@ -262,7 +260,6 @@ static void cross_many(const bvxi_solid_job *job, bvxi_chunk *chunk, bvxi_cross_
                        int64_t pairs)
 {
     bvxi_rows const all = {0, job->block.ny, 0, job->block.nz};
-
     /* Large triangles are left to the tiles, which cut them by rows: one worker would otherwise hold up the
      * round. Others come there too where the buffer is full, which ends the round. */
     b->full |= pairs <= BVXI_CROSS_MANY &&

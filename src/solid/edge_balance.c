@@ -51,15 +51,14 @@ static uint64_t sum_packed(const balance_work *w, uint64_t begin, uint64_t end, 
     uint64_t s = 0, t = begin;
 
     for (; t < end; t++) {
-        uint64_t a, b, d;
         uint32_t c[3];
 
         memcpy(c, indices + 12 * t, sizeof c);
         /* Checked here, so that the view need not be gone over before. */
         if (BVXI_UNLIKELY((c[0] >= vertices) | (c[1] >= vertices) | (c[2] >= vertices))) break;
-        a = w->mixed[c[0]];
-        b = w->mixed[c[1]];
-        d = w->mixed[c[2]];
+        uint64_t const a = w->mixed[c[0]];
+        uint64_t const b = w->mixed[c[1]];
+        uint64_t const d = w->mixed[c[2]];
         s += (b - a) * (d - a) * (d - b);
     }
     *sum = s;
@@ -71,14 +70,13 @@ static uint64_t sum_any(const balance_work *w, uint64_t begin, uint64_t end, uin
     uint64_t s = 0, t = begin;
 
     for (; t < end; t++) {
-        uint64_t a, b, d;
         uint32_t c[3];
 
         /* The slow way for other layouts; the sum is the same. */
         if (BVXI_UNLIKELY(!bvxi_view_triangle(w->view, t, c))) break;
-        a = w->mixed[c[0]];
-        b = w->mixed[c[1]];
-        d = w->mixed[c[2]];
+        uint64_t const a = w->mixed[c[0]];
+        uint64_t const b = w->mixed[c[1]];
+        uint64_t const d = w->mixed[c[2]];
         s += (b - a) * (d - a) * (d - b);
     }
     *sum = s;
@@ -88,10 +86,8 @@ static uint64_t sum_any(const balance_work *w, uint64_t begin, uint64_t end, uin
 static void sum_triangles(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     balance_work *const w = user;
-    uint64_t stop;
-
-    stop = bvxi_view_packed_u32(w->view) ? sum_packed(w, begin, end, &w->sum[piece])
-                                         : sum_any(w, begin, end, &w->sum[piece]);
+    uint64_t const stop = bvxi_view_packed_u32(w->view) ? sum_packed(w, begin, end, &w->sum[piece])
+                                                        : sum_any(w, begin, end, &w->sum[piece]);
     w->bad[piece] = stop < end ? stop : UINT64_MAX;
 }
 

@@ -40,10 +40,8 @@ static int32_t depths_of_row(const depth_work *w, int32_t *c, uint32_t n)
 static void look_at_depths(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     depth_work *const w = user;
-
     for (uint64_t row = begin; row < end; row++) {
         uint64_t const first = row == 0 ? 0 : w->lists->row_end[row - 1], n = w->lists->row_end[row] - first;
-
         if (n != 0) w->depths[piece] |= depths_of_row(w, w->lists->crossing + first, (uint32_t)n);
     }
 }

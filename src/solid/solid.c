@@ -29,11 +29,9 @@ static bvx_status fill_parity_rows(bvx_context *ctx, bvxi_solid_job *job)
 static bvx_status fill_from_lists(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_report *report)
 {
     bvxi_row_lists lists;
-    bvx_status status;
-
     BVXI_TRY(bvxi_solid_gather(ctx, job, 0.1, 0.2, &lists));
     report->crossings += lists.total;
-    status = job->take_lists(ctx, job, &lists, 0.2, 1.0);
+    bvx_status const status = job->take_lists(ctx, job, &lists, 0.2, 1.0);
     bvxi_row_lists_free(ctx, &lists);
     return status;
 }

@@ -90,7 +90,6 @@ static inline row_places places_of(const bvxi_solid_job *job)
     const bvx_grid *const g = job->grid;
     size_t const row = (size_t)g->words_per_row;
     row_places const p = {bvxi_block_words(job, 0, 0), row, row * (size_t)g->size[1], g->low[0], g->size[0]};
-
     return p;
 }
 

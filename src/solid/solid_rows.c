@@ -172,10 +172,9 @@ bvx_status bvxi_solid_gather(bvx_context *ctx, bvxi_solid_job *job, double from,
 bvx_status bvxi_solid_lists(bvx_context *ctx, bvxi_solid_job *job, double from)
 {
     bvxi_row_lists lists;
-    bvx_status status;
     BVXI_TRY(bvxi_solid_gather(ctx, job, from, 0.95, &lists));
-    status = bvxi_each(ctx, "solid", bvxi_solid_progress(job, 0.95), bvxi_solid_progress(job, 1.0),
-                       job->tiles.count, solve_rows, job);
+    bvx_status const status = bvxi_each(ctx, "solid", bvxi_solid_progress(job, 0.95),
+                                        bvxi_solid_progress(job, 1.0), job->tiles.count, solve_rows, job);
     bvxi_row_lists_free(ctx, &lists);
     return status;
 }

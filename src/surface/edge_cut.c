@@ -268,8 +268,7 @@ static void put_plane(const double cut[3], const double n[3], double length, con
     plane->offset = (float)offset;
 }
 
-/* Meshes may have turned triangles: outward is what the end that the
- * triangle is closest to says, and where it looks along the facet, the edge. */
+/* Triangles may be turned: the end closest to one decides what is outward or, along the facet, the edge. */
 static double side_of_facet(const facet_edge *f, int32_t end)
 {
     double const s = bvxi_vec_dot(f->normal[end], f->outward[end]);

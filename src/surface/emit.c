@@ -61,8 +61,7 @@ BVXI_VECTOR_INLINE void emit_levels(const bvxi_march *m, int32_t axis, int32_t j
                           (axis != 2 || k + 1 < size[2]);
     int32_t const x_end = size[0] - (axis == 0); /* low ends from 0 to here have both ends in the window */
 
-    /* Edges that leave the window have no second sample. Their vertices stay in the middle, where the closing
-     * cap of a grid would have them. */
+    /* Edges that leave the window have no second sample: their vertices stay in the middle, as a cap's. */
     for (uint32_t n = 0; n < list->count; n++) {
         int32_t const i = first * 64 + list->at[n] - (axis == 0);
         double t = 0.5;
@@ -104,8 +103,7 @@ static uint32_t *emit_cells(const bvxi_march *m, const bvxi_case_list *cases, ui
     for (uint32_t a = from; a < cases->count; a++) {
         uint32_t const n = cases->number[a];
 
-        /* Each corner's vertex is the next unused one of its counter, or one past it: the tables know which,
-         * since all crossings to the left have been counted. */
+        /* Each corner's vertex is its counter's next unused one, or one past it, by the tables. */
         const uint8_t *const lane = bvxi_cell_triangle_lane[rule][n];
         const uint8_t *const offset = bvxi_cell_triangle_offset[rule][n];
         const uint8_t *const step = bvxi_cell_lane_step[n];

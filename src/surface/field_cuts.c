@@ -207,8 +207,7 @@ static void move_end(double depth, double vector[3], double *distance)
     *distance = *distance < depth ? depth - *distance : *distance - depth;
 }
 
-/* The cut of an edge that is not the body's, with values low and high at its ends: by the offset's surface
- * where that passes between them. */
+/* The cut of an edge off the body with values low and high at its ends: by the offset, if between. */
 static void find_own_cut(const cut_walk *k, const bvxi_cut_rule *v, int32_t axis, int32_t i, uint64_t low,
                          uint64_t high, placed_cut *cut)
 {

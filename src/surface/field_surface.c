@@ -81,7 +81,7 @@ static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_
         if (f->reserved[i] != 0)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED,
                                  "%s: field.reserved[%u] must be 0", function, i);
-    if (f->sign == BVX_SIGN_NONE || f->inside.words == NULL)
+    if (f->sign == BVX_FILL_NONE || f->inside.words == NULL)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: the field has no inside; measure it with a sign", function);
     BVXI_TRY(bvxi_grid_check(ctx, function, &f->inside));

@@ -110,8 +110,7 @@ static void choose_cells(bvxi_march *m)
 {
     int32_t const nx = m->grid->size[0];
 
-    /* A closed side has one more layer of cells, half outside, whose outer corners count as empty: that is
-     * what closes the surface there. */
+    /* A closed side has one more layer of cells, half outside: their outer corners are empty and close it. */
     for (int32_t a = 0; a < 3; a++) {
         m->cell_low[a] = (m->options.open_sides >> (2 * a) & 1) != 0 ? 0 : -1;
         m->cell_high[a] = m->grid->size[a] - ((m->options.open_sides >> (2 * a + 1) & 1) != 0 ? 2 : 1);
@@ -149,8 +148,7 @@ static bvx_status number_slots(bvx_context *ctx, bvxi_march *m)
     m->triangle_count = triangles;
     vertices = triangles = 0;
 
-    /* Prefix sums in the order of slots, and x before y before z within one: the canonical order of vertices,
-     * whatever number of threads counted. */
+    /* Prefix sums in the order of slots, x before y before z within one: the canonical order of vertices. */
     for (uint64_t s = 0; s < m->slot_count; s++) {
         bvxi_slot *const slot = &m->slots[s];
         uint32_t const x = slot->edge[0], y = slot->edge[1], z = slot->edge[2], t = slot->triangle;

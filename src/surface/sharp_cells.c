@@ -27,8 +27,7 @@ static int may_be_sharp(const bvxi_sharp_work *w, const bvxi_cell_walk *c)
     double first[3], n[3];
     int known = 0;
 
-    /* Against one normal instead of all pairs: two that both lie within half the angle of it cannot differ by
-     * the whole angle. Most cells are flat and end here. */
+    /* Against one normal, not all pairs: two within half the angle of it differ by less.. */
     for (uint32_t i = 0; i < corners; i++) {
         if (!bvxi_sharp_normal(w, corner[i], known ? n : first)) continue;
         if (known && bvxi_vec_dot(first, n) < half) return 1;
@@ -203,8 +202,7 @@ static uint32_t fill_cell(const bvxi_sharp_work *w, const bvxi_cell_walk *c, bvx
         if (count++ == 0) {
             const bvxi_march *const m = w->march;
             int32_t const at[3] = {c->x, c->j, c->k};
-            /* As the mesh will hold them: an apex that is strictly between the rounded faces cannot touch a
-             * neighbouring cell's triangles. */
+            /* As the mesh holds them: an apex strictly between rounded faces touches no neighbouring cell. */
             for (int32_t a = 0; a < 3; a++) {
                 box.low[a] = as_written(m, bvxi_place_along(m, a, at[a], 0.0));
                 box.high[a] = as_written(m, bvxi_place_along(m, a, at[a] + 1, 0.0));
@@ -221,8 +219,7 @@ static uint32_t fill_cell(const bvxi_sharp_work *w, const bvxi_cell_walk *c, bvx
         if (s->kept) apex[l] = s->apex;
     }
 
-    /* Loops of one cell were apart before: when fans may cross, the whole cell goes back to the table's
-     * triangles, which cannot. */
+    /* Loops of one cell were apart: when fans may cross, the cell goes back to the table's triangles. */
     if (count != 0 && loops.count > 1 && !loops_are_apart(w->march, c, &loops, apex))
         for (uint32_t n = 0; n < count; n++) out[n].kept = 0;
     return count;

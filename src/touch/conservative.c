@@ -79,7 +79,6 @@ BVXI_VECTOR_INLINE void centre_corners(const bvxi_surface_job *job, touch_work *
         for (uint32_t i = 0; i < w->count[shape]; i++) {
             uint32_t const m = list[i];
             int32_t const middle = w->batch.low[a][m] * (1 << f) + from_low;
-
             for (int c = 0; c < 3; c++) w->corner[c][a][i] = (double)(w->batch.p[c][a][m] - middle);
         }
     }

@@ -104,14 +104,13 @@ static void narrow_points(int64_t from, int64_t way, int64_t low, int64_t high, 
 {
     /* The inequality is divided by the way, whose sign says which end is which. */
     int64_t const below = low - from, above = high - from; /* in parts */
-    int64_t least, most;
 
     if (way == 0) {
         if (below > 0 || above < 0) *last = *first - 1;
         return;
     }
-    least = way > 0 ? bvxi_ceil_div(below, way) : bvxi_ceil_div(-above, -way);
-    most = way > 0 ? bvxi_floor_div(above, way) : bvxi_floor_div(-below, -way);
+    int64_t const least = way > 0 ? bvxi_ceil_div(below, way) : bvxi_ceil_div(-above, -way);
+    int64_t const most = way > 0 ? bvxi_floor_div(above, way) : bvxi_floor_div(-below, -way);
     if (least > *first) *first = least;
     if (most < *last) *last = most;
 }

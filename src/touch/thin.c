@@ -71,7 +71,6 @@ static int is_solid_on_line(const thin_lines *l, int32_t w, int32_t u, int32_t v
 {
     const bvx_grid *const solid = l->tile->job->solid;
     int32_t at[3];
-
     if (w < 0 || w >= solid->size[l->axis[0]]) return 0;
     at[l->axis[0]] = w;
     at[l->axis[1]] = u;
@@ -85,7 +84,6 @@ static int32_t voxel_of_crossing(const thin_lines *l, int32_t w, int32_t u, int3
 {
     int32_t const f = l->tile->job->fraction_bits, half = 1 << f >> 1;
     bvxi_triangle moved = l->t;
-
     /* Moved by half a voxel, the crossing of a centre's line becomes that of a voxel's border. */
     for (int c = 0; c < 3; c++) moved.p[c][0] += half;
     return bvxi_cross_exact(&moved, f, u, v) - 1 > w ? w + 1 : w;
@@ -97,11 +95,9 @@ static inline void add_beyond(thin_lines *l, int32_t w, double place, int below)
 {
     double const part = place - (double)w;
     int32_t const holder = part < 0.5 ? w : w + 1;
-    int32_t beyond;
-
     /* faces through a centre: there, but for rounding */
     if (!(part > -0.25 && part < 1.25) || holder < l->low[0] || holder > l->high[0]) return;
-    beyond = (int32_t)(part * 65536.0) - 32768;
+    int32_t const beyond = (int32_t)(part * 65536.0) - 32768;
     l->tile->job->beyond[l->tile->number][l->axis[0]] += below ? beyond : -beyond;
 }
 
@@ -115,7 +111,6 @@ static inline void cross_line(thin_lines *l, int32_t u, int32_t v)
     /* What the solid shows needs no mark: one of the two centres beside the crossing is in it. */
     if (job->solid != NULL) {
         int const below = is_solid_on_line(l, w, u, v), above = is_solid_on_line(l, w + 1, u, v);
-
         if (below != above && l->facing) add_beyond(l, w, place, below);
         if (below | above) return;
         w = voxel_of_crossing(l, w, u, v);
@@ -175,7 +170,6 @@ static void cut_lines(thin_lines *l)
 static int is_facing(const bvxi_triangle *t, int axis)
 {
     int64_t const u = t->n[1] < 0 ? -t->n[1] : t->n[1], v = t->n[2] < 0 ? -t->n[2] : t->n[2];
-
     /* the one of x and y is before the axis z, x is before y */
     return t->n[0] >= u + (axis >= 1) && t->n[0] >= v + (axis == 2);
 }
@@ -184,7 +178,6 @@ static int is_facing(const bvxi_triangle *t, int axis)
 static int least_corner(const int32_t q[3][3])
 {
     int least = 0;
-
     for (int c = 1; c < 3; c++) {
         int a = 0;
         while (a < 2 && q[c][a] == q[least][a]) a++;
@@ -201,7 +194,6 @@ static void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *b, uint
      * solid: there cross_line asks the two centres first. */
     int32_t const shift = tile->job->solid != NULL ? 0 : 1 << tile->job->fraction_bits >> 1;
     int32_t q[3][3];
-    int first;
     thin_lines l;
 
     l.tile = tile;
@@ -218,7 +210,7 @@ static void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *b, uint
     }
     /* Beside a solid places are summed: from the least corner on they have the same bits for any order of
      * corners. */
-    first = tile->job->solid != NULL ? least_corner((const int32_t(*)[3])q) : 0;
+    int const first = tile->job->solid != NULL ? least_corner((const int32_t(*)[3])q) : 0;
     if (!bvxi_triangle_setup(q[first], q[(first + 1) % 3], q[(first + 2) % 3], &l.t)) return;
     bvxi_triangle_walk(&l.t, axis);
     l.facing = is_facing(&l.t, axis);

@@ -136,7 +136,6 @@ static void make_plane(touch_triangle *t, const int64_t n[3])
     touch_plane *const p = &t->plane;
     int64_t const turn = n[0] < 0 ? -1 : 1;
     double const rows = (double)(t->high[1] - t->low[1]), slices = (double)(t->high[2] - t->low[2]);
-    double inverse;
 
     /* Turned so that the plane's value grows along x: then low and high are what their names say. */
     for (int a = 0; a < 3; a++) p->n[a] = n[a] * turn;
@@ -153,7 +152,7 @@ static void make_plane(touch_triangle *t, const int64_t n[3])
     }
 
     /* The same bounds in doubles, one multiplication a row; the error says when they can be trusted. */
-    inverse = 1.0 / ((double)p->n[0] * (double)t->step);
+    double const inverse = 1.0 / ((double)p->n[0] * (double)t->step);
     p->from = -bvxi_wide_double(p->most) * inverse;
     p->to = -bvxi_wide_double(p->least) * inverse;
     p->along_j = (double)p->n[1] * (double)t->step * inverse;
@@ -257,7 +256,6 @@ void bvxi_touch_rows(bvxi_surface_tile *tile, const int32_t (*corner)[3], uint32
     int across; /* 1: the plane bounds each row in its own place */
 
     if (!open_triangle(tile, corner, &t)) return;
-
     most = t.high[0] - t.low[0];
     rows = t.high[1] - t.low[1];
     slices = t.high[2] - t.low[2];

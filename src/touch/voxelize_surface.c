@@ -56,7 +56,6 @@ static void touch_by_mode(bvxi_surface_tile *tile, const uint32_t *id, uint64_t 
 static void touch_tile(void *user, int32_t number)
 {
     bvxi_surface_job *const job = user;
-
     bvxi_surface_tile tile = {job, bvxi_tiles_rows(&job->tiles, number), number};
     count_nothing(job, number);
     /* Rows are emptied by the task that fills them, while they are about to be needed. */
@@ -74,10 +73,8 @@ struct bvxi_surface_helper {
 
 static bvxi_surface_job *job_of_worker(bvxi_surface_job *job, int32_t worker)
 {
-    struct bvxi_surface_helper *helper;
-
     if (worker == 0) return job;
-    helper = &job->helpers[worker - 1];
+    struct bvxi_surface_helper *const helper = &job->helpers[worker - 1];
     /* By the worker itself, while its words are about to be needed; who never comes costs nothing. */
     if (!helper->begun) memset(helper->grid.words, 0, (size_t)bvxi_grid_words(&helper->grid) * 8);
     helper->begun = 1;
@@ -90,7 +87,6 @@ static void touch_only_tile(void *user, int32_t piece, int32_t worker)
     bvxi_surface_job *const job = job_of_worker(user, worker);
     bvxi_surface_tile tile = {job, bvxi_tiles_rows(&job->tiles, 0), 0};
     uint64_t begin, end;
-
     bvxi_piece(job->view->triangle_count, job->pieces, piece, &begin, &end);
     job->first = (uint32_t)begin;
     touch_by_mode(&tile, NULL, end - begin);
@@ -101,7 +97,6 @@ static void empty_slice(void *user, int32_t index)
 {
     const bvxi_surface_job *const job = user;
     bvxi_rows const slice = {0, job->size[1], index, index + 1};
-
     empty_rows(job, &slice);
 }
 
@@ -111,10 +106,8 @@ static void join_slice(void *user, int32_t index)
     const bvxi_surface_job *const job = user;
     size_t const words = (size_t)job->size[1] * (size_t)job->grid->words_per_row, at = (size_t)index * words;
     uint64_t *BVXI_RESTRICT const all = job->grid->words + at;
-
     for (int32_t h = 0; h < job->helper_count; h++) {
         const uint64_t *BVXI_RESTRICT const own = job->helpers[h].grid.words + at;
-
         for (size_t i = 0; job->helpers[h].begun && i < words; i++) all[i] |= own[i];
     }
 }
@@ -138,7 +131,6 @@ static bvx_status open_helpers(bvx_context *ctx, bvxi_surface_job *job)
     /* All copies are made before anybody works on the first. */
     for (uint64_t h = 0; h < count; h++) {
         struct bvxi_surface_helper *const helper = &job->helpers[h];
-
         helper->grid = *job->grid;
         helper->grid.words = job->helper_words + h * words;
         helper->job = *job;
@@ -215,7 +207,6 @@ static bvx_status attach_triangles(bvx_context *ctx, bvxi_surface_job *job, bvx_
     bvx_attached made = {0};
     uint32_t *prefix = NULL;
     uint64_t voxels = 0;
-    bvx_status status;
 
     BVXI_TRY(bvx_grid_count(ctx, job->grid, &voxels));
 
@@ -226,7 +217,7 @@ static bvx_status attach_triangles(bvx_context *ctx, bvxi_surface_job *job, bvx_
                              surface_name, voxels);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the voxels' ranks", &prefix));
     bvxi_rank_build(&job->rank, job->grid->words, words, prefix);
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 4, "the voxels' last triangles", &job->last);
+    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 4, "the voxels' last triangles", &job->last);
     if (status == BVX_OK) status = fill_lists(ctx, job, voxels, &made);
 
     /* Filled in apart from the caller's lists, which stay until these are complete. */
@@ -291,7 +282,6 @@ static bvx_status run_surface(bvx_context *ctx, const char *function, const bvx_
                               bvxi_surface_job *job)
 {
     BVXI_TRY(bvxi_snap(ctx, function, job->view, &job->grid->lattice, &job->snapped));
-
     BVXI_TRY(bvxi_bins_open(ctx, function, job));
     BVXI_TRY(touch_tiles(ctx, job, BVXI_TOUCH_SET, 0.2, o->attached != NULL ? 0.4 : 1.0));
     return o->attached != NULL ? attach_triangles(ctx, job, o->attached) : BVX_OK;
@@ -324,7 +314,6 @@ bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_m
     BVXI_TRY(BVXI_SCOPE(ctx, run_surface(ctx, function, &o, &job)));
     for (int a = 0; a < 3; a++) {
         int64_t sum = 0;
-
         for (int32_t t = 0; t < job.tiles.count; t++) sum += job.beyond[t][a];
         beyond[a] = (double)sum / 65536.0;
     }
@@ -347,18 +336,16 @@ static bvx_status run_voxelize_surface(bvx_context *context, const bvx_mesh_view
 {
     bvx_surface_options o;
     bvx_window window;
-    bvx_grid made;
     bvxi_surface_job job;
-    bvx_status status;
 
     if (surface == NULL) return bvxi_fail_null(context, surface_name, "surface");
     BVXI_TRY(check_surface_arguments(context, mesh, lattice, options, &o, &window));
     bvxi_grid_renew(context, lattice, &window, surface);
 
-    made = *surface;
+    bvx_grid made = *surface;
     BVXI_TRY(bvxi_grid_open(context, surface_name, lattice, &window, &made));
     begin_surface(context, mesh, o.mode, o.attached != NULL, &made, &job);
-    status = run_surface(context, surface_name, &o, &job);
+    bvx_status const status = run_surface(context, surface_name, &o, &job);
     BVXI_TRY(bvxi_grid_put(context, status, &made, surface));
     if (o.report != NULL) report_surface(&job, o.report);
     return BVX_OK;

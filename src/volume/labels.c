@@ -98,7 +98,6 @@ static bvx_status find_label(label_table *t, uint64_t value, uint64_t *entry)
     *entry = number_of_label(t, value);
     if (*entry == t->count) {
         label_entry *const e = &t->entries[t->count++];
-        /* An empty box, which any run opens. */
         e->voxels = 0;
         for (int a = 0; a < 3; a++) {
             e->low[a] = INT32_MAX;
@@ -125,7 +124,6 @@ static bvx_status list_row(label_table *t, const bvx_volume_view *v, const uint8
     for (int32_t x = 0; x < n;) {
         uint64_t const value = bvxi_whole_sample(row + (ptrdiff_t)(x * step), v->sample_type);
         int32_t const begin = x;
-        /* The run goes on while the value does. */
         while (++x < n && bvxi_whole_sample(row + (ptrdiff_t)(x * step), v->sample_type) == value) continue;
         if (value == t->skip) continue;
         /* Mostly the value of the run before; only others are searched for. */

@@ -20,7 +20,6 @@ static uint64_t stride_size(int64_t stride)
     return stride < 0 ? 0 - (uint64_t)stride : (uint64_t)stride;
 }
 
-/* Tiles along the fastest axis. */
 static int32_t tiles_along(const bvxi_sample_walk *w)
 {
     return (w->grid->size[w->axis] + 64 * TILE_F_WORDS - 1) / (64 * TILE_F_WORDS);
@@ -102,8 +101,7 @@ static void read_runs(const bvxi_sample_walk *w, void *tally, const sample_tile 
         }
 }
 
-/* Word x / 64 of 64 rows of f from 64 kf on, in each plane of the tile: rows of planes beside one another are
- * written beside one another. */
+/* Word x / 64 of 64 rows of f from 64 kf on, in each plane of the tile, as rows are written. */
 static void write_squares(const bvxi_sample_walk *w, const sample_tile *t, int32_t x, int32_t n, int32_t kf,
                           uint64_t run[TILE_THIRD][64][TILE_F_WORDS])
 {

@@ -58,8 +58,7 @@ static bvxi_columns_fn *range_columns_for(const bvx_context *ctx, int32_t type)
 
 enum { RANGE_LANES = 8 };
 
-/* 1 where some of 64 floats has all bits of its exponent set. Whole numbers joined, not a test that leaves: that
- * is what makes it a vector. */
+/* 1 where some of 64 floats has all exponent bits set: joined integers without an exit, so it vectorizes. */
 #define ANY_ODD(name, word, exponent)                         \
     BVXI_VECTOR_INLINE int name(const uint8_t *p)             \
     {                                                         \
@@ -331,7 +330,6 @@ static void range_of_signed(double low, double high, int64_t least, int64_t most
 
 static void range_of_unsigned(double low, double high, uint64_t most, double end, bvxi_range *r)
 {
-    /* As with signed ones, from 0 on. */
     r->empty = low >= end || high < 0.0;
     if (r->empty) return;
     low = -floor(-low);
@@ -366,8 +364,7 @@ void bvxi_range_make(int32_t type, double low, double high, bvxi_range *range)
     }
 }
 
-/* From the type's own ends inwards. The ends of a u64 are its bits; those of a lesser unsigned type are the
- * same as signed numbers. */
+/* From the type's own ends inwards: those of a u64 are its bits, of lesser unsigned types signed numbers. */
 static void range_of_whole(int32_t type, int64_t low, int64_t high, bvxi_range *range)
 {
     bvxi_range_make(type, -THRESHOLD_F64_MAX, THRESHOLD_F64_MAX, range);

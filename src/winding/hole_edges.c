@@ -220,7 +220,6 @@ static inline int put_beside(uint32_t *beside, uint32_t from, uint32_t to)
     int free = -1;
 
     for (int i = 0; i < HOLE_BESIDE; i++) {
-        /* The edge the other way waits here: both are done. */
         if (slot[i] == other) {
             slot[i] = 0;
             return 1;
@@ -261,8 +260,7 @@ static bvx_status put_triangles(bvx_context *ctx, const bvx_mesh_view *view, con
     return BVX_OK;
 }
 
-/* Edges of triangles; same: NULL, or which vertex stands for each. Where
- * more than limit wait in the end what was done is of no use. */
+/* Edges of triangles; same: NULL, or which vertex stands for each. More than limit left: of no use. */
 static bvx_status cancel_triangles(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *same,
                                    uint64_t limit, edge_table *t)
 {

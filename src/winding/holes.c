@@ -92,8 +92,7 @@ static void start_hole_walk(hole_walk *w, uint64_t corners)
     w->in[0] = 0;
 }
 
-/* Walk until no edge is left; a corner that the trail meets again closes a
- * loop, which is taken off it. So loops meet no corner twice. */
+/* Walk until no edge is left; a corner met again closes a loop and takes it off: no corner twice. */
 static void walk_loops(hole_walk *w, const uint32_t *place, bvxi_holes *holes)
 {
     /* Loops begin with the least edge that is left, so that their order follows from the numbers. */

@@ -20,8 +20,7 @@
 
 const double bvxi_sheet_near[BVXI_SHEET_LEVELS] = {1e-3, 5e-5, -1};
 
-/* What one question gathers. Angles of near triangles are summed as a product of complex numbers and the
- * times that it went round, those of far parts as they are. */
+/* What one question gathers. Near angles are a product of complex numbers and its turns, far ones a sum. */
 typedef struct sheet_sum {
     double at[3];
     double re, im; /* of the angle of half a turn a turn */
@@ -74,7 +73,6 @@ static void keep_near_triangle(const bvxi_sheet_node *n, const bvxi_seen_point *
     double const limit = n->radius + sum->reach;
     double r2 = 0, u[3], w[3], normal[3];
 
-    /* The ball around the triangle first, then the distance from its plane. */
     for (int a = 0; a < 3; a++) {
         double const r = n->centre[a] - sum->at[a];
         r2 += r * r;
@@ -93,8 +91,7 @@ static void keep_near_triangle(const bvxi_sheet_node *n, const bvxi_seen_point *
     if (look->triangles <= BVXI_LOOK_TRIANGLES) look->triangles++;
 }
 
-/* Add triangle i, m, j: half its solid angle, positive on the side away
- * from its normal, as it is for the faces of a closed body from inside. */
+/* Add triangle i, m, j: half its solid angle, positive on the side away from its normal. */
 static void add_triangle(const bvxi_sheet *s, const uint64_t corner[3], const bvxi_seen_point *const q[3],
                          const int64_t p[3], sheet_sum *sum)
 {

@@ -63,7 +63,6 @@ void bvxi_sheet_close(bvx_context *ctx, bvxi_sheet *sheet)
     memset(sheet, 0, sizeof *sheet);
 }
 
-/* The sum of two parts, and a ball around both. */
 static void join_nodes(const bvxi_sheet_node *a, const bvxi_sheet_node *b, bvxi_sheet_node *both)
 {
     double const d = bvxi_sheet_distance(a->centre, b->centre), radius = 0.5 * (a->radius + b->radius + d);
@@ -105,7 +104,6 @@ static bvx_status group_loops(bvx_context *ctx, bvxi_sheet *s)
     }
     BVXI_TRY(bvxi_radix_sort(ctx, key, s->order, loops));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, loops * 16, "the groups of holes", &range));
-    /* From the whole down, halving by count. */
     w.count = 0;
     if (loops > 0) bvxi_sheet_push(&w, 0, loops);
     while (bvxi_sheet_take(&w, &i, &j)) {

@@ -87,7 +87,6 @@ static void series_derivatives(const bvxi_series_table *t, const double r[3], do
     int const xx = t->sum[1][1], yy = t->sum[2][2];
     int i = 1;
 
-    /* 1 / |r| itself, then degree by degree. */
     d[0] = sqrt(inverse);
     for (int n = 1; n <= BVXI_SERIES_ORDER; n++) {
         double const once = -(2 * n - 1) * inverse / n, twice = -(n - 1) * inverse / n;

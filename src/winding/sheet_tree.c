@@ -138,7 +138,6 @@ static void enclose_triangles(const bvxi_sheet *s, const bvxi_sheet_tree *tree, 
 
     memcpy(low, sheet_tree_point(s, tree, 3 * (uint64_t)c->first), sizeof low);
     memcpy(high, low, sizeof high);
-    /* The box, then the farthest corner from its middle. */
     for (uint64_t i = 3 * (uint64_t)c->first; i < 3 * (uint64_t)c->end; i++)
         for (int a = 0; a < 3; a++) {
             double const v = sheet_tree_point(s, tree, i)[a];
@@ -154,7 +153,6 @@ static void enclose_triangles(const bvxi_sheet *s, const bvxi_sheet_tree *tree, 
     c->radius *= 1 + 1e-12; /* beyond what rounding takes */
 }
 
-/* A ball around two. */
 static void enclose_halves(const bvxi_sheet_cell *a, const bvxi_sheet_cell *b, bvxi_sheet_cell *both)
 {
     double const d = bvxi_sheet_distance(a->centre, b->centre), radius = 0.5 * (a->radius + b->radius + d);
@@ -212,7 +210,6 @@ static void fill_sheet_cell(const bvxi_sheet *s, const bvxi_sheet_tree *tree, bv
         return;
     }
 
-    /* Moments are moved to the common centre and added. */
     for (int i = 0; i < 2; i++) {
         double v[3];
         for (int a = 0; a < 3; a++) v[a] = half[i]->centre[a] - c->centre[a];

@@ -48,7 +48,6 @@ static void start_view(const bvxi_turns_block *block, const turns_brick *b, cons
     const bvxi_sheet *const s = block->sheet;
     double way[3];
 
-    /* The brick's middle, and the reach of its centres. */
     v->reach = 0;
     for (int a = 0; a < 3; a++) {
         v->half[a] = 0.5 * (b->size[a] - 1) * s->step[a];
@@ -180,7 +179,6 @@ static int is_near_linear(const tree_view *v)
 /* 1 when the tree, opened further and further, gives the whole number at one centre. */
 static int ask_tree(const bvxi_turns_block *block, const int64_t p[3], int32_t *whole, int *clear)
 {
-    /* From coarse to fine; the first that is certain answers. */
     for (int i = 0; i < 3; i++) {
         double error, n, turns = bvxi_sheet_tree_angle(block->sheet, p, tree_ask[i], &error);
         if (!is_certain(block, turns, error + TREE_ROUNDING, &n, clear)) continue;

@@ -76,7 +76,6 @@ static void tell_brick(bvxi_turns_block *block, const turns_brick *b, const bvxi
             h[1] = (y - middle[1]) * step[1];
             h[2] = (z - middle[2]) * step[2];
             for (int32_t x = b->at[0]; x < b->at[0] + b->size[0]; x++) {
-                /* What is known already is passed over. */
                 if ((block->open[row] >> x & 1) == 0) continue;
                 h[0] = (x - middle[0]) * step[0];
                 if (bvxi_turns_of_centre(block, look, reach2, h, &whole, &clear))
@@ -153,7 +152,6 @@ void bvxi_sheet_block(bvxi_turns_block *block)
         while (count > 0 && bricks < TURNS_LANES && stack[count - 1].side == side) {
             b[bricks] = stack[--count];
             if (!block->all_open && !brick_is_open(block, &b[bricks])) continue;
-            /* A single centre needs no gradient. */
             if (b[bricks].size[0] == 1 && b[bricks].size[1] == 1 && b[bricks].size[2] == 1)
                 ask_later(block, b[bricks].at[0], b[bricks].at[1], b[bricks].at[2], &asked);
             else bricks++;

@@ -38,7 +38,6 @@ static void wind_row(const bvxi_turns_job *job, const bvxi_row_codes *mesh, cons
             depth += (mesh->code[i] & 1) != 0 ? -1 : 1;
         for (; j < sheet->count && bvxi_floor_shift(sheet->code[j], 1) - low <= x; j++)
             depth -= (sheet->code[j] & 1) != 0 ? -1 : 1;
-        /* The stretch ends at whichever crossing comes next. */
         next = x1;
         if (i < mesh->count && bvxi_floor_shift(mesh->code[i], 1) - low < next)
             next = bvxi_floor_shift(mesh->code[i], 1) - low;
@@ -110,8 +109,7 @@ static void place_on_lattice(const bvx_mesh_view *mesh, uint64_t vertex, const b
     }
 }
 
-/* Rows along y and z that pass through holes, by the loops' shadows: those along x balance beside faces that miss
- * triangles along x. */
+/* Rows along y and z that pass through holes, by the loops' shadows. */
 static uint64_t rows_through(const bvx_mesh_view *mesh, const bvxi_holes *holes, const bvx_lattice *lattice)
 {
     uint64_t begin = 0, rows = 0;
@@ -125,7 +123,6 @@ static uint64_t rows_through(const bvx_mesh_view *mesh, const bvxi_holes *holes,
             place_on_lattice(mesh, holes->vertex[i], lattice, q);
             for (int a = 1; a < 3; a++) {
                 int const u = (a + 1) % 3, v = (a + 2) % 3;
-
                 shadow[a] += (p[u] - from[u]) * (q[v] - from[v]) - (p[v] - from[v]) * (q[u] - from[u]);
             }
         }
@@ -173,7 +170,6 @@ bvx_status bvxi_wind(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *soli
 {
     double const part = from + (to - from) / 8;
     bvxi_holes holes;
-    /* Axis x: rows of centres along it. */
     BVXI_TRY(bvxi_snap_turn(ctx, 0, from, &job->snapped));
     if (job->holes != NULL) return wind_with_holes(ctx, job, job->holes, solid, part, to, report);
     BVXI_TRY(bvxi_holes_check_corners(ctx, job->function, job->view));

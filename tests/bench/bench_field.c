@@ -93,11 +93,11 @@ static double show_field(const bench_model *m, const field_job *job, double *ns)
 
 static void show_fields(const bench_model *m, FILE *targets)
 {
-    static const field_job jobs[] = {{"sign exact", BVX_SIGN_EXACT, 0},
-                                     {"sign exact, no vectors", BVX_SIGN_EXACT, 1},
-                                     {"no sign", BVX_SIGN_NONE, 0},
-                                     {"sign pseudonormal", BVX_SIGN_PSEUDONORMAL, 0},
-                                     {"sign auto", BVX_SIGN_AUTO, 0}};
+    static const field_job jobs[] = {{"sign exact", BVX_FILL_PARITY, 0},
+                                     {"sign exact, no vectors", BVX_FILL_PARITY, 1},
+                                     {"no sign", BVX_FILL_NONE, 0},
+                                     {"sign pseudonormal", BVX_FILL_PSEUDONORMAL, 0},
+                                     {"sign auto", BVX_FILL_AUTO, 0}};
     double ns;
 
     printf(
@@ -133,7 +133,9 @@ static void show_repair(const bench_model *m, FILE *targets)
 {
     static bench_memory memory;
     static bench_times times[2];
-    static const char *const signs[] = {"auto", "exact", "normal", "pseudonormal", "winding", "vote", "none"};
+#define TEXT(name, value, text) text,
+    static const char *const signs[] = {BVX_FILL_LIST(TEXT)};
+#undef TEXT
     bvx_mesh repaired[2] = {{0}}, once = {0};
     bvx_context *contexts[2];
     bvx_repair_report r;
@@ -167,7 +169,7 @@ static void show_repair(const bench_model *m, FILE *targets)
            (double)peaks[1] / 1048576.0, a->triangle_count, same ? "same" : "DIFFERENT");
     printf("\nSign by %s; %" PRIu64 " holes. Result: %" PRIu64 " boundary, %" PRIu64
            " non-manifold and %" PRIu64 " flipped edges.\n",
-           r.sign >= 0 && r.sign <= BVX_SIGN_NONE ? signs[r.sign] : "?", r.holes, r.after.boundary_edges,
+           r.sign >= 0 && r.sign <= BVX_FILL_NONE ? signs[r.sign] : "?", r.holes, r.after.boundary_edges,
            r.after.nonmanifold_edges, r.after.flipped_edges);
     printf("The scan lies %.4f voxels from the result on average, %.3f at most.\n",
            r.distance.mean_a_to_b / voxel, r.distance.max_a_to_b / voxel);
@@ -207,7 +209,7 @@ static void write_model(const char *folder, const bench_model *m)
 static void write_field(const char *folder, bvx_context *ctx, const bench_model *m,
                         const bvx_lattice *lattice)
 {
-    static const field_job job = {"", BVX_SIGN_EXACT, 1};
+    static const field_job job = {"", BVX_FILL_PARITY, 1};
     bvx_field field = {0};
     uint64_t n = 0;
 
@@ -234,7 +236,7 @@ static void write_field(const char *folder, bvx_context *ctx, const bench_model 
 static int take_turns(const char *meshes, const char *out)
 {
     static bench_memory memory;
-    static const field_job exact = {"", BVX_SIGN_EXACT, 0};
+    static const field_job exact = {"", BVX_FILL_PARITY, 0};
     bvx_context *contexts[2];
     bench_model dragon, bunny;
     bvx_lattice lattice;

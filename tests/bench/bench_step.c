@@ -179,7 +179,7 @@ static int survives(bvx_context *ctx, const bvx_closest *surface, double const l
 static void measure_field(bvx_context *ctx, const bvx_mesh_view *v, const bvx_lattice *l, bvx_field *field)
 {
     bvx_field_options o = {.struct_size = sizeof o};
-    o.sign = BVX_SIGN_EXACT;
+    o.sign = BVX_FILL_PARITY;
     o.features = 1;
     bench_try(ctx, bvx_measure_field(ctx, v, l, &o, field), "the field");
 }

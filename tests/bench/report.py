@@ -227,6 +227,7 @@ tables = (
     ("peers_grids.md", "Grids by others"),
     ("morph.md", "Morphology and distances of grids"),
     ("volumes.md", "Scalar volumes"),
+    ("labels.md", "Surfaces of labels"),
     ("components.md", "Parts of grids"),
     ("peers_components.md", "Parts of grids by others"),
     ("peers_morph.md", "Morphology by others"),

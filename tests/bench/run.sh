@@ -7,15 +7,15 @@
 #     BENCH_RUNS=N          runs of each of our jobs [25]
 #     BENCH_PEERS=0         leave the other libraries out
 #     BENCH_PYTHON=PROGRAM  a Python that has the other libraries, instead of the venv
-#     BENCH_ONLY=a,b        these parts alone, without a report: core files voxels field grids morph volumes components levels sections
-#                           paper, and calls: the smallest call of each kind, in Python too where BENCH_PYTHON has the package
+#     BENCH_ONLY=a,b        these parts alone, without a report: core files voxels field grids morph volumes labels components levels
+#                           sections paper, and calls: the smallest call of each kind, in Python too where BENCH_PYTHON has the package
 #     BENCH_VDB_FLAGS=...   for the C++ compiler: where OpenVDB is, when not in the usual folders
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 : "${BENCHES:?}" "${BUILD:=build}" "${MESHES:=../shared/meshes}" "${BENCH_RUNS:=25}" "${BENCH_PEERS:=1}" "${BENCH_PYTHON:=}" "${BENCH_ONLY:=}"
 out=$BUILD/bench
 mesh=$MESHES/dragon_vrip_871414.ply.gz
-packages="numpy vtk pyvista scikit-image meshoptimizer fast-simplification open3d trimesh libigl meshlib mesh2sdf pymeshfix manifold3d scipy edt connected-components-3d itk-morphologicalcontourinterpolation"
+packages="numpy vtk pyvista scikit-image meshoptimizer fast-simplification open3d trimesh libigl meshlib mesh2sdf pymeshfix manifold3d scipy edt connected-components-3d zmesh itk-morphologicalcontourinterpolation"
 
 load() { cut -d ' ' -f 1 /proc/loadavg 2>/dev/null || echo unknown; }
 
@@ -99,6 +99,13 @@ measure_volumes() {
     rm -f "$out/volume_dragon.f32"
 }
 
+measure_labels() {
+    rm -f "$out/labels.md"
+    echo "== surfaces of labels"
+    if [ -n "$python" ] && [ -x "$BUILD/bitvox" ]; then peer tests/bench/peers_labels.py "$out" "$BUILD/bitvox" | tee "$out/labels.md"; fi
+    rm -f "$out"/voronoi_*
+}
+
 measure_components() {
     rm -f "$out"/components.md "$out"/peers_components.md
     echo "== parts of grids"
@@ -176,7 +183,7 @@ measure_calls() {
 
 if [ "$BENCH_ONLY" != calls ]; then find_python; fi
 if [ -z "$BENCH_ONLY" ]; then rm -f "$out/report.md" "$out/report.json"; fi
-for part in $(echo "${BENCH_ONLY:-core,files,voxels,field,grids,morph,volumes,components,levels,sections,paper}" | tr , ' '); do
+for part in $(echo "${BENCH_ONLY:-core,files,voxels,field,grids,morph,volumes,labels,components,levels,sections,paper}" | tr , ' '); do
     started=$(date +%s)
     "measure_$part"
     echo "== $part took $(($(date +%s) - started)) s"

@@ -147,17 +147,17 @@ static const char *const names[KINDS] = {"exact",
 static bvx_status operate(void *user, bvx_context *ctx)
 {
     switch (*(const int *)user) {
-    case EXACT: return measure(ctx, &closed_view, BVX_SIGN_EXACT, 2, 0, 1);
-    case NORMAL: return measure(ctx, &closed_view, BVX_SIGN_NORMAL, 2, 0, 0);
-    case PSEUDO: return measure(ctx, &closed_view, BVX_SIGN_PSEUDONORMAL, 2, 0, 1);
-    case PSEUDO_WINDOW: return measure(ctx, &closed_view, BVX_SIGN_PSEUDONORMAL, 1, 1, 0);
-    case PSEUDO_HOLES: return measure(ctx, &holes_view, BVX_SIGN_PSEUDONORMAL, 1, 0, 0);
-    case PSEUDO_THIN: return measure(ctx, &holes_view, BVX_SIGN_PSEUDONORMAL, 0.25, 0, 0);
-    case ALL: return measure(ctx, &closed_view, BVX_SIGN_EXACT, 1e9, 0, 0);
-    case WINDING: return measure(ctx, &holes_view, BVX_SIGN_WINDING, 2, 0, 0);
-    case VOTE: return measure(ctx, &holes_view, BVX_SIGN_VOTE, 2, 1, 0);
-    case AUTO: return measure(ctx, &closed_view, BVX_SIGN_AUTO, 2, 0, 0);
-    case NONE: return measure(ctx, &closed_view, BVX_SIGN_NONE, 2, 0, 0);
+    case EXACT: return measure(ctx, &closed_view, BVX_FILL_PARITY, 2, 0, 1);
+    case NORMAL: return measure(ctx, &closed_view, BVX_FILL_NORMAL, 2, 0, 0);
+    case PSEUDO: return measure(ctx, &closed_view, BVX_FILL_PSEUDONORMAL, 2, 0, 1);
+    case PSEUDO_WINDOW: return measure(ctx, &closed_view, BVX_FILL_PSEUDONORMAL, 1, 1, 0);
+    case PSEUDO_HOLES: return measure(ctx, &holes_view, BVX_FILL_PSEUDONORMAL, 1, 0, 0);
+    case PSEUDO_THIN: return measure(ctx, &holes_view, BVX_FILL_PSEUDONORMAL, 0.25, 0, 0);
+    case ALL: return measure(ctx, &closed_view, BVX_FILL_PARITY, 1e9, 0, 0);
+    case WINDING: return measure(ctx, &holes_view, BVX_FILL_WINDING, 2, 0, 0);
+    case VOTE: return measure(ctx, &holes_view, BVX_FILL_VOTE, 2, 1, 0);
+    case AUTO: return measure(ctx, &closed_view, BVX_FILL_AUTO, 2, 0, 0);
+    case NONE: return measure(ctx, &closed_view, BVX_FILL_NONE, 2, 0, 0);
     case NPY: return write(ctx, BVX_FORMAT_NPY, 1);
     case NRRD: return write(ctx, BVX_FORMAT_NRRD, 0);
     case VTI: return write(ctx, BVX_FORMAT_VTI, 1);

@@ -227,6 +227,19 @@ static bvx_status normals(void *user, bvx_context *ctx)
     return status;
 }
 
+static bvx_status smooth(void *user, bvx_context *ctx)
+{
+    enum { MOST = 512 };
+    static double positions[3 * MOST];
+    bvx_smooth_options const o = {.struct_size = sizeof o, .no_crossings = 1};
+    (void)user;
+    assert_true(star_view.vertex_count <= MOST);
+    memset(positions, 0, sizeof positions);
+    bvx_status const status = bvx_mesh_smooth(ctx, &star_view, &o, positions);
+    if (status == BVX_OK) mark = bvx_hash(positions, sizeof positions, 0);
+    return status;
+}
+
 /* Of triangles that have nothing to do with each other. */
 static bvx_status crossings(void *user, bvx_context *ctx)
 {
@@ -469,6 +482,7 @@ static fault_row stages[] = {
     {"merge", merge, 1, 1, 0},
     {"check", check, 1, 1, 0},
     {"normals", normals, 1, 0, 0},
+    {"smooth", smooth, 1, 1, 0},
     {"crossings", crossings, 1, 1, 0},
     {"mass", mass, 1, 1, 0},
     {"distance", distance, 1, 1, 0},

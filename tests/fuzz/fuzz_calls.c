@@ -10,7 +10,7 @@ static void fuzz_dense(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m, con
     bvx_buffer file = {0};
 
     o.half_width = fuzz_range(in, 1, 8) / 4.0;
-    o.sign = fuzz_range(in, BVX_SIGN_AUTO, BVX_SIGN_VOTE);
+    o.sign = fuzz_range(in, BVX_FILL_AUTO, BVX_FILL_VOTE);
     o.features = 1;
     if (fuzz_good(ctx, bvx_measure_field(ctx, &m->view, lattice, &o, &field))) {
         uint64_t const voxels = (uint64_t)lattice->dims[0] * (uint64_t)lattice->dims[1] *
@@ -140,6 +140,33 @@ static void fuzz_normals(bvx_context *ctx, fuzz_input *in, const bvx_mesh_view *
     }
 }
 
+/* Any mesh: numbers that are finite, the same by more threads, and no pair of triangles that cross anew. */
+static void fuzz_smooth(bvx_context *ctx, bvx_context *other, fuzz_input *in, const bvx_mesh_view *view)
+{
+    static double one[3 * FUZZ_VERTICES], two[3 * FUZZ_VERTICES];
+    bvx_smooth_options o = {.struct_size = sizeof o};
+    size_t const size = (view->position_type == BVX_F32 && view->transform == NULL ? 12u : 24u) *
+                        (size_t)view->vertex_count;
+    o.method = fuzz_range(in, 0, 1);
+    o.iterations = fuzz_range(in, 1, 30);
+    o.sharp_angle = fuzz_range(in, 0, 2) * 30;
+    o.hold_border = fuzz_range(in, 0, 1);
+    o.no_crossings = fuzz_range(in, 0, 1);
+    if (!fuzz_good(ctx, bvx_mesh_smooth(ctx, view, &o, one))) return;
+    fuzz_must(other, bvx_mesh_smooth(other, view, &o, two));
+    fuzz_require(memcmp(one, two, size) == 0, "other positions with more threads");
+    if (!o.no_crossings) return;
+    bvx_mesh_view moved = *view;
+    uint64_t own, count;
+    moved.positions = one;
+    moved.position_type = size == 12 * (size_t)view->vertex_count ? BVX_F32 : BVX_F64;
+    moved.position_stride = 0;
+    moved.transform = NULL;
+    (void)bvx_mesh_crossings(ctx, view, &own, NULL, 0);
+    (void)bvx_mesh_crossings(ctx, &moved, &count, NULL, 0);
+    fuzz_require(count <= own, "new crossings");
+}
+
 static void fuzz_chosen_tree(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m)
 {
     bvx_refine_options o = {.struct_size = sizeof o};
@@ -254,6 +281,7 @@ static void fuzz_one(fuzz_input *in)
         case 5: fuzz_pictures(ctx, other, in, &m, &solid); break;
         case 6:
             fuzz_normals(ctx, in, &m.view);
+            fuzz_smooth(ctx, other, in, &m.view);
             fuzz_crossings(ctx, other, &m.view);
             fuzz_measure(ctx, other, in, &m.view);
             break;

@@ -105,7 +105,8 @@ static void fuzz_field(bvx_context *ctx, bvx_context *other, fuzz_input *in, con
     bvx_field whole = {0}, twin = {0}, part = {0};
 
     o.half_width = fuzz_range(in, 1, 16) / 4.0;
-    o.sign = fuzz_range(in, BVX_SIGN_AUTO, BVX_SIGN_NONE);
+    o.sign = fuzz_range(in, BVX_FILL_AUTO, BVX_FILL_NONE);
+    if ((BVX_FILLS_OF_FIELD >> o.sign & 1) == 0) o.sign = BVX_FILL_AUTO;
     o.value_type = BVX_F64;
     o.features = fuzz_range(in, 0, 1);
     if (!fuzz_good(ctx, bvx_measure_field(ctx, &m->view, lattice, &o, &whole))) return;
@@ -135,7 +136,7 @@ static void fuzz_repaired(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
     bvx_mesh mesh = {0}, twin = {0};
 
     o.fit.resolution = fuzz_range(in, 1, 24);
-    o.sign = fuzz_range(in, 0, 2) == 0 ? BVX_SIGN_VOTE : BVX_SIGN_AUTO;
+    o.sign = fuzz_range(in, 0, 2) == 0 ? BVX_FILL_VOTE : BVX_FILL_AUTO;
     o.placing.interpolation = fuzz_range(in, BVX_EDGE_TANGENT, BVX_EDGE_PAPER);
     o.placing.sharp = fuzz_range(in, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS);
     o.shell = fuzz_range(in, 0, 3) == 0 ? 0 : 1.5 + fuzz_range(in, 0, 4) / 4.0;

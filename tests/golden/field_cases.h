@@ -13,7 +13,9 @@ static void mesh_value(golden *g, const char *key, bvx_status status, bvx_mesh *
 /* Fields by every sign: the file's bytes, and the surface by every interpolation. */
 static void field_values(golden *g, const char *name, const bvx_mesh_view *view, int32_t resolution)
 {
-    static const char *const sign[] = {"auto", "exact", "normal", "pseudonormal", "winding", "vote", "none"};
+    static const char *const sign[] = {"exact", "normal", "pseudonormal", "winding", "vote", "none"};
+    static const int32_t rule[] = {BVX_FILL_PARITY,  BVX_FILL_NORMAL, BVX_FILL_PSEUDONORMAL,
+                                   BVX_FILL_WINDING, BVX_FILL_VOTE,   BVX_FILL_NONE};
     static const char *const edge[] = {"vector", "scalar", "middle", "paper", "tangent"};
     bvx_lattice_options fit = {.struct_size = sizeof fit};
     bvx_lattice lattice;
@@ -23,17 +25,17 @@ static void field_values(golden *g, const char *name, const bvx_mesh_view *view,
     fit.padding = 3;
     golden_begin(g, name);
     if (golden_good(g, bvx_lattice_fit_with(g->context, view, &fit, &lattice)))
-        for (int32_t s = BVX_SIGN_EXACT; s <= BVX_SIGN_NONE; s++) {
+        for (int32_t s = 0; s < 6; s++) {
             bvx_field_options o = {.struct_size = sizeof o};
             bvx_field field = {0};
             bvx_buffer file = {0};
-            o.sign = s;
+            o.sign = rule[s];
             o.features = 1;
             if (!golden_good(g, bvx_measure_field(g->context, view, &lattice, &o, &field))) break;
-            if (golden_good(g, bvx_write_field(g->context, &field, s & 1, BVX_FORMAT_NRRD, &file)))
+            if (golden_good(g, bvx_write_field(g->context, &field, !(s & 1), BVX_FORMAT_NRRD, &file)))
                 golden_hex(g, sign[s], bvx_hash(file.bytes, (size_t)file.size, field.value_count));
             bvx_buffer_free(g->context, &file);
-            for (int32_t e = 0; s == BVX_SIGN_WINDING && e < 10; e++) {
+            for (int32_t e = 0; rule[s] == BVX_FILL_WINDING && e < 10; e++) {
                 bvx_field_surface_options so = {.struct_size = sizeof so};
                 bvx_mesh mesh = {0};
                 so.placing.interpolation = (e + 1) % 5; /* TANGENT last */
@@ -134,20 +136,20 @@ static void repair_cases(golden *g)
     shape_torus(&golden_shape, 96, 40, 0.25, 7);
     shape_view(&golden_shape, &view);
     view.triangle_count -= 700;
-    repair_values_of(g, "torus_48_open", &view, 48, BVX_SIGN_AUTO, BVX_THIN_KEEP);
-    repair_values_of(g, "torus_48_open_vote", &view, 48, BVX_SIGN_VOTE, BVX_THIN_KEEP);
-    repair_values_of(g, "torus_48_open_shell", &view, 48, BVX_SIGN_AUTO, BVX_THIN_SHELL);
+    repair_values_of(g, "torus_48_open", &view, 48, BVX_FILL_AUTO, BVX_THIN_KEEP);
+    repair_values_of(g, "torus_48_open_vote", &view, 48, BVX_FILL_VOTE, BVX_THIN_KEEP);
+    repair_values_of(g, "torus_48_open_shell", &view, 48, BVX_FILL_AUTO, BVX_THIN_SHELL);
     hull_values(g, "torus_48_open_hull", &view, 0);
     hull_values(g, "torus_48_closed_hull", &view, 9);
     shape_ball(&golden_shape, 24);
     for (uint32_t v = 0; v < golden_shape.vertices; v++) golden_shape.v[v][2] *= 0.01;
     shape_view(&golden_shape, &view);
-    repair_values_of(g, "thin_disc_48", &view, 48, BVX_SIGN_AUTO, BVX_THIN_KEEP);
-    repair_values_of(g, "thin_disc_48_shell", &view, 48, BVX_SIGN_AUTO, BVX_THIN_SHELL);
+    repair_values_of(g, "thin_disc_48", &view, 48, BVX_FILL_AUTO, BVX_THIN_KEEP);
+    repair_values_of(g, "thin_disc_48_shell", &view, 48, BVX_FILL_AUTO, BVX_THIN_SHELL);
     shape_soup(&golden_shape, 300, 11);
     shape_view(&golden_shape, &view);
-    repair_values_of(g, "soup_32", &view, 32, BVX_SIGN_AUTO, BVX_THIN_KEEP);
-    repair_values_of(g, "soup_32_vote", &view, 32, BVX_SIGN_VOTE, BVX_THIN_KEEP);
+    repair_values_of(g, "soup_32", &view, 32, BVX_FILL_AUTO, BVX_THIN_KEEP);
+    repair_values_of(g, "soup_32_vote", &view, 32, BVX_FILL_VOTE, BVX_THIN_KEEP);
 }
 
 #endif

@@ -75,6 +75,24 @@ static void normal_values(golden *g, const char *name, const bvx_mesh_view *view
     golden_end(g);
 }
 
+/* By both filters, and with the pairs that cross undone. */
+static void smooth_values(golden *g, const char *name, const bvx_mesh_view *view)
+{
+    static double positions[3 * SHAPE_MAX];
+
+    golden_begin(g, name);
+    for (int32_t i = 0; i < 3; i++) {
+        static const char *const what[3] = {"sinc", "taubin", "apart"};
+        bvx_smooth_options const o = {.struct_size = sizeof o,
+                                      .method = i == 1,
+                                      .sharp_angle = i == 2 ? 20.0 : 0.0,
+                                      .no_crossings = i == 2};
+        if (golden_good(g, bvx_mesh_smooth(g->context, view, &o, positions)))
+            golden_hex(g, what[i], mixed_doubles(0, positions, 3 * view->vertex_count));
+    }
+    golden_end(g);
+}
+
 /* Contours of a mesh across an axis and askew: their file, and the bodies made of them. */
 static void slice_values(golden *g, const char *name, const bvx_mesh_view *view, double x, double y, double z)
 {
@@ -285,6 +303,7 @@ static void section_cases(golden *g)
     shape_torus(&golden_shape, 96, 40, 0.05, 7);
     shape_view(&golden_shape, &view);
     normal_values(g, "torus_normals", &view);
+    smooth_values(g, "torus_smooth", &view);
     slice_values(g, "torus_z", &view, 0, 0, 1);
     slice_values(g, "torus_x", &view, 1, 0, 0);
     slice_values(g, "torus_askew", &view, 0.6, -0.36, 0.72);

@@ -136,6 +136,30 @@ run boolean union rod_0.obj rod_0.5.obj -o result.ply --resolution 256
 [ $status = 0 ] && [ ! -s err ]
 result 'and not where voxels hold them' $?
 
+# A bar inside out that leaves a block where the other body does not reach: it is no cavity there.
+printf 'v %s\n' '0 0 0' '4 0 0' '0 4 0' '4 4 0' '0 0 4' '4 0 4' '0 4 4' '4 4 4' '1 1 1' '8 1 1' '1 3 1' '8 3 1' '1 1 3' '8 1 3' '1 3 3' '8 3 3' >crossed.obj
+printf 'f %s\n' '1 3 4 2' '5 6 8 7' '1 2 6 5' '3 7 8 4' '1 5 7 3' '2 4 8 6' '10 12 11 9' '15 16 14 13' '13 14 10 9' '12 16 15 11' '11 15 13 9' '14 16 12 10' >>crossed.obj
+printf 'v %s\n' '-1 -1 -1' '3.5 -1 -1' '-1 5 -1' '3.5 5 -1' '-1 -1 5' '3.5 -1 5' '-1 5 5' '3.5 5 5' >reach.obj
+printf 'f %s\n' '1 3 4 2' '5 6 8 7' '1 2 6 5' '3 7 8 4' '1 5 7 3' '2 4 8 6' >>reach.obj
+run boolean intersection crossed.obj reach.obj -o result.ply --resolution 32 --json
+grep -q '"components": 1, "volume": \(56\|55.9[0-9]*\|56.0[0-9]*\),' out && grep -q '"warnings": \[\]' out
+result 'parts inside out are turned wherever they leave others' $?
+
+# Blocks that have a wall of a third of a voxel in common: what is left of it in crumbs is told.
+tilted() { # FROM, TO: a block between these heights, turned about z and x
+    awk -v from=$1 -v to=$2 'BEGIN { for (i = 0; i < 8; i++) {
+        x = 9 * (i % 2); y = 9 * (int(i / 2) % 2); z = i < 4 ? from : to
+        u = 0.9553 * x - 0.2955 * y; v = 0.2955 * x + 0.9553 * y
+        print "v", u, 0.9801 * v - 0.1987 * z, 0.1987 * v + 0.9801 * z
+    } }'
+}
+tilted 0 3 >wall_a.obj
+tilted 2.9 6 >wall_b.obj
+for n in a b; do printf 'f %s\n' '1 3 4 2' '5 6 8 7' '1 2 6 5' '3 7 8 4' '1 5 7 3' '2 4 8 6' >>wall_$n.obj; done
+run boolean intersection wall_a.obj wall_b.obj -o result.ply --resolution 30
+[ $status = 0 ] && grep -q 'warning: dropped, since what is thinner than a voxel broke: [0-9]* small parts' err
+result 'walls between both bodies that broke are told' $?
+
 # Bars aslant, a fifth of a voxel apart, whose boxes overlap.
 for y in 0 0.42 0.6; do
     awk -v y=$y 'BEGIN { for (i = 0; i < 8; i++) print "v", 3 * (i % 2), 3 * (i % 2) + 0.4 * (int(i / 2) % 2) + y, 0.3 * int(i / 4) }' >bar_$y.obj

@@ -43,7 +43,7 @@ sed 's/^f 2 8 6/f 2 6 8/' box.obj >flipped.obj
 # ---- formats ----
 
 works 'voxelize --mode field to NRRD' voxelize box.obj -o box.nrrd --mode field --spacing 1 --half-width 1
-holds 'the sign is told' says '^  sign +exact, 64 centres inside$'
+holds 'the sign is told' says '^  sign +parity, 64 centres inside$'
 holds 'the padding is the half-width' says '^  dims +6 x 6 x 6$'
 holds 'the half-width is told' says '^  field +distances within 1$'
 holds 'NRRD of floats' grep -q -a '^type: float$' box.nrrd
@@ -91,7 +91,7 @@ PY
     run voxelize box.obj -o x.npy --mode field --spacing 1 --json
     holds 'the report' python3 -c 'import json
 r = json.load(open("out"))
-f = r["field"]; assert f["sign"] == "exact" and f["half_width"] == 3 and f["inside"] == 64 and f["values"] == r["set"] < 1000, f
+f = r["field"]; assert f["sign"] == "parity" and f["half_width"] == 3 and f["inside"] == 64 and f["values"] == r["set"] < 1000, f
 assert f["vectors"] is False and f["value_type"] == "f32"
 assert r["lattice"]["dims"] == [10, 10, 10] and r["warnings"] == []'
 else
@@ -100,17 +100,17 @@ fi
 
 # ---- signs ----
 
-for sign in exact normal pseudonormal winding vote none; do
+for sign in parity nonzero normal pseudonormal winding vote none; do
     works "--sign $sign" voxelize "$knot" -o $sign.npy --mode field --resolution 40 --sign $sign
     holds "$sign is told" says "^  sign +$sign"
     works "$sign on one thread" voxelize "$knot" -o again.npy --mode field --resolution 40 --sign $sign --threads 1
     holds "$sign: threads do not show" cmp $sign.npy again.npy
 done
-for sign in pseudonormal winding vote; do holds "$sign is exact on a closed mesh" cmp $sign.npy exact.npy; done
+for sign in pseudonormal winding vote; do holds "$sign is exact on a closed mesh" cmp $sign.npy parity.npy; done
 run voxelize open.obj -o x.npy --mode field --spacing 1
 holds 'an open mesh takes winding numbers' says '^  sign +winding'
 run voxelize flipped.obj -o x.npy --mode field --spacing 1
-holds 'a flipped triangle is turned' says '^  sign +exact'
+holds 'a flipped triangle is turned' says '^  sign +parity'
 run voxelize box.obj -o x.npy --mode field --resolution 3,5,7
 holds 'stretched voxels' says '^  dims +9 x 11 x 13$'
 
@@ -124,7 +124,7 @@ warns "no voxel's centre is within" voxelize box.obj -o x.npy --mode field --spa
 # ---- refusals ----
 
 rm -f x.*
-refuses 2 'fields are written as .npy, .nrrd or .vti' voxelize box.obj -o x.bvx --mode field
+refuses 2 'fields are written as .npy, .nrrd, .vti or .vdb' voxelize box.obj -o x.bvx --mode field
 refuses 2 'is for solids' voxelize box.obj -o x.npy --mode field --fill vote
 refuses 2 'is for fields' voxelize box.obj -o x.npy --sign vote
 refuses 2 'is for fields' voxelize box.obj -o x.npy --mode thin --vectors
@@ -132,7 +132,7 @@ refuses 2 'is for fields' voxelize box.obj -o x.npy --half-width 2
 refuses 2 'is for fields' voxelize box.obj -o x.npy --value-type f64
 refuses 2 '--half-width' voxelize box.obj -o x.npy --mode field --half-width -1
 refuses 2 '--half-width' voxelize box.obj -o x.npy --mode field --half-width inf
-refuses 2 'one of: auto, exact, normal' voxelize box.obj -o x.npy --mode field --sign inside
+refuses 2 'one of: auto, parity, nonzero, vote' voxelize box.obj -o x.npy --mode field --sign inside
 refuses 2 'one of: f32, f64' voxelize box.obj -o x.npy --mode field --value-type f16
 refuses 1 'limit' voxelize "$knot" -o x.npy --mode field --memory-limit 3M
 printf 'v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n' >line.obj

@@ -250,6 +250,13 @@ holds 'the same bytes' cmp k.3mf k2.3mf
 printf 'PK' >cut.3mf
 refuses 1 'no directory of a zip file' info cut.3mf
 
+# ---- OpenVDB: written only ----
+
+works 'voxels to OpenVDB' voxelize "$knot" -o k.vdb --resolution 150
+works 'distances to OpenVDB' voxelize "$knot" -o d.vdb --resolution 40 --mode field
+refuses 1 'does not end in a mesh or grid format that can be read' info k.vdb
+refuses 1 'take NPY, NRRD, VTI or, of distances, VDB' voxelize "$knot" -o v.vdb --resolution 40 --mode field --vectors
+
 # ---- glTF: text with its bytes in a file beside it, and what no mesh holds ----
 
 mkdir -p scene

@@ -1,5 +1,5 @@
 #!/bin/sh
-# test_repair.sh [PROGRAM] - the repair command of the bitvox program. PROGRAM is build/bitvox, or what BITVOX names. One line a
+# test_repair.sh [PROGRAM] - the commands repair and hull of the bitvox program. PROGRAM is build/bitvox, or what BITVOX names. One line a
 # check, "ok NAME" or "not ok NAME"; the last line is "N passed, N failed[, N skipped]". Runs in the repository's root, works in a
 # folder of its own.
 set -u
@@ -39,7 +39,7 @@ run repair "$terrain" -o result.ply --resolution 64
 result 'open terrain becomes a shell, with a warning' $?
 certified 'sharp' "$knot" --resolution 48 --sharp
 for how in vector scalar middle paper tangent; do certified "interpolation $how" holes.obj --resolution 32 --interpolation $how; done
-for sign in exact winding vote; do certified "sign $sign" holes.obj --resolution 32 --sign $sign; done
+for sign in parity winding vote; do certified "sign $sign" holes.obj --resolution 32 --sign $sign; done
 certified 'most triangles' "$knot" --resolution 64 --triangles 3000
 certified 'clean' holes.obj --resolution 48 --least-part 20 --least-cavity 20
 
@@ -233,6 +233,18 @@ refuses 2 'whole number' "$knot" -o result.ply --resolution 0
 refuses 1 'below least_part' "$knot" -o result.ply --resolution 16 --least-part 1000000
 printf 'v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n' >line.obj
 refuses 1 'has an area' line.obj -o result.ply
+
+# A hull, whichever way triangles face; levels by count.
+run hull flipped.obj -o hull_%d.ply --resolution 40 --close-gaps 1 --triangles 2000,500 --json
+[ $status = 0 ] && grep -q '"hull": {"outer_triangles": [1-9]' out && [ "$(grep -o '"closed": true, "manifold": true, "oriented": true' out | wc -l)" = 2 ] && [ -s hull_0.ply ] && [ -s hull_1.ply ]
+result 'hull: levels of what can be reached from outside' $?
+run hull "$knot" -o hull.ply --resolution 24 --count 2
+[ $status = 2 ] && grep -q 'levels' err && [ ! -e hull.ply ]
+result 'refused (2): two levels, one name' $?
+run voxelize "$knot" -o knot.bvx --resolution 16 --quiet
+run hull knot.bvx -o hull.ply
+[ $status = 2 ] && grep -q 'hull is for meshes; knot.bvx is a grid' err
+result 'refused (2): a hull of a grid' $?
 
 if [ -d "$meshes" ]; then
     for mesh in "$meshes"/*; do certified "$(basename "$mesh")" "$mesh" --resolution 48; done

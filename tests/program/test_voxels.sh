@@ -137,6 +137,9 @@ reports 'regions are counted' 'r["solid"]["fill"] == "regions" and r["solid"]["r
 sets 128 box.obj --spacing 0.25 --padding 2
 warns '16 rows of centres do not balance' voxelize open.obj -o x.bvx --spacing 0.25 --padding 2
 sets 128 open.obj --spacing 0.25 --padding 2 --fill vote
+# Copies of a triangle have no volume.
+{ cat box.obj; echo 'f 5 6 7'; echo 'f 5 6 7'; } >copies.obj
+reports 'copies of triangles take no volume' 'r["warnings"] == []' voxelize copies.obj -o x.bvx --spacing 0.25 --padding 2
 # Triangles are missing where rows along x do not pass.
 sed '/^f 1 2 6/d; /^f 1 6 5/d' box.obj >aside.obj
 warns '32 rows of centres do not balance' voxelize aside.obj -o x.bvx --spacing 0.25 --padding 2
@@ -465,7 +468,7 @@ refuses 2 '--radius replaces' morph erode body.bvx -o x.bvx --radius 1 --steps 2
 refuses 2 'no use for --thickness' morph erode body.bvx -o x.bvx --thickness 1
 refuses 2 'needs --thickness' morph hollow body.bvx -o x.bvx
 refuses 2 'is for meshes' morph open body.bvx -o x.bvx --resolution 64
-refuses 2 'written as .npy, .nrrd or .vti' morph distance body.bvx -o x.bvx
+refuses 2 'written as .npy, .nrrd, .vti or .vdb' morph distance body.bvx -o x.bvx
 refuses 2 'is for distances' morph erode body.bvx -o x.bvx --beyond nothing
 refuses 2 'one of: 6, 18, 26' morph erode body.bvx -o x.bvx --neighbourhood 8
 

@@ -44,7 +44,7 @@ for found in re.finditer(r"#define BVX_(\w+)_LIST\(X\)(.*?)(?=\n\S|\n\n)", HEADE
     LISTS[found.group(1)] = {name: (int(number), text) for name, number, text in rows}
 NAMES = {name: value[0] for rows in LISTS.values() for name, value in rows.items()}
 NAMES |= {name: int(value) for name, value in re.findall(r"\b(BVX_[A-Z0-9_]+) = (-?\d+)\b", HEADER)}
-NAMES |= {"BVX_FILLS_OF_BOOLEAN": None, "BVX_SIGNS_OF_REPAIR": None, "BVX_LABEL_ZERO": -(2**31)}
+NAMES |= {"BVX_FILLS_OF_BOOLEAN": None, "BVX_FILLS_OF_REPAIR": None, "BVX_FILLS_OF_FIELD": None, "BVX_LABEL_ZERO": -(2**31)}
 
 
 def bits(name):
@@ -88,7 +88,7 @@ class Field:
         limit = self.limit.split(";")[0]
         if limit == "any":
             return []
-        if self.limit in ("BVX_FILLS_OF_BOOLEAN", "BVX_SIGNS_OF_REPAIR"):
+        if (self.limit or "").startswith("BVX_FILLS_OF_"):
             return [(one, True, one, True) for one in bits(self.limit)]
         pieces = []
         for part in re.split(r", or ", limit):

@@ -79,7 +79,7 @@ static inline void field_maker_measure(bvx_context *ctx, const maker_mesh *m, co
 
     memset(f, 0, sizeof *f);
     f->half_width = half_width;
-    f->sign = BVX_SIGN_EXACT;
+    f->sign = BVX_FILL_PARITY;
     if (bvx_voxelize_solid(ctx, &view, lattice, NULL, &f->inside) != BVX_OK ||
         bvx_grid_create(ctx, lattice, NULL, &f->band) != BVX_OK) {
         fprintf(stderr, "field_maker: %s\n", bvx_last_message(ctx));
@@ -110,7 +110,7 @@ static inline void field_maker_noise(bvx_context *ctx, uint64_t *seed, const bvx
                                      int32_t value_type, bvx_field *f)
 {
     memset(f, 0, sizeof *f);
-    f->sign = BVX_SIGN_EXACT;
+    f->sign = BVX_FILL_PARITY;
     f->half_width = INFINITY;
     if (bvx_grid_create(ctx, lattice, NULL, &f->inside) != BVX_OK ||
         bvx_grid_create(ctx, lattice, NULL, &f->band) != BVX_OK) {

@@ -131,6 +131,13 @@ static bvx_status mesh_normals(const world *w)
 {
     return bvx_mesh_normals(w->ctx, w->mesh, 1, (float *)w->out, NULL);
 }
+static bvx_status mesh_smooth(const world *w)
+{
+    TAKE_OPTIONS(smooth, o);
+    TAKE_RESERVED(o.reserved[1]);
+    SPOIL(o);
+    return bvx_mesh_smooth(w->ctx, w->mesh, &o, w->out);
+}
 static bvx_status mesh_distance(const world *w)
 {
     return bvx_mesh_distance(w->ctx, w->mesh, w->mesh, 10, 1, (bvx_distance_report *)w->out);
@@ -607,6 +614,7 @@ static const call calls[] = {
     CALL(mesh_hash, BODY, PLAIN),
     CALL(mesh_check, MESH, PLAIN),
     CALL(mesh_normals, MESH, PLAIN),
+    CALL(mesh_smooth, MESH | OPTIONS | RESERVED, PLAIN),
     CALL(mesh_distance, MESH, PLAIN),
     CALL(measure, MESH | OPTIONS | RESERVED, PLAIN),
     CALL(closest_create, MESH, TO_CLOSEST),

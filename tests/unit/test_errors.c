@@ -127,7 +127,7 @@ static void test_the_function_that_was_called(void)
     failed(BVX_ERR_ARGUMENT, bvx_boolean(ctx, &good, &bad, BVX_BOOLEAN_UNION, NULL, &mesh), BVX_REASON_CHOICE,
            "bvx_boolean");
     TEST_ASSERT_EQUAL_STRING_LEN("mesh b: ", error->text, 8);
-    o.sign = BVX_SIGN_NORMAL;
+    o.sign = BVX_FILL_NORMAL;
     o.solid = 1;
     failed(BVX_ERR_ARGUMENT, bvx_build_levels(ctx, &good, &o, 1, &mesh), BVX_REASON_CHOICE,
            "bvx_build_levels");

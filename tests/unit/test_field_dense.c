@@ -37,8 +37,8 @@ static void test_constant(void)
 
     for (int s = 0; s < 4; s++)
         for (int type = BVX_F32; type <= BVX_F64; type++)
-            for (int32_t sign = BVX_SIGN_EXACT; sign <= BVX_SIGN_NONE;
-                 sign += BVX_SIGN_NONE - BVX_SIGN_EXACT) {
+            for (int32_t sign = BVX_FILL_PARITY; sign <= BVX_FILL_NONE;
+                 sign += BVX_FILL_NONE - BVX_FILL_PARITY) {
                 bvx_lattice const l = lattice_with(1, 2, 3, 1, 0.5, 0.75, shapes[s][0], shapes[s][1],
                                                    shapes[s][2]);
                 bvx_field_options o = field_options(1.25, sign);
@@ -74,7 +74,7 @@ static void test_constant(void)
  * vectors, and are off by no more than this. */
 static void assert_propagated(const bvx_lattice *l, double half_width, double most_off, double mean_off)
 {
-    bvx_field f = field_of(l, half_width, BVX_SIGN_EXACT), all = field_of(l, HUGE_VAL, BVX_SIGN_EXACT);
+    bvx_field f = field_of(l, half_width, BVX_FILL_PARITY), all = field_of(l, HUGE_VAL, BVX_FILL_PARITY);
     float *const d = dense_of(ctx, &f, BVX_FAR_PROPAGATED, 0);
     float *const v = dense_of(ctx, &f, BVX_FAR_PROPAGATED, 1);
     float *const exact = dense_of(ctx, &all, BVX_FAR_CONSTANT, 0);
@@ -133,7 +133,7 @@ static void test_propagated_by_hand(void)
     float *d, *v;
 
     maker_box(&mesh, low, high);
-    f = field_of(&l, 1, BVX_SIGN_EXACT);
+    f = field_of(&l, 1, BVX_FILL_PARITY);
     d = dense_of(ctx, &f, BVX_FAR_PROPAGATED, 0);
     v = dense_of(ctx, &f, BVX_FAR_PROPAGATED, 1);
     for (size_t x = 2; x < 70; x++) {
@@ -155,7 +155,7 @@ static void test_threads_change_nothing(void)
     float *d, *v;
 
     add_bodies(&l, 3);
-    f = field_of(&l, 1.5, BVX_SIGN_EXACT);
+    f = field_of(&l, 1.5, BVX_FILL_PARITY);
     d = dense_of(ctx, &f, BVX_FAR_PROPAGATED, 0);
     v = dense_of(ctx, &f, BVX_FAR_PROPAGATED, 1);
     for (int w = 0; w < 3; w++) {
@@ -178,7 +178,7 @@ static void test_refusals(void)
     static const double low[3] = {2, 2, 2}, high[3] = {6, 6, 6};
     bvx_lattice const l = lattice_with(0, 0, 0, 1, 1, 1, 8, 8, 8);
     bvx_lattice const away = lattice_with(100, 0, 0, 1, 1, 1, 8, 8, 8);
-    bvx_field_options o = field_options(1, BVX_SIGN_EXACT);
+    bvx_field_options o = field_options(1, BVX_FILL_PARITY);
     bvx_mesh_view view, small;
     bvx_field f, bad;
     static float values[8 * 8 * 8 * 3];
@@ -238,7 +238,7 @@ static void test_numbers_beyond_floats_are_infinite(void)
 {
     static const double low[3] = {0, 0, 0}, high[3] = {1e39, 1e39, 1e39};
     bvx_lattice const l = lattice_with(0, 0, 0, 1e38, 1e38, 1e38, 20, 20, 20);
-    bvx_field_options o = field_options(HUGE_VAL, BVX_SIGN_EXACT);
+    bvx_field_options o = field_options(HUGE_VAL, BVX_FILL_PARITY);
     bvx_field f;
     float *d;
 

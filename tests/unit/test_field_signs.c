@@ -63,9 +63,9 @@ static void test_exact_vote_and_winding_are_the_solids(void)
         for (int i = 0; i < trial / 4; i++)
             maker_remove(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
         if (trial / 4 == 2) maker_flip(&mesh, 3, 9);
-        assert_is_solid(&l, BVX_SIGN_EXACT, BVX_FILL_PARITY);
-        assert_is_solid(&l, BVX_SIGN_VOTE, BVX_FILL_VOTE);
-        assert_is_solid(&l, BVX_SIGN_WINDING, BVX_FILL_WINDING);
+        assert_is_solid(&l, BVX_FILL_PARITY, BVX_FILL_PARITY);
+        assert_is_solid(&l, BVX_FILL_VOTE, BVX_FILL_VOTE);
+        assert_is_solid(&l, BVX_FILL_WINDING, BVX_FILL_WINDING);
     }
 }
 
@@ -76,8 +76,8 @@ static void test_auto_looks_at_the_mesh(void)
     static const struct {
         int holes, flips, apart;
         int32_t sign;
-    } want[] = {{0, 0, 0, BVX_SIGN_EXACT},   {0, 0, 1, BVX_SIGN_EXACT}, {1, 0, 1, BVX_SIGN_WINDING},
-                {1, 0, 0, BVX_SIGN_WINDING}, {0, 1, 0, BVX_SIGN_EXACT}, {1, 1, 1, BVX_SIGN_WINDING}};
+    } want[] = {{0, 0, 0, BVX_FILL_PARITY},  {0, 0, 1, BVX_FILL_PARITY}, {1, 0, 1, BVX_FILL_WINDING},
+                {1, 0, 0, BVX_FILL_WINDING}, {0, 1, 0, BVX_FILL_PARITY}, {1, 1, 1, BVX_FILL_WINDING}};
     for (size_t i = 0; i < sizeof want / sizeof want[0]; i++) {
         bvx_field f;
         maker_clear(&mesh);
@@ -85,7 +85,7 @@ static void test_auto_looks_at_the_mesh(void)
         if (want[i].holes) maker_remove(&mesh, 11);
         if (want[i].flips) maker_flip(&mesh, 3, 4);
         if (want[i].apart) take_apart();
-        f = field_of(&l, 2, BVX_SIGN_AUTO);
+        f = field_of(&l, 2, BVX_FILL_AUTO);
         TEST_ASSERT_EQUAL_INT32(want[i].sign, f.sign);
         bvx_field_free(ctx, &f);
     }
@@ -97,9 +97,9 @@ static void test_no_sign(void)
     bvx_field f;
 
     add_star(&l, 0.2);
-    f = field_of(&l, 2, BVX_SIGN_NONE);
+    f = field_of(&l, 2, BVX_FILL_NONE);
     TEST_ASSERT_NULL(f.inside.words);
-    TEST_ASSERT_EQUAL_INT32(BVX_SIGN_NONE, f.sign);
+    TEST_ASSERT_EQUAL_INT32(BVX_FILL_NONE, f.sign);
     assert_signs_agree(&f);
     bvx_field_free(ctx, &f);
 }
@@ -208,7 +208,7 @@ static uint64_t wrong_signs(const bvx_field *f, shape_fn *shape)
 static void test_shapes_that_are_known(void)
 {
     static shape_fn *const shapes[] = {in_box, in_hollow_box, in_wedge, in_sphere, in_torus};
-    static const int32_t rules[] = {BVX_SIGN_EXACT, BVX_SIGN_PSEUDONORMAL, BVX_SIGN_WINDING, BVX_SIGN_VOTE};
+    static const int32_t rules[] = {BVX_FILL_PARITY, BVX_FILL_PSEUDONORMAL, BVX_FILL_WINDING, BVX_FILL_VOTE};
     static const double widths[] = {0.9, 3, HUGE_VAL};
     bvx_lattice const fine[2] = {lattice_with(0, 0, 0, 0.5, 0.5, 0.5, 40, 40, 36),
                                  lattice_with(-0.25, 0.125, 0, 1, 0.5, 0.75, 21, 40, 24)};
@@ -241,9 +241,9 @@ static void test_pseudonormals_are_the_parity_of_closed_bodies(void)
         bvx_field exact, pseudo;
         maker_clear(&mesh);
         add_star(&l, 0.6);
-        exact = field_of(&l, HUGE_VAL, BVX_SIGN_EXACT);
+        exact = field_of(&l, HUGE_VAL, BVX_FILL_PARITY);
         if (trial & 4) take_apart();
-        pseudo = field_of(&l, trial & 8 ? HUGE_VAL : 1, BVX_SIGN_PSEUDONORMAL);
+        pseudo = field_of(&l, trial & 8 ? HUGE_VAL : 1, BVX_FILL_PSEUDONORMAL);
         for (int32_t z = 0; z < 26; z++)
             for (int32_t y = 0; y < 28; y++)
                 for (int32_t x = 0; x < 30; x++) {
@@ -267,7 +267,7 @@ static void test_faces_on_centres(void)
 
     maker_box(&mesh, low, high);
     solid = solid_of(&l, BVX_FILL_PARITY);
-    for (int32_t sign = BVX_SIGN_NORMAL; sign <= BVX_SIGN_PSEUDONORMAL; sign++) {
+    for (int32_t sign = BVX_FILL_NORMAL; sign <= BVX_FILL_PSEUDONORMAL; sign++) {
         bvx_field f = field_of(&l, 1.5, sign);
         for (int32_t z = 0; z < 10; z++)
             for (int32_t y = 0; y < 12; y++)
@@ -295,8 +295,8 @@ static void test_normals_are_wrong_at_a_sharp_edge(void)
     uint64_t wrong = 0;
 
     add_prism(blade, 3, cut, 1, 2, 10);
-    normal = field_of(&l, 4, BVX_SIGN_NORMAL);
-    pseudo = field_of(&l, 4, BVX_SIGN_PSEUDONORMAL);
+    normal = field_of(&l, 4, BVX_FILL_NORMAL);
+    pseudo = field_of(&l, 4, BVX_FILL_PSEUDONORMAL);
     for (int32_t z = 4; z < 20; z++)
         for (int32_t y = 0; y < 32; y++)
             for (int32_t x = 0; x < 8; x++) { /* before the edge: all outside */
@@ -314,7 +314,7 @@ static void test_normals_are_right_where_faces_are_closest(void)
     bvx_field f;
 
     make_shape(0);
-    f = field_of(&l, HUGE_VAL, BVX_SIGN_NORMAL);
+    f = field_of(&l, HUGE_VAL, BVX_FILL_NORMAL);
     for (int32_t z = 0; z < 36; z++)
         for (int32_t y = 0; y < 40; y++)
             for (int32_t x = 0; x < 40; x++) {
@@ -390,7 +390,7 @@ static void test_fronts_meet_in_holes(void)
     for (int trial = 0; trial < (quick ? 4 : 18); trial++) {
         const int32_t *const n = shapes[trial % 6];
         bvx_lattice const l = lattice_with(0, 0, 0, 1, trial & 1 ? 1 : 0.75, 1, n[0], n[1], n[2]);
-        for (int32_t sign = BVX_SIGN_NORMAL; sign <= BVX_SIGN_PSEUDONORMAL; sign++) {
+        for (int32_t sign = BVX_FILL_NORMAL; sign <= BVX_FILL_PSEUDONORMAL; sign++) {
             bvx_field f;
             maker_clear(&mesh);
             add_star(&l, 0.3);
@@ -410,7 +410,7 @@ static void test_thin_bands_have_the_signs_of_wide_ones(void)
     static const double widths[] = {1e-9, 0.3, 0.99};
 
     for (int shape = 0; shape < 5; shape++)
-        for (int32_t sign = BVX_SIGN_NORMAL; sign <= BVX_SIGN_PSEUDONORMAL; sign++) {
+        for (int32_t sign = BVX_FILL_NORMAL; sign <= BVX_FILL_PSEUDONORMAL; sign++) {
             bvx_lattice const l = lattice_with(0, 0, 0, 0.5, 0.75, 1, 40, 26, 18);
             bvx_field wide;
             make_shape(shape);
@@ -439,7 +439,7 @@ static void test_an_open_box(void)
             maker_remove(&mesh, i);
         else i++;
     }
-    f = field_of(&l, 2, BVX_SIGN_PSEUDONORMAL);
+    f = field_of(&l, 2, BVX_FILL_PSEUDONORMAL);
     TEST_ASSERT_EQUAL_INT(1, bvx_grid_get(&f.inside, 16, 16, 10));
     TEST_ASSERT_EQUAL_INT(1, bvx_grid_get(&f.inside, 16, 16, 16));
     TEST_ASSERT_EQUAL_INT(0, bvx_grid_get(&f.inside, 16, 16, 1));
@@ -458,22 +458,23 @@ static void test_a_lattice_without_any_band(void)
     bvx_lattice const l = lattice_with(0, 0, 0, 1, 1, 1, 67, 9, 8);
 
     for (int inside = 0; inside < 2; inside++)
-        for (int32_t sign = BVX_SIGN_EXACT; sign < BVX_SIGN_NONE; sign++)
-            for (int window = 0; window < 2; window++) {
-                bvx_field_options o = field_options(2, sign);
-                bvx_field f;
-                maker_clear(&mesh);
-                maker_box(&mesh, inside ? low : far_low, inside ? high : far_high);
-                if (window)
-                    for (int a = 0; a < 3; a++) {
-                        o.window.low[a] = 2;
-                        o.window.size[a] = 5;
-                    }
-                f = field_by(ctx, &l, &o);
-                TEST_ASSERT_EQUAL_UINT64(0, f.value_count);
-                TEST_ASSERT_EQUAL_UINT64(!inside ? 0 : window ? 125 : 67 * 9 * 8, set_in(&f.inside));
-                bvx_field_free(ctx, &f);
-            }
+        for (int32_t sign = BVX_FILL_PARITY; sign < BVX_FILL_NONE; sign++)
+            if (BVX_FILLS_OF_FIELD >> sign & 1)
+                for (int window = 0; window < 2; window++) {
+                    bvx_field_options o = field_options(2, sign);
+                    bvx_field f;
+                    maker_clear(&mesh);
+                    maker_box(&mesh, inside ? low : far_low, inside ? high : far_high);
+                    if (window)
+                        for (int a = 0; a < 3; a++) {
+                            o.window.low[a] = 2;
+                            o.window.size[a] = 5;
+                        }
+                    f = field_by(ctx, &l, &o);
+                    TEST_ASSERT_EQUAL_UINT64(0, f.value_count);
+                    TEST_ASSERT_EQUAL_UINT64(!inside ? 0 : window ? 125 : 67 * 9 * 8, set_in(&f.inside));
+                    bvx_field_free(ctx, &f);
+                }
 }
 
 /* ---- odd meshes ---- */
@@ -484,15 +485,16 @@ static void test_odd_meshes_have_signs_too(void)
     static const double low[3] = {2, 2, 2}, high[3] = {17, 16, 15};
 
     for (int trial = 0; trial < (quick ? 3 : 12); trial++)
-        for (int32_t sign = BVX_SIGN_AUTO; sign <= BVX_SIGN_NONE; sign++) {
-            bvx_field f;
-            maker_clear(&mesh);
-            maker_soup(&mesh, &seed, 1 + trial, low, high, 65536);
-            maker_degenerate(&mesh, &seed, trial, low, high, 65536);
-            f = field_of(&l, 1.5, sign);
-            assert_signs_agree(&f);
-            bvx_field_free(ctx, &f);
-        }
+        for (int32_t sign = BVX_FILL_AUTO; sign <= BVX_FILL_NONE; sign++)
+            if (BVX_FILLS_OF_FIELD >> sign & 1) {
+                bvx_field f;
+                maker_clear(&mesh);
+                maker_soup(&mesh, &seed, 1 + trial, low, high, 65536);
+                maker_degenerate(&mesh, &seed, trial, low, high, 65536);
+                f = field_of(&l, 1.5, sign);
+                assert_signs_agree(&f);
+                bvx_field_free(ctx, &f);
+            }
 }
 
 /* Slivers and triangles without area beside others take no part in directions. */
@@ -511,7 +513,7 @@ static void test_degenerate_triangles_do_not_turn_signs(void)
         maker_triangle(&mesh, a, a, b);
     }
     for (int w = 0; w < 2; w++) {
-        bvx_field f = field_of(&l, w == 0 ? 2 : HUGE_VAL, BVX_SIGN_PSEUDONORMAL);
+        bvx_field f = field_of(&l, w == 0 ? 2 : HUGE_VAL, BVX_FILL_PSEUDONORMAL);
         TEST_ASSERT_EQUAL_UINT64(0, wrong_signs(&f, in_box));
         bvx_field_free(ctx, &f);
     }

@@ -278,7 +278,7 @@ static void test_a_window_has_the_same_cuts(void)
     all = surface_of(ctx, NULL, &o);
     whole = field;
     memset(&field, 0, sizeof field);
-    field.sign = BVX_SIGN_EXACT;
+    field.sign = BVX_FILL_PARITY;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &l, &w, &field.inside));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &l, &w, &field.band));
     for (int32_t z = 0; z < w.size[2]; z++)

@@ -83,7 +83,7 @@ static void test_wrong_fields_are_refused(void)
     view = maker_view(&mesh);
     field_maker_noise(ctx, &seed, &l, 8, 15, 1, 12, BVX_F32, &field);
     good = field;
-    field.sign = BVX_SIGN_NONE, assert_refused(BVX_ERR_ARGUMENT, NULL, &o, "inside"), field = good;
+    field.sign = BVX_FILL_NONE, assert_refused(BVX_ERR_ARGUMENT, NULL, &o, "inside"), field = good;
     field.inside.words = NULL, assert_refused(BVX_ERR_ARGUMENT, NULL, &o, "inside"), field = good;
     field.band.words = NULL, assert_refused(BVX_ERR_ARGUMENT, NULL, &o, "words"), field = good;
     field.value_type = 0, assert_refused(BVX_ERR_ARGUMENT, NULL, &o, "value_type"), field = good;

@@ -724,7 +724,7 @@ static void test_rules_by_name_are_reported(void)
     bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
 
     add_ball(24, 24, 24, 9);
-    for (int32_t fill = BVX_FILL_PARITY; fill < BVX_FILL_COUNT; fill++) {
+    for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_WINDING; fill++) {
         bvx_solid_report r;
         bvx_grid g = solid_by(ctx, &l, NULL, fill, &r);
         assert_chosen(&r, fill, BVX_FILL_REASON_ASKED, 0);

@@ -61,7 +61,7 @@ static void test_texts_of_the_program_name_these_formats(void)
     expect_endings(CLI_MESHES_READ, BVX_MESHES_READ);
     expect_endings(CLI_MESHES_WRITTEN, BVX_MESHES_WRITTEN);
     expect_endings(CLI_GRIDS, BVX_GRIDS_READ);
-    expect_endings(CLI_GRIDS, BVX_GRIDS_WRITTEN);
+    expect_endings(CLI_GRIDS_WRITTEN, BVX_GRIDS_WRITTEN);
     expect_endings(CLI_CONTOURS_READ, BVX_SECTIONS_READ);
     expect_endings(CLI_CONTOURS_WRITTEN, BVX_SECTIONS_WRITTEN);
 }
@@ -113,14 +113,11 @@ static void test_numbers_of_rules_are_without_gaps(void)
 {
 #define NUMBER(name, value, text) value,
     static const int32_t fills[] = {BVX_FILL_LIST(NUMBER)};
-    static const int32_t signs[] = {BVX_SIGN_LIST(NUMBER)};
     static const int32_t methods[] = {BVX_LOD_LIST(NUMBER)};
 #undef NUMBER
 
     TEST_ASSERT_EQUAL_INT(BVX_FILL_COUNT, sizeof fills / sizeof fills[0]);
-    TEST_ASSERT_EQUAL_INT(BVX_SIGN_COUNT, sizeof signs / sizeof signs[0]);
     for (int32_t i = 0; i < BVX_FILL_COUNT; i++) TEST_ASSERT_EQUAL_INT32(i, fills[i]);
-    for (int32_t i = 0; i < BVX_SIGN_COUNT; i++) TEST_ASSERT_EQUAL_INT32(i, signs[i]);
     TEST_ASSERT_EQUAL_INT32(BVX_LOD_EDGE_RATIO, methods[0]);
     TEST_ASSERT_EQUAL_INT32(BVX_LOD_COVERAGE, methods[1]);
 }

@@ -649,7 +649,7 @@ static void test_contradictions(void)
         o = defaults();
         if (way / 3 == 0) o.fit.lattice = &lattice;
         if (way / 3 == 1) o.fit.resolution = 50;
-        if (way / 3 == 2) o.sign = BVX_SIGN_VOTE;
+        if (way / 3 == 2) o.sign = BVX_FILL_VOTE;
         if (way / 3 == 3) o.parts.least_part = 1;
         if (way / 3 == 4) o.parts.least_cavity = 1;
         if (way / 3 == 5) o.parts.least_cavity = UINT64_MAX;

@@ -93,8 +93,8 @@ static void test_closed_mesh_keeps_its_volume(void)
     make_ball(at, 2);
     view = maker_view(&mesh);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 1, &c));
-    TEST_ASSERT_DOUBLE_WITHIN(0.003 * c.volume, c.volume, repair_volume(48, BVX_SIGN_AUTO));
-    TEST_ASSERT_EQUAL_INT32(BVX_SIGN_WINDING, report.sign);
+    TEST_ASSERT_DOUBLE_WITHIN(0.003 * c.volume, c.volume, repair_volume(48, BVX_FILL_AUTO));
+    TEST_ASSERT_EQUAL_INT32(BVX_FILL_WINDING, report.sign);
     TEST_ASSERT_EQUAL_UINT64(0, report.holes + report.shelled_triangles);
     TEST_ASSERT_EQUAL_UINT64(1, report.after.components);
 }
@@ -107,7 +107,7 @@ static void test_holes_are_closed(void)
         maker_clear(&mesh);
         make_ball(at, 2);
         for (int i = 0; i < 12; i++) maker_remove(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
-        TEST_ASSERT_DOUBLE_WITHIN(0.03 * ball_volume(2), ball_volume(2), repair_volume(40, BVX_SIGN_AUTO));
+        TEST_ASSERT_DOUBLE_WITHIN(0.03 * ball_volume(2), ball_volume(2), repair_volume(40, BVX_FILL_AUTO));
         TEST_ASSERT_TRUE(report.holes > 0);
         TEST_ASSERT_EQUAL_UINT64(0, report.shelled_triangles);
     }
@@ -122,14 +122,14 @@ static void test_a_flipped_triangle_leaves_overlaps_whole(void)
 
     make_ball(at, 2);
     make_ball(beside, 2);
-    right = repair_volume(64, BVX_SIGN_AUTO);
+    right = repair_volume(64, BVX_FILL_AUTO);
     TEST_ASSERT_EQUAL_UINT64(0, report.turned);
     maker_flip(&mesh, 7, 8);
-    TEST_ASSERT_EQUAL_DOUBLE(right, repair_volume(64, BVX_SIGN_AUTO));
-    TEST_ASSERT_EQUAL_INT32(BVX_SIGN_WINDING, report.sign);
+    TEST_ASSERT_EQUAL_DOUBLE(right, repair_volume(64, BVX_FILL_AUTO));
+    TEST_ASSERT_EQUAL_INT32(BVX_FILL_WINDING, report.sign);
     TEST_ASSERT_EQUAL_UINT64(1, report.turned);
     maker_remove(&mesh, 200);
-    TEST_ASSERT_DOUBLE_WITHIN(0.01 * right, right, repair_volume(64, BVX_SIGN_AUTO));
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * right, right, repair_volume(64, BVX_FILL_AUTO));
     TEST_ASSERT_EQUAL_UINT64(1, report.turned);
 }
 
@@ -148,7 +148,7 @@ static void test_wide_hole_gets_a_lid(void)
 
     /* less the cap above z = 1, of a round ball 5 / 32 */
     TEST_ASSERT_DOUBLE_WITHIN(0.04 * ball_volume(2), ball_volume(2) * 27 / 32,
-                              repair_volume(48, BVX_SIGN_AUTO));
+                              repair_volume(48, BVX_FILL_AUTO));
     TEST_ASSERT_EQUAL_UINT64(1, report.holes);
 }
 
@@ -158,8 +158,8 @@ static void test_flipped_triangles_do_not_matter(void)
     make_ball(at, 2);
     for (size_t i = 0; i < mesh.triangles; i++)
         if (maker_below(&seed, 3) == 0) maker_flip(&mesh, i, i + 1);
-    TEST_ASSERT_DOUBLE_WITHIN(0.01 * ball_volume(2), ball_volume(2), repair_volume(48, BVX_SIGN_AUTO));
-    TEST_ASSERT_EQUAL_INT32(BVX_SIGN_WINDING, report.sign);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * ball_volume(2), ball_volume(2), repair_volume(48, BVX_FILL_AUTO));
+    TEST_ASSERT_EQUAL_INT32(BVX_FILL_WINDING, report.sign);
     TEST_ASSERT_TRUE(report.turned > mesh.triangles / 4);
 }
 
@@ -169,7 +169,7 @@ static void test_duplicates_count_once(void)
     make_ball(at, 2);
     for (size_t i = 0, n = mesh.triangles; i < n; i++)
         for (int k = maker_below(&seed, 3); k > 0; k--) maker_duplicate(&mesh, i);
-    TEST_ASSERT_DOUBLE_WITHIN(0.01 * ball_volume(2), ball_volume(2), repair_volume(48, BVX_SIGN_AUTO));
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * ball_volume(2), ball_volume(2), repair_volume(48, BVX_FILL_AUTO));
     TEST_ASSERT_TRUE(report.before.duplicates > 0);
 }
 
@@ -178,7 +178,7 @@ static void test_inside_out_mesh(void)
     double const at[3] = {0, 0, 0};
     make_ball(at, 2);
     maker_flip(&mesh, 0, mesh.triangles);
-    TEST_ASSERT_DOUBLE_WITHIN(0.01 * ball_volume(2), ball_volume(2), repair_volume(48, BVX_SIGN_AUTO));
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * ball_volume(2), ball_volume(2), repair_volume(48, BVX_FILL_AUTO));
 }
 
 /* One of two balls is inside out: where it overlaps the other, both would cancel. */
@@ -192,11 +192,11 @@ static void test_a_part_inside_out_is_turned(void)
     make_ball(b, 2);
     maker_flip(&mesh, first, mesh.triangles);
     TEST_ASSERT_DOUBLE_WITHIN(0.02 * ball_volume(2), 27.0 / 16 * ball_volume(2),
-                              repair_volume(64, BVX_SIGN_AUTO));
+                              repair_volume(64, BVX_FILL_AUTO));
     TEST_ASSERT_EQUAL_UINT64(mesh.triangles - first, report.turned);
     TEST_ASSERT_EQUAL_INT32(BVX_NEEDS_OUTSIDE_IN, report.needs);
     /* As it was given. */
-    TEST_ASSERT_TRUE(repair_volume(64, BVX_SIGN_WINDING) < 1.5 * ball_volume(2));
+    TEST_ASSERT_TRUE(repair_volume(64, BVX_FILL_WINDING) < 1.5 * ball_volume(2));
     TEST_ASSERT_EQUAL_UINT64(0, report.turned);
 }
 
@@ -215,7 +215,7 @@ static void test_a_part_inside_out_in_the_box_of_another_is_turned(void)
         first = mesh.triangles;
         make_ball(beside, r);
         maker_flip(&mesh, turned ? first : 0, turned ? mesh.triangles : first);
-        TEST_ASSERT_DOUBLE_WITHIN(0.01 * both, both, repair_volume(64, BVX_SIGN_AUTO));
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * both, both, repair_volume(64, BVX_FILL_AUTO));
         TEST_ASSERT_EQUAL_UINT64(turned ? mesh.triangles - first : first, report.turned);
     }
 }
@@ -240,7 +240,7 @@ static void test_a_closed_part_inside_out_is_turned_beside_an_open_one(void)
         maker_flip(&mesh, first, last);
         maker_box(&mesh, low, high);
         maker_remove(&mesh, mesh.triangles - 1);
-        TEST_ASSERT_DOUBLE_WITHIN(0.01 * both, both, repair_volume(64, BVX_SIGN_AUTO));
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * both, both, repair_volume(64, BVX_FILL_AUTO));
         TEST_ASSERT_EQUAL_UINT64(cavity ? 0 : last - first, report.turned);
     }
 }
@@ -273,10 +273,10 @@ static void test_an_inside_out_part_that_touches_at_vertices_is_turned(void)
     double right;
 
     make_mirrored(1);
-    right = repair_volume(64, BVX_SIGN_AUTO);
+    right = repair_volume(64, BVX_FILL_AUTO);
     TEST_ASSERT_EQUAL_UINT64(0, report.turned);
     make_mirrored(0);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, right, repair_volume(64, BVX_SIGN_AUTO));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, right, repair_volume(64, BVX_FILL_AUTO));
     TEST_ASSERT_EQUAL_UINT64(8, report.turned);
 }
 
@@ -291,7 +291,7 @@ static void test_cavities_are_not_turned(void)
     make_ball(at, 1);
     maker_flip(&mesh, first, mesh.triangles);
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * ball_volume(2), ball_volume(2) - ball_volume(1),
-                              repair_volume(64, BVX_SIGN_AUTO));
+                              repair_volume(64, BVX_FILL_AUTO));
     TEST_ASSERT_EQUAL_UINT64(0, report.turned);
 }
 
@@ -313,7 +313,7 @@ static void test_volume_is_known_whatever_is_wrong(void)
         if (wrong == 2) maker_remove(&mesh, 20);
         if (wrong == 3) maker_duplicate(&mesh, 20);
         both = ball_volume(2) + (high[1] - low[1]) * (high[2] - low[2]) * (high[0] - low[0] - 3.9);
-        repair_volume(64, BVX_SIGN_AUTO);
+        repair_volume(64, BVX_FILL_AUTO);
         TEST_ASSERT_DOUBLE_WITHIN(0.02 * both, both, report.crossing_volume);
 
         maker_clear(&mesh);
@@ -321,7 +321,7 @@ static void test_volume_is_known_whatever_is_wrong(void)
         if (wrong == 1) maker_flip(&mesh, 20, 21);
         if (wrong == 2) maker_remove(&mesh, 20);
         if (wrong == 3) maker_duplicate(&mesh, 20);
-        repair_volume(32, BVX_SIGN_AUTO);
+        repair_volume(32, BVX_FILL_AUTO);
         TEST_ASSERT_DOUBLE_WITHIN(0.01 * 8, 8, report.crossing_volume);
     }
 }
@@ -333,7 +333,7 @@ static void test_overlapping_parts_are_one(void)
     make_ball(a, 2);
     make_ball(b, 2);
     TEST_ASSERT_DOUBLE_WITHIN(0.02 * ball_volume(2), 27.0 / 16 * ball_volume(2),
-                              repair_volume(64, BVX_SIGN_AUTO));
+                              repair_volume(64, BVX_FILL_AUTO));
     TEST_ASSERT_EQUAL_UINT64(1, report.after.components);
 }
 
@@ -351,7 +351,7 @@ static void test_cavities_and_parts(void)
     maker_flip(&mesh, first, mesh.triangles);
     make_ball(far, 0.5);
     TEST_ASSERT_DOUBLE_WITHIN(0.02 * ball_volume(2), ball_volume(2) - ball_volume(0.8) + ball_volume(0.5),
-                              repair_volume(64, BVX_SIGN_AUTO));
+                              repair_volume(64, BVX_FILL_AUTO));
     TEST_ASSERT_EQUAL_UINT64(0, report.parts_dropped + report.cavities_dropped);
     view = maker_view(&mesh);
     o.parts.least_part = 1000;
@@ -443,7 +443,7 @@ static void test_sheet_becomes_a_shell(void)
     make_plate(4);
     /* a plate of 4 x 4, two voxels thick, with half a pipe along its rim */
     TEST_ASSERT_DOUBLE_WITHIN(0.1 * 3.6, 16 * 2 * spacing + 16 * 3.14159 * spacing * spacing / 2,
-                              repair_volume(40, BVX_SIGN_AUTO));
+                              repair_volume(40, BVX_FILL_AUTO));
     TEST_ASSERT_EQUAL_UINT64(2, report.shelled_triangles);
 }
 
@@ -475,7 +475,7 @@ static void test_bodies_and_sheets_together(void)
     make_ball(at, 2);
     ball = mesh.triangles;
     make_plate(4);
-    (void)repair_volume(64, BVX_SIGN_AUTO);
+    (void)repair_volume(64, BVX_FILL_AUTO);
     TEST_ASSERT_EQUAL_UINT64(mesh.triangles - ball, report.shelled_triangles);
     TEST_ASSERT_EQUAL_UINT64(2, report.after.components);
     TEST_ASSERT_TRUE(report.after.volume > ball_volume(2));
@@ -512,7 +512,7 @@ static void test_lid_of_a_pot_is_no_sheet(void)
 {
     make_pot_and_lid(0);
     /* The pot to its rim, and the cone above: 1.02 squared by 0.31 by a third of pi, less its overlap. */
-    TEST_ASSERT_DOUBLE_WITHIN(0.01 * 3.44, 3.44, repair_volume(96, BVX_SIGN_AUTO));
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * 3.44, 3.44, repair_volume(96, BVX_FILL_AUTO));
     TEST_ASSERT_EQUAL_UINT64(0, report.shelled_triangles);
     TEST_ASSERT_EQUAL_UINT64(1, report.after.components);
 }
@@ -521,7 +521,7 @@ static void test_lid_of_a_pot_is_no_sheet(void)
 static void test_lid_beside_its_pot_is_a_sheet(void)
 {
     make_pot_and_lid(2);
-    (void)repair_volume(64, BVX_SIGN_AUTO);
+    (void)repair_volume(64, BVX_FILL_AUTO);
     TEST_ASSERT_EQUAL_UINT64(48, report.shelled_triangles);
     TEST_ASSERT_EQUAL_UINT64(2, report.after.components);
 }
@@ -553,7 +553,7 @@ static void make_anything(int kind)
 
 static void test_anything_is_closed(void)
 {
-    static const int32_t signs[] = {BVX_SIGN_AUTO, BVX_SIGN_EXACT, BVX_SIGN_WINDING, BVX_SIGN_VOTE};
+    static const int32_t signs[] = {BVX_FILL_AUTO, BVX_FILL_PARITY, BVX_FILL_WINDING, BVX_FILL_VOTE};
 
     for (int trial = 0; trial < (quick ? 40 : 1500); trial++) {
         bvx_repair_options o = defaults(4 + maker_below(&seed, 24));
@@ -655,8 +655,8 @@ static void test_bad_options(void)
 
     make_ball(at, 2);
     o.sign = 99, assert_refused(&o, BVX_ERR_ARGUMENT, "sign"), o = defaults(16);
-    o.sign = BVX_SIGN_NORMAL, assert_refused(&o, BVX_ERR_ARGUMENT, "normals"), o = defaults(16);
-    o.sign = BVX_SIGN_NONE, assert_refused(&o, BVX_ERR_ARGUMENT, "sign"), o = defaults(16);
+    o.sign = BVX_FILL_NORMAL, assert_refused(&o, BVX_ERR_ARGUMENT, "normals"), o = defaults(16);
+    o.sign = BVX_FILL_NONE, assert_refused(&o, BVX_ERR_ARGUMENT, "sign"), o = defaults(16);
     o.placing.interpolation = -1, assert_refused(&o, BVX_ERR_ARGUMENT, "interpolation"), o = defaults(16);
     o.shell = 1.0, assert_refused(&o, BVX_ERR_ARGUMENT, "shell"), o = defaults(16);
     o.shell = NAN, assert_refused(&o, BVX_ERR_ARGUMENT, "shell"), o = defaults(16);

@@ -122,7 +122,7 @@ static void check_file(const bvx_field *f, int32_t vectors, int32_t format)
 static void test_heads_and_numbers(void)
 {
     for (int32_t type = BVX_F32; type <= BVX_F64; type++)
-        for (int32_t sign = BVX_SIGN_EXACT; sign <= BVX_SIGN_NONE; sign += BVX_SIGN_NONE - BVX_SIGN_EXACT) {
+        for (int32_t sign = BVX_FILL_PARITY; sign <= BVX_FILL_NONE; sign += BVX_FILL_NONE - BVX_FILL_PARITY) {
             bvx_field f = small_field(type, sign);
             TEST_ASSERT_TRUE_MESSAGE(f.value_count >= 12 && f.value_count < 66 * 6,
                                      "a band of a part of the window");
@@ -135,7 +135,7 @@ static void test_heads_and_numbers(void)
 /* Our readers find the window's box, and a voxel where the distance is not 0. */
 static void test_our_readers_find_the_place(void)
 {
-    bvx_field f = small_field(BVX_F32, BVX_SIGN_EXACT);
+    bvx_field f = small_field(BVX_F32, BVX_FILL_PARITY);
 
     for (int i = 1; i < 3; i++) {
         bvx_buffer b = file_of(&f, 0, formats[i]);
@@ -161,7 +161,7 @@ static void test_threads_and_code_paths_change_nothing(void)
     bvx_field f;
 
     maker_box(&mesh, low, high);
-    f = field_of(&l, 2, BVX_SIGN_EXACT);
+    f = field_of(&l, 2, BVX_FILL_PARITY);
     for (int i = 0; i < 3; i++)
         for (int32_t vectors = 0; vectors < 2; vectors++) {
             bvx_buffer one = file_of(&f, vectors, formats[i]);
@@ -181,7 +181,7 @@ static void test_threads_and_code_paths_change_nothing(void)
 
 static void test_refusals(void)
 {
-    bvx_field f = small_field(BVX_F32, BVX_SIGN_EXACT), bad;
+    bvx_field f = small_field(BVX_F32, BVX_FILL_PARITY), bad;
     bvx_buffer b = {0};
     uint8_t byte = 0;
 

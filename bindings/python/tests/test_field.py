@@ -23,7 +23,7 @@ def test_field_against_closest_points(dtype):
     found = bitvox.field(TETRAHEDRON, lattice=lattice, half_width=np.inf, dtype=dtype, features=True)
     centers, expected = brute(lattice, TETRAHEDRON)
     solid = bitvox.voxelize(TETRAHEDRON, lattice=lattice)
-    assert found.sign == "exact" and found.inside == solid and found.band.count == 14 * 13 * 12
+    assert found.sign == "parity" and found.inside == solid and found.band.count == 14 * 13 * 12
     voxels = tuple(found.band.voxels().T)
     distances = found.distances
     assert distances.dtype == dtype and np.allclose(np.abs(distances), expected[voxels], atol=1e-6)

@@ -138,6 +138,10 @@ def test_one_voxel():
     with pytest.raises(TypeError):
         list(grid)
     assert len(grid) == 1 and bool(grid) and not bool(grid - grid)
+    assert not hasattr(grid, "ndim") and not hasattr(grid, "dtype")  # or others would take it for an array
+    for call in (lambda: np.sum(grid), lambda: np.logical_and(grid, grid), lambda: array | grid):
+        with pytest.raises(TypeError, match=r"takes no Grid: give it grid.to_numpy\(\)"):
+            call()
 
 
 def test_words_are_a_view_that_outlives_the_grid():

@@ -377,11 +377,11 @@ def test_what_the_lattice_decides():
     grain[55:57, 20:22, 20:22] = True
     mesh = bitvox.surface(grain)
     assert mesh.check().components == 3
-    whole = bitvox.lod(mesh, triangles=2000, solid=True, sign="exact", resolution=120)[0]
+    whole = bitvox.lod(mesh, triangles=2000, solid=True, sign="parity", resolution=120)[0]
     assert certified(whole).components == 3
-    hull = bitvox.lod(mesh, triangles=2000, outer_hull=True, sign="exact", resolution=120)[0]
+    hull = bitvox.lod(mesh, triangles=2000, outer_hull=True, sign="parity", resolution=120)[0]
     assert certified(hull).components == 2 and hull.check().volume > whole.check().volume + 500
-    large = bitvox.lod(mesh, triangles=2000, least_part=5000, least_cavity=100000, sign="exact", resolution=120)
+    large = bitvox.lod(mesh, triangles=2000, least_part=5000, least_cavity=100000, sign="parity", resolution=120)
     assert certified(large[0]).components == 1 and large.report.repair.parts_dropped == 1
     assert bitvox.lod(mesh, triangles=500, lattice=bitvox.Lattice.fit(mesh, resolution=90, padding=2)).report.repair.lattice.shape[0] == 94
 

@@ -415,3 +415,20 @@ def test_a_mesh_contains_the_centers_of_its_solid(knot):
     assert np.array_equal(asked.winding(points), inside)
     distance = asked.find(points, signed=True)["distance"]
     assert ((distance < 0) == inside).all() and np.array_equal(np.abs(distance), asked.find(points)["distance"])
+
+
+def test_smooth_keeps_faces_attributes_and_volume():
+    stairs = bitvox.faces(bitvox.Grid.from_numpy(ball_grid(24)))
+    colored = bitvox.Mesh(stairs.vertices, stairs.faces, colors=np.full((stairs.n_vertices, 4), 200, np.uint8), normals=np.ones((stairs.n_vertices, 3)), frame=(1, 2, 3))
+    for method in ("sinc", "taubin"):
+        smooth = colored.smooth(method=method, no_crossings=True)
+        assert (smooth.faces == stairs.faces).all() and (smooth.colors == 200).all() and smooth.normals()[0].shape == (stairs.n_vertices, 3)
+        assert smooth.frame == (1, 2, 3) and smooth.vertices.dtype == stairs.vertices.dtype
+        assert smooth.report.volume_before == pytest.approx(stairs.volume) and smooth.volume == pytest.approx(stairs.volume, rel=0.02)
+        assert smooth.area < 0.8 * stairs.area and len(smooth.crossings()) <= len(stairs.crossings())
+    assert stairs.smooth(threads=1) == stairs.smooth(threads=3)
+    held = stairs.smooth(sharp_angle=45)
+    assert held.report.held > 1000 and (held.vertices == stairs.vertices).all()  # all others lie in planes
+    for wrong in ({"method": "laplace"}, {"iterations": 0}, {"pass_band": 0}, {"pass_band": 2}, {"sharp_angle": 200}):
+        with pytest.raises(bitvox.Error):
+            stairs.smooth(**wrong)

@@ -16,7 +16,7 @@ from bitvox import _field, _grid, _levels, _octree, _run, _sections, _stages, _v
 
 LISTS = {
     "Fill": _run.FILLS, "Sign": _run.SIGN_RULES, "RepairSign": _run.REPAIR_SIGNS, "Interpolation": _field.EDGES, "FaceRule": ("separate", "join"),
-    "Mode": _stages.MODES, "Operation": _stages.OPERATIONS, "Method": _levels.METHODS, "Vertices": _levels.VERTICES, "Topology": _levels.TOPOLOGY,
+    "Mode": _stages.MODES, "Operation": _stages.OPERATIONS, "Method": _levels.METHODS, "SmoothMethod": ("sinc", "taubin"), "Vertices": _levels.VERTICES, "Topology": _levels.TOPOLOGY,
     "ErrorKind": _levels.ERROR_KINDS, "Thin": ("shell", "keep", "drop"), "ThinCheck": _stages.THIN_CHECKS,
     "Caps": _sections.CAPS, "Blend": _sections.BLENDS, "Touching": _sections.TOUCHING, "Crossings": _sections.CROSSINGS, "Reduce": _grid.RULES,
     "DistanceSide": _grid.DISTANCE_SIDES,

@@ -102,7 +102,7 @@ class Field:
     @property
     def sign(self) -> str:
         """The rule that decided what is inside."""
-        return name_of(self._c.sign, "BVX_SIGN_", SIGN_RULES)
+        return name_of(self._c.sign, "BVX_FILL_", SIGN_RULES)
 
     def _values(self, pointer: Any, columns: int, dtype: str | None = None) -> Any:
         if pointer == ffi.NULL:
@@ -267,7 +267,7 @@ class Field:
         return image
 
     def save(self, path: str | os.PathLike[str], format: str | None = None, *, vectors: bool = False) -> None:
-        """Write signed distances, or ``vectors``, to ``path`` as .npy, .nrrd or .vti (or ``format``, in place of the ending).
+        """Write signed distances, or ``vectors``, to ``path`` as .npy, .nrrd, .vti or .vdb (distances; or ``format``, in place of the ending).
 
         Examples
         --------
@@ -375,7 +375,7 @@ def field(
     half_width
         of the band: centers so near to the mesh have a value [largest spacings]; 0 or infinity: all centers.
     sign
-        what decides that a center is inside: "exact" (as fill "parity"), "winding" (holes and overlaps), "vote" (holes
+        what decides that a center is inside: "parity" (as the fill), "winding" (holes and overlaps), "vote" (holes
         and flipped triangles), "pseudonormal", "normal" (the side of the closest point or triangle), "none", or "auto":
         inside is what fill "auto" has inside.
     dtype
@@ -408,7 +408,7 @@ def field(
     options = options_of("field_options")
     width = float(half_width) or math.inf
     options.half_width, options.value_type = width, position_type(dtype)
-    options.sign = choice("sign", sign, "BVX_SIGN_", SIGN_RULES)
+    options.sign = choice("sign", sign, "BVX_FILL_", SIGN_RULES)
     options.no_vectors, options.features = int(not advanced.get("vectors", True)), int(bool(advanced.get("features")))
     set_window("window", options.window, window)
     source = Mesh.of(mesh)

@@ -60,7 +60,6 @@ class Grid:
     """
 
     __slots__ = ("_c", "report", "attached", "_hash", "__weakref__")
-    __array_ufunc__ = None  # an operator between a grid and an array is an error, not an array
 
     def __init__(self, lattice: Lattice, window: WindowLike = None) -> None:
         """An empty grid of a lattice, or of a window of it."""
@@ -288,6 +287,10 @@ class Grid:
             bits = np.unpackbits(rows, axis=2, count=self.shape[0], bitorder="little").view(np.bool_).transpose(2, 1, 0)[inner[0]]
             return bits[tuple(slice(None) if isinstance(i, slice) else 0 for i in index)]
         return self.to_numpy()[voxel]
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
+        raise TypeError(f"numpy's {ufunc.__name__} takes no Grid: give it grid.to_numpy(); grid.count is how many voxels are set, | & - ^ "
+                        "combine grids, and an array has no place of its own: Grid.from_numpy(array, lattice=grid.lattice, low=grid.low)")
 
     def __iter__(self) -> Any:
         raise TypeError("a Grid has no rows to walk: take to_numpy() or voxels()")

@@ -307,7 +307,6 @@ def _set_common(options: Any, mesh: Mesh, strict: bool, error: Any, given: Any) 
 def hull(mesh: Any, *, triangles: int | None = None, error: Distance | None = None, count: None = None, **options: Any) -> Mesh: ...  # type: ignore[overload-overlap]
 @overload
 def hull(mesh: Any, *, triangles: Sequence[int] | None = None, error: Sequence[Distance] | None = None, count: int | None = None, **options: Any) -> Levels: ...
-@entered
 def hull(
     mesh: Any,
     *,
@@ -510,7 +509,7 @@ def lod(
         options.solid = int(bool(solid))
         set_fit(options, resolution, advanced.get("lattice"))
         sign, shell = advanced.get("sign"), advanced.get("shell")
-        options.sign = choice("sign", "auto" if sign is None else sign, "BVX_SIGN_", REPAIR_SIGNS)
+        options.sign = choice("sign", "auto" if sign is None else sign, "BVX_FILL_", REPAIR_SIGNS)
         options.sharp = sharpness(advanced.get("sharp"))
         if shell is not None:
             options.shell = or_none(float(shell), "shell")

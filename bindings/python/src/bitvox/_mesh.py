@@ -11,13 +11,13 @@ from ._calls import call, entered
 from ._errors import ArgumentError, RangeError, need
 from ._html import shown
 from ._records import record
-from ._run import Progress, Run, ffi, in_range, lib, number_of, options_of, quiet
+from ._run import Progress, Run, choice, ffi, in_range, lib, number_of, options_of, quiet
 from ._words import Array
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from ._words import Collapsing
+    from ._words import Collapsing, SmoothMethod
     from .reports import Certificate, MeasureReport, WriteReport
 
 _POSITIONS = {"float32": "BVX_F32", "float64": "BVX_F64"}
@@ -655,6 +655,53 @@ class Mesh:
             run.check(lib.bvx_mesh_normals(run.context, self._view(run), int(bool(averaged)),
                                            ffi.cast("float *", arrays.address(vertices)), ffi.cast("float *", arrays.address(facets))))
         return vertices, facets
+
+    def smooth(self, *, method: SmoothMethod = "sinc", iterations: int = 20, pass_band: float = 0.1, sharp_angle: float = 0.0, hold_border: bool = False,
+               no_crossings: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Mesh:
+        """The same mesh with smooth positions; faces and attributes but normals stay. What is slower than the pass band keeps its size.
+
+        Parameters
+        ----------
+        method
+            "sinc" (Taubin, Zhang, Golub: the pass band ends sharply) or "taubin" (a step in, a larger one out).
+        iterations
+            steps, 1 to 1000; the more, the sharper the pass band ends.
+        pass_band
+            0.001 to 1: smaller is smoother; 0.1 keeps waves of about 14 edges and more.
+        sharp_angle
+            vertices of edges whose faces turn by more stay [degrees]; 0: none.
+        hold_border
+            vertices of borders stay, bit for bit; else they are smoothed along these.
+        no_crossings
+            moves are undone where faces would cross that did not.
+
+        Returns
+        -------
+        Mesh
+            Its ``report`` is a `bitvox.reports.SmoothReport`: volumes before and after, the largest move, vertices that stayed or went back.
+
+        Examples
+        --------
+        >>> stairs = bitvox.faces(bitvox.voxelize('knot.ply', resolution=40))
+        >>> smooth = stairs.smooth(no_crossings=True)
+        >>> smooth.area < 0.8 * stairs.area, abs(smooth.volume / stairs.volume - 1) < 0.01
+        (True, True)
+        """
+        np = arrays.numpy("Mesh.smooth")
+        options, report = options_of("smooth_options"), ffi.new("bvx_smooth_report *")
+        options.method = choice("method", method, "BVX_SMOOTH_", ("sinc", "taubin"))
+        options.iterations, options.pass_band = in_range("iterations", iterations, 1, 1000), pass_band or -1.0
+        options.sharp_angle, options.hold_border, options.no_crossings = sharp_angle, int(bool(hold_border)), int(bool(no_crossings))
+        options.report = report
+        made = np.empty((self.n_vertices, 3), np.asarray(self._vertices).dtype)
+        with Run(threads, memory_limit, progress) as run:
+            view, own = self._view(run), arrays.borrow_vertices(self._vertices)
+            run.keep(own.keep)
+            view.positions, view.position_type, view.position_stride = own.pointer, own.kind, own.stride  # the frame stays
+            run.check(lib.bvx_mesh_smooth(run.context, view, options, ffi.cast("void *", arrays.address(made))))
+        smoothed = self._with_vertices(made)
+        smoothed.report = record(report)
+        return smoothed
 
     @overload
     def simplify(self, *, triangles: int | None = None, error: float | str | None = None, count: None = None, **options: Unpack[Collapsing]) -> Mesh: ...  # type: ignore[overload-overlap]

@@ -7,7 +7,7 @@ from typing import Any
 from ._arrays import plain
 from ._calls import call
 from ._lattice import Lattice
-from ._run import FILL_REASONS, FILLS, SIGN_RULES, ffi, name_of
+from ._run import FILL_REASONS, INSIDE_RULES, ffi, name_of
 
 
 def _plain_name(kind: Any) -> str:
@@ -26,7 +26,7 @@ def _field(struct: Any, name: str) -> Any:
 
 
 # Fields that hold the number of a rule: the prefix of its constants, and their names.
-_RULES = {"sign": ("BVX_SIGN_", SIGN_RULES), "fill": ("BVX_FILL_", FILLS), "fill_reason": ("BVX_FILL_REASON_", FILL_REASONS)}
+_RULES = {"sign": ("BVX_FILL_", INSIDE_RULES), "fill": ("BVX_FILL_", INSIDE_RULES), "fill_reason": ("BVX_FILL_REASON_", FILL_REASONS)}
 
 
 def _value(field: str, wanted: Any, value: Any) -> Any:

@@ -434,10 +434,10 @@ def formats_in(bits: int) -> tuple[str, ...]:
 
 FACE_RULES = names_of("BVX_FACE_")
 SIDES = names_of("BVX_OPEN_")
-FILLS = names_of("BVX_FILL_", "BVX_FILL_REASON_")
+INSIDE_RULES = names_of("BVX_FILL_", "BVX_FILL_REASON_")
+FILLS, REPAIR_SIGNS, SIGN_RULES = (tuple(name for number, name in enumerate(INSIDE_RULES) if bits >> number & 1)
+                                   for bits in (lib.BVX_FILLS_OF_SOLID, lib.BVX_FILLS_OF_REPAIR, lib.BVX_FILLS_OF_FIELD))
 FILL_REASONS = names_of("BVX_FILL_REASON_")
-SIGN_RULES = names_of("BVX_SIGN_")
-REPAIR_SIGNS = tuple(name for number, name in enumerate(SIGN_RULES) if lib.BVX_SIGNS_OF_REPAIR >> number & 1)
 
 
 def version() -> str:

@@ -718,7 +718,7 @@ def repair(
     resolution
         voxels along the longest axis. Default 256. Or a ``lattice`` to work on.
     sign
-        what decides that a center is inside: "winding" (holes and overlaps), "vote" (holes and flipped triangles), "exact"
+        what decides that a center is inside: "winding" (holes and overlaps), "vote" (holes and flipped triangles), "parity"
         (nested shells are cavities), or "auto": winding, flipped triangles turned before, or vote where they cannot be oriented.
     shell
         thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
@@ -768,7 +768,7 @@ def repair(
     mend = function("bvx_repair")
     options = options_of("repair_options")
     set_fit(options, resolution, lattice)
-    options.sign = choice("sign", sign, "BVX_SIGN_", REPAIR_SIGNS)
+    options.sign = choice("sign", sign, "BVX_FILL_", REPAIR_SIGNS)
     set_placing(options.placing, {"interpolation": "tangent", **advanced})
     if shell is not None:
         options.shell = or_none(float(shell), "shell")
