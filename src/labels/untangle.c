@@ -15,7 +15,16 @@
 #include "labels/labels.h"
 #include "mesh/mesh.h"
 
-enum { ROUNDS = 64, STRIKES = 3, CLOSE_GRAIN = 4096, IS_NEAR = 1, IS_MOVED = 2, STRIKE = 4 };
+enum {
+    ROUNDS = 64,
+    STRIKES = 3,
+    CLOSE_GRAIN = 4096,
+    IS_NEAR = 1,
+    IS_MOVED = 2,
+    STRIKE = 4,
+    IS_FLAP = 128,
+    FLAP_STRIKES = 10
+};
 
 typedef struct tangle {
     bvxi_net *net;
@@ -147,8 +156,10 @@ static void move_back(tangle *t, uint32_t vertex)
 
     if ((*state & IS_MOVED) != 0) return;
     *state |= IS_MOVED;
-    if (*state < STRIKES * STRIKE) *state = (uint8_t)(*state + STRIKE);
-    for (int a = 0; a < 3; a++) offset[a] = *state < STRIKES * STRIKE ? 0.5F * offset[a] : 0.0F;
+    /* A flap's new vertex comes last, as triangles would lose their area. */
+    int32_t const most = (*state & IS_FLAP) != 0 ? IS_FLAP + FLAP_STRIKES * STRIKE : STRIKES * STRIKE;
+    if (*state < most) *state = (uint8_t)(*state + STRIKE);
+    for (int a = 0; a < 3; a++) offset[a] = *state < most ? 0.5F * offset[a] : 0.0F;
     bvxi_net_put(t->net, vertex);
 }
 
@@ -204,6 +215,8 @@ bvx_status bvxi_net_untangle(bvx_context *ctx, bvxi_net *net)
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, vertices, "the vertices' states", &t.state));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * 4, "the vertices' indices", &t.index));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->face_count, "the chosen faces", &t.chosen));
+    for (uint64_t f = net->flaps; f < c->face_count; f++)
+        t.state[bvxi_face_vertex(c, (uint32_t)f, 0)] = IS_FLAP;
     for (int32_t round = 0; round < ROUNDS; round++) {
         /* However many rounds there are, progress goes on. */
         double const from = 1.0 - 1.0 / (1.0 + (double)round), to = 1.0 - 1.0 / (2.0 + (double)round);

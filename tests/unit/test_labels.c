@@ -380,6 +380,25 @@ static void test_labels_smoothed_touch_themselves_in_no_edge(void)
     for (uint64_t i = 0; i < complex_.label_count; i++) (void)welded_body(i);
 }
 
+/* What triangles that cross are moved back to has an area. */
+static void test_labels_smoothed_collapse_no_triangle(void)
+{
+    for (int32_t n = 0; n < 24 * 22 * 20; n++) {
+        int32_t const x = n % 24, y = n / 24 % 22, z = n / 24 / 22;
+        int32_t const label = 3 * x + y < 40 ? 5 : y + z < 24 ? 7 : 9;
+        cells[n] = (uint8_t)(x < 4 && y < 4 && z < 4 && (x + y + z) % 2 != 0 ? 1 : label);
+    }
+    bvx_volume_view const v = view_of(cells, BVX_SAMPLE_U8, 24, 22, 20);
+    bvx_mesh_view view;
+    bvx_certificate c;
+
+    make(&v, 0, 0);
+    check_bodies(0);
+    bvx_mesh_view_of(&complex_.mesh, &view);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 1, &c));
+    TEST_ASSERT_EQUAL_UINT64(0, c.collapsed);
+}
+
 /* Faces between two labels of which most are at junctions have few vertices that may move off them. */
 static void test_labels_smoothed_stay_near_planes(void)
 {
@@ -479,6 +498,7 @@ int main(void)
     RUN_TEST(test_labels_of_a_window_lie_in_the_world);
     RUN_TEST(test_labels_smoothed_stay_in_cells_and_keep_volumes);
     RUN_TEST(test_labels_smoothed_touch_themselves_in_no_edge);
+    RUN_TEST(test_labels_smoothed_collapse_no_triangle);
     RUN_TEST(test_labels_smoothed_stay_near_planes);
     RUN_TEST(test_labels_smoothed_are_a_ball);
     RUN_TEST(test_labels_refuse);

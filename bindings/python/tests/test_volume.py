@@ -326,7 +326,7 @@ def test_surfaces_of_labels_share_faces(smooth):
         found = mesh.check(weld=False)
         assert found.closed and found.edge_manifold and found.vertex_manifold and found.oriented
         if one.value > 0:
-            assert found.volume == pytest.approx(one.voxels, rel=2e-3 if smooth else 1e-9)  # one has a corner of noise
+            assert found.volume == pytest.approx(one.voxels, rel=5e-3 if smooth else 1e-9)  # one has a corner of noise
         for corners in np.asarray(mesh.vertices)[mesh.faces].reshape(-1, 9):
             key = tuple(sorted(map(tuple, corners.reshape(3, 3))))
             faces[key] = faces.get(key, 0) + 1
