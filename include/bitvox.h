@@ -11,8 +11,18 @@
  *     for (int i = 0; i < 2; i++) bvx_mesh_free(context, &levels[i]);
  *     bvx_context_destroy(context);
  *
- * Contents: the titles of the sections, "---- ", in their order. What holds for all stages: docs/exactness.md. How each
- * decides: docs/rules.md. What each call takes, and where its method is from: docs/costs.md.
+ * Contents: the titles of the sections below, in their order.
+ *     Status, Context                                      results of calls; memory, threads, progress
+ *     Meshes, Lattices, Grids                              what goes in and what comes out
+ *     Solids, Surface voxels, Surfaces of grids            meshes to voxels, voxels to meshes
+ *     Fewer triangles, Smoothing, Repair, Levels of detail, Hulls, Booleans of meshes
+ *     Levels by samples, Closest points, Distance fields   further ways from mesh to mesh, and measuring
+ *     Set algebra, Morphology and distances, Components, Seeds and filling, Queries of grids
+ *     Mass
+ *     Points, Volumes, Section contours, Refinement        other things that go in, voxels of several sizes
+ *     Surfaces of labels                                   segmentations to bodies that share faces
+ * What holds for all stages: docs/exactness.md. How each decides: docs/rules.md. What each call takes, and where its
+ * method is from: docs/costs.md.
  *
  * What holds for every function, unless its comment says otherwise
  *   Status      Functions that can fail return bvx_status. Results come through the last parameters.

@@ -95,10 +95,10 @@ int cli_expand_tree(cli_run *run, const bvx_octree *tree, const bvx_window *fine
 /* Read contours; creates run->context when there is none. */
 int cli_read_sections(cli_run *run, const char *path, bvx_sections *sections);
 
-/* ---- volume_input.c: scalar volumes, and the voxels that are chosen of them ---- */
-
-/* A bvx_inflate_fn by zlib; without zlib it unpacks nothing. */
+/* inflate.c: a bvx_inflate_fn by zlib; without zlib it unpacks nothing. */
 int32_t cli_inflate(void *user, const void *packed, uint64_t packed_size, void *plain, uint64_t plain_size);
+
+/* ---- volume_input.c: scalar volumes, and the voxels that are chosen of them ---- */
 
 typedef struct cli_volume {
     cli_bytes file, data; /* samples may stand in either */

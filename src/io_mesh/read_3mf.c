@@ -128,7 +128,7 @@ static bvx_status find_models(model_file *f, const uint8_t *p, const uint8_t *en
                                  "3MF: the models would have more than %d times the bytes of the file",
                                  MODEL_PACKED);
         left -= part.size;
-        if (bvxi_word_is((const char *)p + 46, part.name, "3d/3dmodel.model")) root = part;
+        if (bvxi_word_is((const char *)p + 46, (size_t)part.name, "3d/3dmodel.model")) root = part;
         else f->parts[f->part_count++] = part;
     }
     if (root.text == NULL)
