@@ -1,6 +1,7 @@
 #!/bin/sh
 # make_pictures.sh [check] - docs/pictures: what each command makes of overlaps, holes, thin walls and crumbs, a body through
-# contours on crossing planes, two slanted vessels, each section apart and joined by shifting, and a wall with what it encloses.
+# contours on crossing planes, two slanted vessels, each section apart and joined by shifting, a wall with what it encloses, and the
+# labelled cells of a ball.
 # With check nothing is written: the pictures must be those that the program draws now, and small.
 # BITVOX is the program [build/bitvox]. Runs in the repository's root, works in a folder of its own.
 set -eu
@@ -85,8 +86,28 @@ quiet sections wall.csv --label all --touching shared -o body_%d.off --cells 48
 quiet render body_1.off body_2.off -o raw.png --size 250x175 --from 1,-2,1.4
 python3 "$root/tests/tools/pack_png.py" raw.png bodies.png
 
+# Cells of a ball without an eighth, each a label.
+python3 <<'P'
+import random
+import struct
+
+n, r = 48, random.Random(4)
+seeds = [(n / 2,) * 3] + [tuple(n / 2 + r.gauss(0, n / 6) for _ in range(3)) for _ in range(11)]
+labels = bytearray()
+for i in range(n**3):
+    at = [i % n + 0.5, i // n % n + 0.5, i // n // n + 0.5]
+    inside = sum((a - n / 2) ** 2 for a in at) < (0.44 * n) ** 2 and min(at) < n / 2
+    labels.append(1 + min(range(len(seeds)), key=lambda k: sum((a - b) ** 2 for a, b in zip(at, seeds[k]))) if inside else 0)
+head = "{'descr': '|u1', 'fortran_order': True, 'shape': (%d, %d, %d), }" % (n, n, n)
+open('cells.npy', 'wb').write(b'\x93NUMPY\x01\x00' + struct.pack('<H', 118) + head.ljust(117).encode() + b'\n' + labels)
+P
+quiet labels cells.npy -o stairs.glb --staircase
+quiet labels cells.npy -o smooth.glb
+quiet render stairs.glb smooth.glb -o raw.png --size 140x134 --from 3,2.2,2
+python3 "$root/tests/tools/pack_png.py" raw.png labels.png
+
 bad=0
-for picture in input voxelize boolean repair lod simplify sweep join bodies; do
+for picture in input voxelize boolean repair lod simplify sweep join bodies labels; do
     if [ "$(wc -c <$picture.png)" -gt $most ]; then
         echo "$picture.png has $(wc -c <$picture.png) bytes, more than $most"
         bad=1
