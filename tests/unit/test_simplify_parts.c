@@ -474,7 +474,8 @@ static void test_boxes_follow_what_moves(void)
         } while (at != collapse->any[v]);
 
         memset(seen, 0, (size_t)collapse->mesh.triangles);
-        bvxi_crossing_tree_visit(&tree, p, BVXI_VERTEX_NONE, BVXI_VERTEX_NONE, NULL, NULL, visit_one, &found_here);
+        bvxi_crossing_tree_visit(&tree, p, BVXI_VERTEX_NONE, BVXI_VERTEX_NONE, NULL, NULL, visit_one,
+                                 &found_here);
         snprintf(where, sizeof where, "round %d", round);
         for (uint64_t s = 0; s < collapse->mesh.triangles; s++) {
             if (s == t) continue; /* a triangle crosses itself */
