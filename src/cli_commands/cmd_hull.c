@@ -132,8 +132,7 @@ const cli_command cli_hull = {
         "With --triangles, --error or --count its edges collapse; several make a chain: %d in the name\n"
         "becomes 0, 1, 2 ..., or one .glb holds all.",
     .example = "bitvox hull fixtures/knot.ply -o hull.ply --resolution 128 --triangles 8000",
-    .most =
-        "--output-dir --resolution --close-gaps --triangles --error --count --sharp --shell --keep-largest "
-        "--carry --threads --memory-limit --json",
+    .most = "--output-dir --resolution --close-gaps --triangles --error --count --sharp --keep-largest "
+            "--carry --threads --memory-limit --json",
     .rows = hull_rows,
     .job = {.size = sizeof(hull_run), .make = make_hull, .tell = tell_hull, .owns = cli_collapse_owns}};

@@ -59,6 +59,9 @@ static void put_standard(const bvxi_option *row, unsigned char *at)
 BVXI_COLD static bvx_status fail_whole_option(bvx_context *ctx, const char *function, const bvxi_option *row,
                                               int64_t value)
 {
+    if (row->kind == BVXI_IS_AMONG)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: %s %d is none of its choices",
+                             function, row->name, value);
     if (row->kind != BVXI_IS_WHOLE)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: %s %d is unknown", function,
                              row->name, value);

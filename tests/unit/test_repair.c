@@ -655,7 +655,7 @@ static void test_bad_options(void)
 
     make_ball(at, 2);
     o.sign = 99, assert_refused(&o, BVX_ERR_ARGUMENT, "sign"), o = defaults(16);
-    o.sign = BVX_FILL_NORMAL, assert_refused(&o, BVX_ERR_ARGUMENT, "normals"), o = defaults(16);
+    o.sign = BVX_FILL_NORMAL, assert_refused(&o, BVX_ERR_ARGUMENT, "sign 8 is none of"), o = defaults(16);
     o.sign = BVX_FILL_NONE, assert_refused(&o, BVX_ERR_ARGUMENT, "sign"), o = defaults(16);
     o.placing.interpolation = -1, assert_refused(&o, BVX_ERR_ARGUMENT, "interpolation"), o = defaults(16);
     o.shell = 1.0, assert_refused(&o, BVX_ERR_ARGUMENT, "shell"), o = defaults(16);
