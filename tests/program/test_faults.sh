@@ -17,7 +17,7 @@ for format in csv csl; do quietly slice small.ply -o knot.$format --spacing 1; d
 quietly voxelize "$knot" -o knot.bvx --mode thin --resolution 48
 cp grid.bvx small.bvx
 cp "$root"/fixtures/waves.* .
-cp "$root/fixtures/ball.xyz" ball.xyz
+cp "$root/fixtures/ball.xyz" "$root/fixtures/labels.npy" .
 awk 'BEGIN { print ""; for (i = 0; i < 70000; i++) printf "%05.2f %04.1f %04.1f\n", i % 7, i * 3 % 11, i * 5 % 13 }' >large.xyz
 ! has gzip || gzip -c small.ply >small.ply.gz
 
@@ -28,6 +28,8 @@ glb convert small.ply
 vti convert grid.bvx
 ply lod small.ply --levels 8 --samples 0
 ply simplify small.ply --samples 0
+ply hull small.ply --resolution 24
+glb labels labels.npy
 npy voxelize small.ply --resolution 20
 bvx voxelize ball.xyz --spacing 0.05
 vti voxelize small.ply --mode field --resolution 12

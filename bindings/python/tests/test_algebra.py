@@ -167,7 +167,7 @@ def test_boolean_fits_its_lattice_and_says_how_it_filled():
 
     mesh = bitvox.boolean(part, box_mesh((1, 1, 1), (2, 2, 2)), "difference", resolution=40)
     assert (mesh.report.few, mesh.report.advised_resolution) == (2, 512)
-    with pytest.raises(bitvox.EmptyError, match="take a resolution of"):
+    with pytest.raises(bitvox.EmptyError, match="at any resolution of up to 4096"):
         bitvox.boolean(part, half, "union", resolution=64)
 
 

@@ -287,7 +287,7 @@ def everything(mesh, grid):
     leaf = tree.leaves()[0]
     return [
         measured.distances.tobytes(), measured.to_numpy().tobytes(), measured.surface().content_hash(), bitvox.dumps(measured, "nrrd"),
-        bitvox.repair(mesh, resolution=16).content_hash(), bitvox.dumps(sections, "csl"),
+        bitvox.repair(mesh, resolution=16).content_hash(), bitvox.hull(mesh, resolution=16).content_hash(), bitvox.dumps(sections, "csl"),
         bitvox.from_sections(sections, grid=(12, 12)).content_hash(), bitvox.carry(painted, surface).colors.tobytes(),
         bitvox.find_pockets(bitvox.voxelize(mesh, resolution=20, padding=1, mode="thin"), mesh).tolist(), bitvox.surface_counts(grid),
         bitvox.content_hash(b"abc"), bitvox.render(grid, size=(40, 30), compare=~grid).png(),

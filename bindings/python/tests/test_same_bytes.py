@@ -86,6 +86,12 @@ def hull(at):
     at.same(bitvox.hull(KNOT, resolution=40, triangles=900), "h.stl")
 
 
+def labels(at):
+    at.run("labels", FIXTURES / "labels.npy", "-o", at / "l_%s.ply")
+    for value, mesh in bitvox.read_volume(FIXTURES / "labels.npy").surfaces().items():
+        at.same(mesh, f"l_{value}.ply")
+
+
 def repair(at):
     at.run("repair", KNOT, "-o", at / "r.stl", "--resolution", 40)
     at.same(bitvox.repair(KNOT, resolution=40), "r.stl")
@@ -175,7 +181,7 @@ def render(at):
     at.same(bitvox.render(at.solid, size=(120, 90)).png(), "g.png")
 
 
-COMMANDS = {"voxelize": voxelize, "lod": lod, "simplify": simplify, "repair": repair, "hull": hull, "refine": refine, "sections": sections, "slice": slices,
+COMMANDS = {"voxelize": voxelize, "lod": lod, "simplify": simplify, "repair": repair, "hull": hull, "labels": labels, "refine": refine, "sections": sections, "slice": slices,
             "faces": faces, "fill": fill, "components": components, "compare": compare, "morph": morph, "boolean": boolean,
             "convert": convert, "info": info, "render": render}
 

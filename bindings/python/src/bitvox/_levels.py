@@ -19,7 +19,7 @@ from ._words import FaceRule, Fill, Method
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from ._words import Collapsing
+    from ._words import Collapsing, Hulling
     from .reports import LevelsReport
 
 ERROR_KINDS = names_of("BVX_ERROR_")
@@ -304,9 +304,9 @@ def _set_common(options: Any, mesh: Mesh, strict: bool, error: Any, given: Any) 
 
 
 @overload
-def hull(mesh: Any, *, triangles: int | None = None, error: Distance | None = None, count: None = None, **options: Any) -> Mesh: ...  # type: ignore[overload-overlap]
+def hull(mesh: Any, *, triangles: int | None = None, error: Distance | None = None, count: None = None, **options: Unpack[Hulling]) -> Mesh: ...  # type: ignore[overload-overlap]
 @overload
-def hull(mesh: Any, *, triangles: Sequence[int] | None = None, error: Sequence[Distance] | None = None, count: int | None = None, **options: Any) -> Levels: ...
+def hull(mesh: Any, *, triangles: Sequence[int] | None = None, error: Sequence[Distance] | None = None, count: int | None = None, **options: Unpack[Hulling]) -> Levels: ...
 def hull(
     mesh: Any,
     *,

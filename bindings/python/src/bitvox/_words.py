@@ -12,7 +12,7 @@ else:
     Array = Any
 
 if TYPE_CHECKING:
-    from ._options import SimplifyOptions
+    from ._options import HullOptions, SimplifyOptions
 
     class Running(TypedDict, total=False):
         threads: int | None
@@ -23,6 +23,13 @@ if TYPE_CHECKING:
         lock_border: bool
         strict: bool
         dtype: Any
+
+    class Hulling(HullOptions, Running, total=False):
+        resolution: int | None
+        close_gaps: int
+        shell: float | None
+        keep_largest: int | None
+        carry: bool
 
     class Surfacing(Running, total=False):
         face_rule: FaceRule

@@ -28,6 +28,11 @@ BY_ROWS = ("parity", "nonzero")
 class Triangles:
     """The triangles of a file, block by block."""
 
+    path: str
+    np: Any
+    points: Any
+    faces: Any
+
     def __init__(self, path: str) -> None:
         self.path, self.np = path, arrays.numpy("bitvox.big")
         self.points: Any = None
