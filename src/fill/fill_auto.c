@@ -98,6 +98,7 @@ static bvx_status drop_copies(bvx_context *ctx, auto_work *w)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->triangle_count * 12, "the triangles once each",
                         &w->choice.index));
     BVXI_TRY(bvxi_drop_duplicates(ctx, view, w->representative, w->choice.index, &kept));
+    if (kept == 0) return BVX_OK; /* none has area: they stay, and enclose nothing */
 
     w->choice.doubles = view->triangle_count - kept;
     view->indices = w->choice.index;
@@ -257,11 +258,10 @@ static int reach_around(const auto_work *w, bvx_lattice *l)
     for (int a = 0; a < 3; a++) {
         double const first = l->origin[a] / l->spacing[a], before = first - low[a] / l->spacing[a];
         double const after = high[a] / l->spacing[a] - first - l->dims[a];
+        /* Where that many would not do, nothing is put around; nor at the ends of doubles. */
+        if (!(before <= BVXI_MAX_SIDE && after <= BVXI_MAX_SIDE)) continue;
         int32_t const added = before > 0.0 ? (int32_t)before + (before > (double)(int32_t)before) : 0;
-
         double const from = l->origin[a] - added * l->spacing[a];
-
-        /* At the ends of doubles nothing is put around. */
         if (!(from >= -BVXI_FINITE && high[a] - from <= BVXI_FINITE)) continue;
         l->origin[a] = from;
         l->dims[a] += added + (after > 0.0 ? (int32_t)after + 1 : 0);

@@ -126,7 +126,7 @@ static bvx_status find_models(model_file *f, const uint8_t *p, const uint8_t *en
         if (part.size > left)
             return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                                  "3MF: the models would have more than %d times the bytes of the file",
-                                 MODEL_PACKED);
+                                 (int64_t)MODEL_PACKED);
         left -= part.size;
         if (bvxi_word_is((const char *)p + 46, (size_t)part.name, "3d/3dmodel.model")) root = part;
         else f->parts[f->part_count++] = part;
@@ -342,7 +342,7 @@ static bvx_status add_copy(model_file *f, model_resource *to, const model_resour
         MODEL_REPEATS * size)
         return bvxi_fail_for(f->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "3MF: objects are repeated to more than %d times the bytes of the file",
-                             MODEL_REPEATS);
+                             (int64_t)MODEL_REPEATS);
     for (uint64_t i = of->vertex; i < of->vertex + of->vertices; i++) {
         const double *const p = f->positions + 3 * i;
         double moved[3];
@@ -388,9 +388,10 @@ static bvx_status add_label(model_file *f, model_resource *group, const char *co
     if (!bvxi_xml_attribute(&f->xml, "name", &label.name)) label.name.p = label.name.end = NULL;
     if (bvxi_xml_attribute(&f->xml, colour, &text))
         for (int i = 1; i < 9 && text.end - text.p > i; i++) {
-            int32_t const digit = bvxi_word_is(text.p + i, 1, "0|1|2|3|4|5|6|7|8|9|a|b|c|d|e|f") - 1;
+            uint32_t const digit = (uint32_t)bvxi_word_is(text.p + i, 1, "0|1|2|3|4|5|6|7|8|9|a|b|c|d|e|f") -
+                                   1;
             uint8_t *const byte = &label.colour[(i - 1) / 2];
-            *byte = (uint8_t)(i % 2 != 0 ? digit << 4 & 255 : (*byte & 0xf0) | (digit & 15));
+            *byte = (uint8_t)(i % 2 != 0 ? digit << 4 & 0xf0 : (*byte & 0xf0) | (digit & 15));
         }
     BVXI_TRY(BVXI_GROW(f, f->labels, f->label_count, f->label_room, "the materials"));
     f->labels[f->label_count++] = label;

@@ -146,6 +146,26 @@ static void test_doubled_triangles_are_there_once(void)
     assert_auto_sets(&l, 32 * 32 * 32, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP, 0);
 }
 
+/* They reach beyond the lattice, and the grid is that of a solid before. */
+static void test_triangles_without_area_set_nothing(void)
+{
+    float const at[] = {-20, 1, 1, 20, 5, 5, 3, 3, 30};
+    uint32_t const flat[] = {0, 0, 1, 1, 1, 2, 2, 0, 2};
+    double const low[3] = {-1, -1, -1}, high[3] = {9, 9, 9};
+    bvx_lattice const l = lattice_of(8, 8, 8);
+    bvx_mesh_view view;
+    bvx_grid g = {0};
+
+    add_fine_box(low, high, 2);
+    view = maker_view(&mesh);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_solid(ctx, &view, &l, NULL, &g));
+    TEST_ASSERT_EQUAL_UINT64(512, set_voxels(&g));
+    view = bvx_mesh_view_packed(at, 3, flat, 3);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_solid(ctx, &view, &l, NULL, &g));
+    TEST_ASSERT_EQUAL_UINT64(0, set_voxels(&g));
+    bvx_grid_free(ctx, &g);
+}
+
 static void test_some_doubled_triangles_are_there_once(void)
 {
     bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
@@ -740,6 +760,7 @@ int main(void)
     RUN_TEST(test_a_part_inside_out_that_overlaps_is_turned);
     RUN_TEST(test_a_part_inside_out_beside_a_right_one_is_inside);
     RUN_TEST(test_doubled_triangles_are_there_once);
+    RUN_TEST(test_triangles_without_area_set_nothing);
     RUN_TEST(test_some_doubled_triangles_are_there_once);
     RUN_TEST(test_two_sided_triangles_are_there_once);
     RUN_TEST(test_a_sheet_of_two_sides_encloses_nothing);
