@@ -272,6 +272,14 @@ ROWS = {
         ("LABELS --label 2", "bvx", lambda at: bitvox.read_volume(LABELS).label(2)),
         (f"{RAW} --level 20", "npy", lambda at: at.raw.threshold(20)),
     ),
+    "labels": (
+        ("LABELS --only 2", "ply", lambda at: bitvox.read_volume(LABELS).surfaces()[2]),
+        ("LABELS --only 1 --staircase --background 2 --normals --output-origin 1,2,3", "ply",
+         lambda at: only(bitvox.read_volume(LABELS).surfaces(background=2, smooth=False)[1], normals=True, origin=(1, 2, 3))),
+        ("LABELS --only 1 --window 0,0,0,20,20,20", "ply",
+         lambda at: bitvox.Volume(bitvox.read_volume(LABELS).array[:20, :20, :20], lattice=bitvox.read_volume(LABELS).lattice).surfaces()[1]),
+        (f"{RAW} --only LABEL", "ply", lambda at: at.raw.surfaces()[int(at.samples.max())]),
+    ),
     "info": ((RAW, None, lambda at: {"least": float(at.samples.min()), "greatest": float(at.samples.max())}),),
     "render": (
         ("small.ply --size 90x60 --from 1,2,3 --up 0,1,0 --smooth --cut x=0.5", "png",
@@ -302,6 +310,8 @@ def at(tmp_path_factory):
 
 
 def word_of(at, word):
+    if word == "LABEL":
+        return str(int(at.samples.max()))
     if word == "SEED":
         return ",".join(str(int(v)) for v in at.solid.voxels()[0])
     return str(NAMES.get(word) or (at / word if (at / word).is_file() else word))
