@@ -97,6 +97,12 @@ def npy_of(array):
     return file.getvalue()
 
 
+def written(surfaces, path):
+    """The file that labels are saved in."""
+    surfaces.save(path)
+    return path.read_bytes()
+
+
 def only(thing, **options):
     """A result whose file is written with these options."""
     return thing, options
@@ -278,6 +284,7 @@ ROWS = {
          lambda at: only(bitvox.read_volume(LABELS).surfaces(background=2, smooth=False)[1], normals=True, origin=(1, 2, 3))),
         ("LABELS --only 1 --window 0,0,0,20,20,20", "ply",
          lambda at: bitvox.Volume(bitvox.read_volume(LABELS).array[:20, :20, :20], lattice=bitvox.read_volume(LABELS).lattice).surfaces()[1]),
+        ("LABELS", "glb", lambda at: written(bitvox.read_volume(LABELS).surfaces(), at / "written.glb")),
         (f"{RAW} --only LABEL", "ply", lambda at: at.raw.surfaces()[int(at.samples.max())]),
     ),
     "info": ((RAW, None, lambda at: {"least": float(at.samples.min()), "greatest": float(at.samples.max())}),),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import colorsys
 import os
 import re
 from collections.abc import Mapping
@@ -85,6 +84,11 @@ class Complex(NamedTuple):
     sides: Array
 
 
+# Of labels without one, as the program has them: the themes "Set2" and "Dark2" of colorbrewer2.org, by turns.
+COLORS = ((102, 194, 165), (217, 95, 2), (141, 160, 203), (231, 41, 138), (166, 216, 84), (117, 112, 179), (255, 217, 47),
+          (27, 158, 119), (252, 141, 98), (102, 166, 30), (231, 138, 195), (166, 118, 29), (229, 196, 148), (102, 102, 102))
+
+
 class Surfaces(Mapping[int, Mesh]):
     """The body of each label, by its value; made by `Volume.surfaces`.
 
@@ -123,9 +127,8 @@ class Surfaces(Mapping[int, Mesh]):
         self._type = "uint64" if unsigned else "int64"
         self.segments = {}
         for i, value in enumerate(self._at):
-            red, green, blue = (round(255 * part) for part in colorsys.hsv_to_rgb(i * 0.618034 % 1, 0.5, 0.9))
             told = Segment(*segments.get(value, (str(value),)))
-            self.segments[value] = Segment(str(told.name), told.color or (red, green, blue))
+            self.segments[value] = Segment(str(told.name), told.color or COLORS[i % len(COLORS)])
         return self
 
     def __getitem__(self, value: int) -> Mesh:
