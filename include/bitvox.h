@@ -1269,7 +1269,7 @@ BVX_API bvx_status bvx_closest_cast(bvx_context *context, const bvx_closest *clo
 /** All hits of each ray, by t, then by index of the triangle. Those of ray r are hits[offsets[r]] .. hits[offsets[r +
  *  1] - 1]. Returns as bvx_closest_cast; after BVX_ERR_CAPACITY offsets are valid.
  *  offsets  [Size: count + 1]
- *  hits     NULL: offsets alone are wanted [Size: capacity] */
+ *  hits     NULL: only offsets are written [Size: capacity] */
 BVX_API bvx_status bvx_closest_crossings(bvx_context *context, const bvx_closest *closest, const double *rays,
                                          uint64_t count, double t_max, uint64_t *offsets, bvx_mesh_hit *hits,
                                          uint64_t capacity);

@@ -83,7 +83,7 @@ extern const cli_argument cli_takes_output[], /* -o */
     cli_takes_output_origin[],                /* --output-origin */
     cli_takes_quantize[],                     /* --quantize */
     cli_takes_file_of_a_mesh[],               /* both, --up, --input-up */
-    cli_takes_carry[],                        /* --carry of levels */
+    cli_takes_carry[],                        /* --carry */
     cli_takes_samples[],                      /* --samples */
     cli_takes_connectivity[],                 /* --connectivity */
     cli_takes_common[],                       /* what all commands take */

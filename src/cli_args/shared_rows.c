@@ -228,8 +228,8 @@ const cli_argument cli_takes_file_of_a_mesh[] = {
 
 const cli_argument cli_takes_carry[] = {
     FLAG("--carry", SHARED(carry),
-         "of --solid, edge-ratio and coverage: give each level the colours and\n"
-         "texture coordinates of the nearest points on the mesh"),
+         "give a new surface the colours and texture coordinates of the nearest points\n"
+         "on the input; lod: with --solid, edge-ratio and coverage"),
     {0}};
 
 const cli_argument cli_takes_samples[] = {LONG("--samples", "N", SHARED(samples), 0, 2147483647,

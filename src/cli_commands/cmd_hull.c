@@ -30,9 +30,7 @@ static const cli_argument hull_rows[] = {
     {.also = cli_takes_kept_parts},
     {.also = cli_takes_normals},
     {.also = cli_takes_file_of_a_mesh},
-    FLAG("--carry", SHARED(carry),
-         "give the result the colours and texture coordinates of the nearest\n"
-         "points on the input"),
+    {.also = cli_takes_carry},
     {.also = cli_takes_all},
     {0}};
 

@@ -6,7 +6,7 @@
  * vectors and distances are those of bvx_closest_find at the centre. Error: the distance is that to some
  * point of the mesh but for rounding, and never above the true one by more than 2^-26 of the longest edge of
  * a needle, 10^-15 of the largest coordinate without needles (point_triangle.c).
- * How: a tree of boxes over eight triangles a leaf (nearest_build.c, nearest_build.c), leaves listed for 64
+ * How: a tree of boxes over eight triangles a leaf (nearest_build.c), leaves listed for 64
  * centres at once (nearest_cell.c), sieved for eight (nearest_eight.c), the last candidates evaluated
  * (nearest_pairs.c, nearest_brick.c). */
 #include "nearest/nearest_walk.h"
