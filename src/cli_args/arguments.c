@@ -273,7 +273,7 @@ static const char *const groups[][2] = {
     {"fewer triangles", "--triangles --error --error-kind --count --strict --even --attributes --lock-border "
                         "--keep-vertices --samples"},
     {"the papers' samples of a solid", "--method --levels --threshold --edge-samples --collapse"},
-    {"volumes, .raw files and octrees", "--level --range --label --all-labels --below --shape --sample-type "
+    {"volumes, .raw files and octrees", "--level --range --label --below --shape --sample-type "
                                         "--big-endian --skip --voxel-size --states --expand"},
     {"every command", "--threads --memory-limit --json --progress --quiet --help --help-all"}};
 

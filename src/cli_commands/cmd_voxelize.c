@@ -63,7 +63,6 @@ static const cli_argument voxelize_rows[] = {
               "and fill"),
     CHOICE("--up", "AXIS", OWN(solid.up), up_names, BVX_UP_Z, "with --fill below: x, y or z [z]"),
     {.also = cli_takes_selection},
-    FLAG("--all-labels", OWN(all_labels), "of a label map: a mesh for each value but 0, to OUT_%d.EXT"),
     {.also = cli_takes_below},
     {.also = cli_takes_raw},
     {.also = cli_takes_reduction},
@@ -525,8 +524,8 @@ const cli_command cli_voxelize = {
         "is a\n"
         "mesh (" CLI_MESHES_WRITTEN
         ") it becomes their closed surface: of --level by the values between the\n"
-        "samples, else at the middle between set and empty ones; --all-labels writes one a label, and edges\n"
-        "collapse with --triangles or --error. Samples that are NaN or infinite are outside, and counted.\n\n"
+        "samples, else at the middle between set and empty ones, and edges collapse with --triangles or\n"
+        "--error; 'bitvox labels' writes one a label. Samples that are NaN or infinite are outside, and counted.\n\n"
         "Of a cloud of points (.xyz, or .ply without faces) the voxels that hold points are set, with "
         "--body\n"
         "also what lies behind them.",
@@ -534,7 +533,6 @@ const cli_command cli_voxelize = {
                "bitvox voxelize fixtures/knot.ply -o shell.vti --mode thin\n"
                "bitvox voxelize fixtures/knot.ply -o distance.vti --mode field --resolution 64\n"
                "bitvox voxelize fixtures/waves.nhdr -o waves.ply --level 120 --triangles 2000\n"
-               "bitvox voxelize fixtures/labels.npy -o part_%d.stl --all-labels\n"
                "bitvox voxelize fixtures/ball.xyz -o ball.bvx --spacing 0.1 --body --close-gaps 1",
     .most = "--output-dir --resolution --spacing --mode --fill --level --range --label "
             "--keep-largest --threads --memory-limit --json",

@@ -41,18 +41,14 @@ typedef struct cli_voxelize_options {
     bvx_voxelize_options solid;
     bvx_points_options cloud;
     bvx_field_options field;
-    int32_t mode; /* CLI_MODE_... */
-    int32_t all_labels;
+    int32_t mode;       /* CLI_MODE_... */
     const char *second; /* the other terrain's file */
 } cli_voxelize_options;
 
 /* ---- voxelize_volume.c ---- */
 
-/* voxelize of a volume: to a grid, or by the output's ending to one mesh or one a label. */
+/* voxelize of a volume: to a grid, or by the output's ending to a mesh. */
 extern const cli_job cli_voxelize_volume;
-
-/* The line of the report's mesh number n. */
-void cli_tell_mesh_of(const cli_run *run, int n, const char *title, cli_made *made);
 
 /* ---- section_info.c, volume_info.c: what info says ---- */
 

@@ -120,9 +120,6 @@ void cli_free_volume(cli_run *run, cli_volume *volume);
 int64_t cli_sample_bytes(int32_t type);
 /* Bytes from sample to sample along each axis, also where the view says by zeros that they are packed. */
 void cli_volume_strides(const bvx_volume_view *view, int64_t stride[3]);
-/* The box of so many voxels from a low corner, which is counted from the whole's first one. */
-void cli_part_of_volume(const bvx_volume_view *whole, const int32_t low[3], const int32_t size[3],
-                        bvx_volume_view *part);
 /* The voxels of --level, --range or --label; without any those whose sample is not 0. */
 bvx_status cli_select_voxels(cli_run *run, const cli_volume *volume, bvx_volume_report *report,
                              bvx_grid *grid);

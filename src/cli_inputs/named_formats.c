@@ -135,7 +135,7 @@ int cli_may_be_volume(int32_t format)
 int cli_selects(const cli_run *run)
 {
     /* --label of sections is another one: it chooses bodies. */
-    return cli_given(run, "--level") + cli_given(run, "--range") + cli_given(run, "--all-labels") +
+    return cli_given(run, "--level") + cli_given(run, "--range") +
            (run->command->bit != CLI_SECTIONS && cli_given(run, "--label"));
 }
 

@@ -16,7 +16,7 @@ enum { DATA_NAME_ROOM = 4096 };
 /* ---- what is requested ---- */
 
 #define OF_RAW     "--shape --sample-type --big-endian --skip --voxel-size"
-#define OF_VOLUMES "--level --range --label --all-labels --below"
+#define OF_VOLUMES "--level --range --label --below"
 
 enum { IS_RAW = 1 << CLI_FIRST_FACT }; /* a .raw file is read */
 
@@ -74,8 +74,7 @@ int cli_check_selection(cli_run *run, const char *path)
 {
     int const raw = cli_input_format(run, path) == BVX_FORMAT_RAW;
 
-    if (cli_selects(run) > 1)
-        return cli_usage(run, "--level, --range, --label and --all-labels exclude each other");
+    if (cli_selects(run) > 1) return cli_usage(run, "--level, --range and --label exclude each other");
     CLI_TRY(cli_check_rules(run, selection_rules, raw ? IS_RAW : 0, cli_input_name(path)));
     return raw ? cli_check_rules(run, raw_rules, 0, cli_input_name(path)) : CLI_DONE;
 }
@@ -197,28 +196,12 @@ void cli_volume_strides(const bvx_volume_view *view, int64_t stride[3])
     stride[2] = stride[1] * view->size[1];
 }
 
-void cli_part_of_volume(const bvx_volume_view *whole, const int32_t low[3], const int32_t size[3],
-                        bvx_volume_view *part)
-{
-    int64_t stride[3], at = 0;
-
-    /* packed samples are packed no more where rows are left out */
-    cli_volume_strides(whole, stride);
-    *part = *whole;
-    for (int a = 0; a < 3; a++) {
-        part->low[a] = whole->low[a] + low[a];
-        part->size[a] = size[a];
-        part->strides[a] = stride[a];
-        at += low[a] * stride[a];
-    }
-    part->samples = (const char *)whole->samples + at;
-}
-
 /* A view of a window, counted from the file's first voxel. */
 static int take_window(cli_run *run, const char *path, const bvx_window *window, cli_volume *v)
 {
     const bvx_volume_view *const whole = &v->volume.view;
     static const char axis[] = "xyz";
+    int64_t stride[3], at = 0;
 
     v->view = *whole;
     if (window == NULL || window->size[0] == 0) return CLI_DONE;
@@ -229,7 +212,16 @@ static int take_window(cli_run *run, const char *path, const bvx_window *window,
                             " along %c are not inside the file's %" PRId32,
                             cli_input_name(path), window->low[a], window->low[a] + window->size[a] - 1,
                             axis[a], whole->size[a]);
-    cli_part_of_volume(whole, window->low, window->size, &v->view);
+
+    /* packed samples are packed no more where rows are left out */
+    cli_volume_strides(whole, stride);
+    for (int a = 0; a < 3; a++) {
+        v->view.low[a] += window->low[a];
+        v->view.size[a] = window->size[a];
+        v->view.strides[a] = stride[a];
+        at += window->low[a] * stride[a];
+    }
+    v->view.samples = (const char *)whole->samples + at;
     return CLI_DONE;
 }
 

@@ -31,6 +31,16 @@ void cli_tell_result(const bvx_certificate *c, cli_made *made)
              c->oriented ? ", oriented" : ", NOT ORIENTED", c->components, c->volume);
 }
 
+void cli_tell_mesh_of(const cli_run *run, int n, const char *title, cli_made *made)
+{
+    const bvx_certificate *const c = &run->report.mesh[n].certificate;
+
+    /* A part with a cavity has two surfaces: parts are counted where some are dropped. */
+    cli_tell(made, "  %s: %" PRIu64 " triangles, %s, volume %.6g, %" PRIu64 " surface%s\n", title,
+             c->triangles, cli_is_sound(c) ? "closed, manifold" : "NOT closed", c->volume, c->components,
+             c->components == 1 ? "" : "s");
+}
+
 void cli_tell_input(const cli_run *run, uint64_t triangles, const bvx_certificate *in, double diagonal,
                     cli_made *made)
 {

@@ -58,7 +58,7 @@ char *cli_numbered_path(const char *pattern, int64_t number)
 
 int cli_check_pattern(cli_run *run)
 {
-    int32_t const numbering = CLI_LOD | CLI_SIMPLIFY | CLI_HULL | CLI_SECTIONS | CLI_VOXELIZE;
+    int32_t const numbering = CLI_LOD | CLI_SIMPLIFY | CLI_HULL | CLI_SECTIONS;
     const char *const out = run->options->output;
 
     for (const char *p = out; p != NULL && (p = strchr(p, '%')) != NULL; p++) {

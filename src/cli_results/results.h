@@ -144,6 +144,8 @@ uint64_t cli_samples(const cli_run *run);
 int cli_is_sound(const bvx_certificate *certificate);
 /* Of a sound mesh: Euler's number is 2 a part, less 2 a handle. */
 int64_t cli_count_handles(const bvx_certificate *certificate);
+/* The line of the report's mesh number n. */
+void cli_tell_mesh_of(const cli_run *run, int n, const char *title, cli_made *made);
 /* The line of a mesh that is the result. */
 void cli_tell_result(const bvx_certificate *c, cli_made *made);
 /* The first line: the input's triangles, whether it is sound, its diagonal. */

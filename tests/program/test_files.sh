@@ -111,8 +111,6 @@ if grep -q 'take' err; then not_ok 'no advice beyond the deepest' 'advice'; else
 
 works 'digits of levels' simplify knot.obj -o 'k_%03d.ply' --count 2 --samples 0
 holds 'as the name says' test -s k_000.ply -a -s k_001.ply
-works 'digits of labels' voxelize "$root/fixtures/labels.npy" -o 'p_%02d.ply' --all-labels
-holds 'of two digits' test -s p_01.ply
 refuses 2 'has two %d' simplify knot.obj -o 'k_%03d_%d.ply' --count 2
 for how in '' --json; do
     streams || { skip "a reader that leaves $how" 'its signal does not reach the program'; continue; }
@@ -178,7 +176,6 @@ for option in '--level 16' '--range 1,2' '--label 2' --below '--shape 8,8,8' '--
         refuses 2 'is for volumes' $command $option
     done
 done
-refuses 2 'is for volumes' voxelize knot.obj -o x_%d.ply --all-labels
 refuses 2 'did you mean --levels?' lod knot.obj -o x_%d.ply --level 16
 refuses 2 'it is now called --halvings' refine knot.obj -o x.bvx --levels 3
 refuses 2 '--states is for octrees' render knot.bvx -o x.png --states inside

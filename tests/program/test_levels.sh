@@ -414,7 +414,6 @@ holds 'sections --triangles' sh -c "test $status = 0 && test $(triangles_of r.pl
 reports 'sections --triangles --json' 'r["simplify"]["triangles"] == r["meshes"][0]["triangles"] <= 2000 and r["sections"]["points"] > 100' sections knot.csv -o r.ply --triangles 2000 --quiet
 refuses 2 'needs a closed body' sections knot.csv -o x.ply --triangles 2000 --caps open
 works_here 'voxelize --level --triangles' r.ply voxelize "$root/fixtures/waves.nhdr" -o r.ply --level 120 --triangles 1500
-works_here 'voxelize --all-labels --error' 'p_1.ply p_2.ply p_7.ply' voxelize "$root/fixtures/labels.npy" -o p_%d.ply --all-labels --error 0.3%
 refuses 2 'the result is a grid' voxelize "$knot" -o x.npy --triangles 9
 refuses 2 'the result is a grid' voxelize "$root/fixtures/waves.nhdr" -o x.bvx --level 120 --error 9
 warns 'the target of 2 triangles is missed: 12 are' repair cube.obj -o r.ply --resolution 32 --triangles 2

@@ -80,7 +80,6 @@ holds 'and so it is after a failure' sh -c "grep -q '^{\"status\": \"failed\"' e
 
 refuses 2 'only .glb holds several' lod "$knot" -o -
 refuses 2 'one output; standard output.npy.json would be another' voxelize "$knot" -o - --format npy
-refuses 2 'needs %d in the name' voxelize "$root/fixtures/labels.npy" -o - --all-labels --format ply
 refuses 2 'fields are written as' voxelize "$knot" -o - --format off --mode field
 refuses 2 'a picture format' render "$knot" -o - --format ply
 refuses 2 '--format is for standard input and output' convert "$knot" -o x.ply --format ply

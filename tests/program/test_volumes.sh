@@ -45,25 +45,19 @@ gives 'a raw file of another shape' 1 'but the file has 61440' voxelize "$fixtur
 gives 'options of raw files for others' 2 'is for .raw files' voxelize "$waves" -o raw.bvx --level 120 --skip 5
 
 # ---- labels ----
-gives 'a mesh for each label' 0 '3 labels' voxelize "$labels" -o part_%d.stl --all-labels
-gives 'the labels in the report' 0 '"labels": \[{"value": 1, "voxels": 3071}, {"value": 2, "voxels": 5' voxelize "$labels" -o part_%d.stl --all-labels --json
-for n in 1 2 7; do gives "part $n is closed" 0 'closed      yes' info part_$n.stl; done
 gives 'one label' 0 'closed, manifold' voxelize "$labels" -o seven.stl --label 7
-same 'one label alone and among all' seven.stl part_7.stl
-gives 'labels need a number in the name' 2 'needs %d' voxelize "$labels" -o part.stl --all-labels
 # Three labels that are one double: 2^53 and one more, and two more.
 # shellcheck disable=SC2059
 for k in 0 1 2; do printf "\\00$k\\0\\0\\0\\0\\0\\040\\0"; done >wide.raw
 for type in i64 u64; do
     gives "a label of 64 bits, $type" 0 '1 set' voxelize wide.raw -o wide.bvx --shape 3,1,1 --sample-type $type --label 9007199254740993
-    gives "every label of 64 bits, $type" 0 '3 labels' voxelize wide.raw -o wide_%d.stl --shape 3,1,1 --sample-type $type --all-labels
 done
-gives 'a number without labels' 2 'is for --all-labels' voxelize "$labels" -o part_%d.stl --label 1
+gives 'a number without labels' 2 'voxelize writes one' voxelize "$labels" -o part_%d.stl --label 1
 # The side-car of a volume tells its place.
 "$program" voxelize "$labels" -o placed.npy --label 1 >out 2>err </dev/null
 cp "$labels" beside.npy
 cp placed.npy.json beside.npy.json
-gives 'a volume beside a side-car' 0 'triangles' voxelize beside.npy -o part_%d.ply --all-labels
+gives 'a volume beside a side-car' 0 'triangles' voxelize beside.npy -o part.ply --label 1
 
 # ---- refusals ----
 gives 'two choices' 2 'exclude each other' voxelize "$waves" -o a.bvx --level 5 --range 1,2
@@ -115,7 +109,6 @@ done
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 2 2 2\nv 5 2 2\nv 2 5 2\nv 2 2 5\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\nf 5 7 6\nf 5 6 8\nf 5 8 7\nf 6 7 8\n' >grid_mesh.obj
 gives 'parts of voxels of a mesh' 0 'kept        1 of 2 parts' voxelize grid_mesh.obj -o kept.bvx --resolution 40 --keep-largest 1
 gives 'parts of a cloud' 0 'kept        1 of ' voxelize "$fixtures/ball.xyz" -o kept.bvx --spacing 0.05 --keep-largest 1
-gives 'parts of labels' 0 '3 labels' voxelize "$labels" -o part_%d.ply --all-labels --keep-largest 1
 gives 'parts of a mesh' 2 '--keep-largest is for grids and volumes' convert "$fixtures/knot.ply" -o x.ply --keep-largest 1
 gives 'parts of distances' 2 'are for voxels' voxelize "$fixtures/knot.ply" -o x.nrrd --mode field --least-part 5
 

@@ -5,7 +5,7 @@ OWN = {
     ("*", "-o"): "names a file", ("*", "--output-dir"): "names a folder", ("*", "--help"): "text", ("*", "--help-all"): "text", ("*", "--json"): "text", ("*", "--quiet"): "text",
     ("*", "--progress"): "text", ("*", "--format"): "of files", ("*", "--output-origin"): "taken off when a file is written",
     ("repair", "--measure"): "bvx_repair_options.samples", ("*", "--shape"): "bvx_read_volume_options.size", ("*", "--skip"): "bvx_read_volume_options.offset",
-    ("*", "--voxel-size"): "bvx_read_volume_options.spacing", ("*", "--range"): "arguments of bvx_threshold", ("*", "--all-labels"): "arguments of bvx_threshold",
+    ("*", "--voxel-size"): "bvx_read_volume_options.spacing", ("*", "--range"): "arguments of bvx_threshold",
     ("*", "--triangles"): "an array: target_triangles", ("*", "--error"): "an array: target_errors", ("*", "--count"): "how many targets there are",
     ("*", "--no-sharp"): "sharp = 0", ("*", "--keep-vertices"): "vertices = BVX_VERTICES_KEPT", ("*", "--carry"): "bvx_carry", ("*", "--seed"): "an array, or an argument", ("*", "--cut"): "cut.low, cut.high",
     ("*", "--states"): "an argument of octree calls", ("*", "--expand"): "an argument of bvx_octree_expand", ("*", "--samples"): "0 measures nothing, -1 is not given",

@@ -135,7 +135,6 @@ ROWS = {
         ("WAVES --level 60 --below", "bvx", lambda at: bitvox.read_volume(WAVES).threshold(high=60)),
         ("WAVES --range 60,120", "bvx", lambda at: bitvox.read_volume(WAVES).threshold(60, 120)),
         ("LABELS --label 2", "bvx", lambda at: bitvox.read_volume(LABELS).label(2)),
-        ("LABELS --all-labels", "ply", lambda at: {n: bitvox.read_volume(LABELS).label(n).surface() for n in (1, 2, 7)}),
         (f"{RAW} --level 20", "bvx", lambda at: at.raw.threshold(20)),
     ),
     "lod": (
