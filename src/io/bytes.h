@@ -97,26 +97,9 @@ static inline void bvxi_output_add(bvxi_output *o, const void *bytes, size_t n)
     o->size += n;
 }
 
-static inline void bvxi_output_text(bvxi_output *o, const char *text)
-{
-    bvxi_output_add(o, text, bvxi_text_length(text));
-}
-
-static inline void bvxi_output_double(bvxi_output *o, double v)
-{
-    char text[32];
-    bvxi_output_add(o, text, (size_t)bvxi_print_double(v, text));
-}
-
-static inline void bvxi_output_number(bvxi_output *o, uint64_t v)
-{
-    char digits[20];
-    size_t n = sizeof digits;
-    do {
-        digits[--n] = (char)('0' + v % 10);
-        v /= 10;
-    } while (v != 0);
-    bvxi_output_add(o, digits + n, sizeof digits - n);
-}
+/* Text with values: %s a text, %q one as a JSON string, %u a uint64_t, %d an int64_t, %g a double as the
+ * shortest decimals that read back to it; %v three doubles and %w three int32_t that are not negative, each by its address and
+ * the text between. */
+void bvxi_output_print(bvxi_output *o, const char *format, ...);
 
 #endif

@@ -8,20 +8,6 @@
 
 #include <math.h>
 
-static void put_signed(bvxi_output *o, int32_t v)
-{
-    if (v < 0) bvxi_output_text(o, "-");
-    bvxi_output_number(o, (uint64_t)(v < 0 ? -(int64_t)v : (int64_t)v));
-}
-
-static void put_triple(bvxi_output *o, const double *p)
-{
-    for (int k = 0; k < 3; k++) {
-        if (k > 0) bvxi_output_text(o, " ");
-        bvxi_output_double(o, p[k]);
-    }
-}
-
 /* ---- CSL ---- */
 
 typedef struct section_counts {
@@ -47,108 +33,64 @@ static uint64_t count_labels(const bvx_sections *s)
     return (uint64_t)most + 1;
 }
 
-static void put_unit(bvxi_output *o, const double n[3])
-{
-    double const length = sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2]);
-    double const unit[3] = {n[0] / length, n[1] / length, n[2] / length};
-    put_triple(o, unit);
-}
-
 /* Number, counts and plane of a section. A stack of one direction has its unit normal in the frame already. */
 static void put_csl_head(const bvx_sections *s, uint64_t section, const double normal[3], bvxi_output *o)
 {
     section_counts const c = count_section(s, section);
+    double unit[3] = {normal[0], normal[1], normal[2]};
 
-    bvxi_output_text(o, "\n");
-    bvxi_output_number(o, section + 1);
-    bvxi_output_text(o, " ");
-    bvxi_output_number(o, c.points);
-    bvxi_output_text(o, " ");
-    bvxi_output_number(o, c.loops);
-    bvxi_output_text(o, " ");
-
-    if (s->normals == NULL) put_triple(o, normal);
-    else put_unit(o, s->normals + 3 * section);
-    bvxi_output_text(o, " ");
+    if (s->normals != NULL) {
+        const double *const n = s->normals + 3 * section;
+        double const length = sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2]);
+        for (int k = 0; k < 3; k++) unit[k] = n[k] / length;
+    }
     /* CSL has the plane as a x + b y + c z + d = 0. */
-    bvxi_output_double(o, -s->positions[section]);
-    bvxi_output_text(o, "\n\n");
+    bvxi_output_print(o, "\n%u %u %u %v %g\n\n", section + 1, c.points, c.loops, unit, " ",
+                      -s->positions[section]);
 }
 
 static void put_csl(const bvx_sections *s, const double normal[3], bvxi_output *o)
 {
-    bvxi_output_text(o, "CSLC\n");
-    bvxi_output_number(o, s->section_count);
-    bvxi_output_text(o, " ");
-    bvxi_output_number(o, count_labels(s));
-    bvxi_output_text(o, "\n");
+    bvxi_output_print(o, "CSLC\n%u %u\n", (uint64_t)s->section_count, count_labels(s));
     for (uint64_t k = 0; k < s->section_count; k++) {
         put_csl_head(s, k, normal, o);
         for (uint64_t i = 0; i < s->loop_count; i++) {
             if (s->loops[i].section != k) continue;
-            for (uint64_t j = 0; j < s->loops[i].point_count; j++) {
-                put_triple(o, s->points + 3 * (s->loops[i].first_point + j));
-                bvxi_output_text(o, "\n");
-            }
+            for (uint64_t j = 0; j < s->loops[i].point_count; j++)
+                bvxi_output_print(o, "%v\n", s->points + 3 * (s->loops[i].first_point + j), " ");
         }
-        bvxi_output_text(o, "\n");
+        bvxi_output_print(o, "\n");
 
         /* Loops are walked in the order of their points, so indices are a count. */
         uint64_t from = 0;
         for (uint64_t i = 0; i < s->loop_count; i++) {
             if (s->loops[i].section != k) continue;
-            bvxi_output_number(o, s->loops[i].point_count);
-            bvxi_output_text(o, " ");
-            put_signed(o, s->loops[i].label);
-            for (uint64_t j = 0; j < s->loops[i].point_count; j++) {
-                bvxi_output_text(o, " ");
-                bvxi_output_number(o, from++);
-            }
-            bvxi_output_text(o, "\n");
+            bvxi_output_print(o, "%u %d", (uint64_t)s->loops[i].point_count, (int64_t)s->loops[i].label);
+            for (uint64_t j = 0; j < s->loops[i].point_count; j++) bvxi_output_print(o, " %u", from++);
+            bvxi_output_print(o, "\n");
         }
     }
 }
 
 /* ---- CSV ---- */
 
-/* The rest of a line where planes have normals of their own: as they were given, whatever their length. */
-static void put_table_normal(const double normal[3], bvxi_output *o)
-{
-    for (int k = 0; k < 3; k++) {
-        bvxi_output_text(o, ",");
-        bvxi_output_double(o, normal[k]);
-    }
-}
-
-static void put_table_section(const bvx_sections *s, uint64_t section, bvxi_output *o)
-{
-    bvxi_output_number(o, section);
-    bvxi_output_text(o, ",");
-    bvxi_output_double(o, s->positions[section]);
-    bvxi_output_text(o, ",");
-}
-
 /* Sections before the next one with lines of its own, which hold no loop or have theirs later, have one without
  * a point: so none is lost, and all keep their order. */
 static void state_sections(const bvx_sections *s, uint64_t from, uint64_t to, bvxi_output *o)
 {
     for (uint64_t k = from; k < to; k++) {
-        put_table_section(s, k, o);
-        bvxi_output_text(o, ",,,");
-        if (s->normals != NULL) {
-            bvxi_output_text(o, ",");
-            put_table_normal(s->normals + 3 * k, o);
-        }
-        bvxi_output_text(o, "\n");
+        bvxi_output_print(o, "%u,%g,,,,", k, s->positions[k]);
+        if (s->normals != NULL) bvxi_output_print(o, ",,%v", s->normals + 3 * k, ",");
+        bvxi_output_print(o, "\n");
     }
 }
 
+/* Where planes have normals of their own, they are as they were given, whatever their length. */
 static void put_table(const bvx_sections *s, bvxi_output *o)
 {
     uint64_t stated = 0;
 
-    bvxi_output_text(o, "section,position,loop,label,x,y");
-    bvxi_output_text(o, s->normals != NULL ? ",z,nx,ny,nz\n" : "\n");
+    bvxi_output_print(o, "section,position,loop,label,x,y%s", s->normals != NULL ? ",z,nx,ny,nz\n" : "\n");
     for (uint64_t i = 0; i < s->loop_count; i++) {
         const bvx_section_loop *const l = &s->loops[i];
 
@@ -157,20 +99,11 @@ static void put_table(const bvx_sections *s, bvxi_output *o)
         /* One line a point, with all that is known of its section and loop: tables have no other way. */
         for (uint64_t j = 0; j < l->point_count; j++) {
             const double *const p = s->points + 3 * (l->first_point + j);
-            put_table_section(s, l->section, o);
-            bvxi_output_number(o, i);
-            bvxi_output_text(o, ",");
-            put_signed(o, l->label);
-            bvxi_output_text(o, ",");
-            bvxi_output_double(o, p[0]);
-            bvxi_output_text(o, ",");
-            bvxi_output_double(o, p[1]);
-            if (s->normals != NULL) {
-                bvxi_output_text(o, ",");
-                bvxi_output_double(o, p[2]);
-                put_table_normal(s->normals + 3 * (uint64_t)l->section, o);
-            }
-            bvxi_output_text(o, "\n");
+            bvxi_output_print(o, "%u,%g,%u,%d,%g,%g", (uint64_t)l->section, s->positions[l->section], i,
+                              (int64_t)l->label, p[0], p[1]);
+            if (s->normals != NULL)
+                bvxi_output_print(o, ",%g,%v", p[2], s->normals + 3 * (uint64_t)l->section, ",");
+            bvxi_output_print(o, "\n");
         }
     }
     state_sections(s, stated, s->section_count, o);
@@ -186,10 +119,9 @@ static void uv_of_point(const double axis[3][3], const double *p, double uv[2])
 }
 
 /* A whole number of hundredths is enough for a drawing. */
-static void put_place(bvxi_output *o, double v)
+static double rounded(double v)
 {
-    int64_t const n = (int64_t)(v * 100.0 + 0.5);
-    bvxi_output_double(o, (double)n / 100.0);
+    return (double)(int64_t)(v * 100.0 + 0.5) / 100.0;
 }
 
 /* The box of the drawing; without ends along an axis where a sum of coordinates overflows. */
@@ -223,41 +155,33 @@ static void put_drawing(const bvx_sections *s, const double axis[3][3], bvxi_out
     extent = high[0] - low[0] > high[1] - low[1] ? high[0] - low[0] : high[1] - low[1];
     /* An extent near 0 would make the scale infinite: a point is drawn as one. */
     scale = extent > 0x1p-1000 ? (DRAWING_CELL - 2 * DRAWING_MARGIN) / extent : 1.0;
-    bvxi_output_text(o, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"");
-    bvxi_output_number(o, columns * DRAWING_CELL);
-    bvxi_output_text(o, "\" height=\"");
-    bvxi_output_number(o, rows * DRAWING_CELL);
-    bvxi_output_text(o, "\" font-family=\"sans-serif\" font-size=\"9\">\n");
+    bvxi_output_print(o,
+                      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%u\" height=\"%u\" "
+                      "font-family=\"sans-serif\" font-size=\"9\">\n",
+                      columns * DRAWING_CELL, rows * DRAWING_CELL);
     for (uint64_t k = 0; k < s->section_count; k++) {
         uint64_t const column = k % columns, row = k / columns;
         double const x = (double)column * DRAWING_CELL + DRAWING_MARGIN;
         /* y runs down in SVG: the origin of a cell is its lower left corner, and v is subtracted from it. */
         double const y = (double)(row + 1) * DRAWING_CELL - DRAWING_MARGIN;
-        bvxi_output_text(o, "<text x=\"");
-        put_place(o, x);
-        bvxi_output_text(o, "\" y=\"");
-        put_place(o, y - DRAWING_CELL + 2 * DRAWING_MARGIN);
-        bvxi_output_text(o, "\">");
-        bvxi_output_double(o, s->positions[k]);
-        bvxi_output_text(
-            o,
-            "</text>\n<path fill=\"#c8a26a\" stroke=\"#503818\" stroke-width=\"0.5\" fill-rule=\"evenodd\" d=\"");
+        bvxi_output_print(o,
+                          "<text x=\"%g\" y=\"%g\">%g</text>\n<path fill=\"#c8a26a\" stroke=\"#503818\" "
+                          "stroke-width=\"0.5\" fill-rule=\"evenodd\" d=\"",
+                          rounded(x), rounded(y - DRAWING_CELL + 2 * DRAWING_MARGIN), s->positions[k]);
         /* One path a section with the even-odd rule: holes are left open whatever way their loops run. */
         for (uint64_t i = 0; i < s->loop_count; i++) {
             if (s->loops[i].section != k) continue;
             for (uint64_t j = 0; j < s->loops[i].point_count; j++) {
                 double uv[2];
                 uv_of_point(axis, s->points + 3 * (s->loops[i].first_point + j), uv);
-                bvxi_output_text(o, j == 0 ? "M" : "L");
-                put_place(o, x + (uv[0] - low[0]) * scale);
-                bvxi_output_text(o, " ");
-                put_place(o, y - (uv[1] - low[1]) * scale);
+                bvxi_output_print(o, "%s%g %g", j == 0 ? "M" : "L", rounded(x + (uv[0] - low[0]) * scale),
+                                  rounded(y - (uv[1] - low[1]) * scale));
             }
-            bvxi_output_text(o, "Z");
+            bvxi_output_print(o, "Z");
         }
-        bvxi_output_text(o, "\"/>\n");
+        bvxi_output_print(o, "\"/>\n");
     }
-    bvxi_output_text(o, "</svg>\n");
+    bvxi_output_print(o, "</svg>\n");
 }
 
 static void put_sections(const bvx_sections *s, int32_t format, const double axis[3][3], bvxi_output *o)

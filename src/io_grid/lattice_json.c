@@ -6,26 +6,6 @@
 #include "io/json.h"
 #include "io_grid/grid_formats.h"
 
-static void json_put_doubles(bvxi_output *out, const char *key, const double v[3])
-{
-    bvxi_output_text(out, key);
-    for (int a = 0; a < 3; a++) {
-        bvxi_output_text(out, a == 0 ? "[" : ", ");
-        bvxi_output_double(out, v[a]);
-    }
-    bvxi_output_text(out, "]");
-}
-
-static void json_put_counts(bvxi_output *out, const char *key, const int32_t v[3])
-{
-    bvxi_output_text(out, key);
-    for (int a = 0; a < 3; a++) {
-        bvxi_output_text(out, a == 0 ? "[" : ", ");
-        bvxi_output_number(out, (uint64_t)v[a]);
-    }
-    bvxi_output_text(out, "]");
-}
-
 /* The centre of the window's first voxel. */
 static void json_center0(const bvx_lattice *lattice, const int32_t low[3], double center[3])
 {
@@ -38,16 +18,14 @@ static void json_put_lattice(const bvx_grid *grid, bvxi_output *out)
 
     /* Derived from origin and spacing, for programs that want a centre; the reader checks that it agrees. */
     json_center0(&grid->lattice, grid->low, center);
-    bvxi_output_text(out, "{\n  \"format\": \"bitvox lattice\",\n  \"version\": 1,\n");
-    json_put_doubles(out, "  \"origin\": ", grid->lattice.origin);
-    json_put_doubles(out, ",\n  \"spacing\": ", grid->lattice.spacing);
-    json_put_counts(out, ",\n  \"dims\": ", grid->lattice.dims);
-    bvxi_output_text(out, ",\n  \"fraction_bits\": ");
-    bvxi_output_number(out, (uint64_t)grid->lattice.fraction_bits);
-    json_put_counts(out, ",\n  \"window\": {\"low\": ", grid->low);
-    json_put_counts(out, ", \"size\": ", grid->size);
-    json_put_doubles(out, "},\n  \"center0\": ", center);
-    bvxi_output_text(out, ",\n  \"axes\": \"xyz\"\n}\n");
+    bvxi_output_print(out, "{\n  \"format\": \"bitvox lattice\",\n  \"version\": 1,\n  \"origin\": [%v],\n",
+                      grid->lattice.origin, ", ");
+    bvxi_output_print(out, "  \"spacing\": [%v],\n  \"dims\": [%w],\n  \"fraction_bits\": %u,\n",
+                      grid->lattice.spacing, ", ", grid->lattice.dims, ", ",
+                      (uint64_t)grid->lattice.fraction_bits);
+    bvxi_output_print(out, "  \"window\": {\"low\": [%w], \"size\": [%w]},\n  \"center0\": [%v],\n",
+                      grid->low, ", ", grid->size, ", ", center, ", ");
+    bvxi_output_print(out, "  \"axes\": \"xyz\"\n}\n");
 }
 
 static bvx_status run_write_lattice(bvx_context *context, const bvx_grid *grid, bvx_buffer *file)

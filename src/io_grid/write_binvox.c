@@ -38,27 +38,10 @@ static double binvox_scale(double spacing, int32_t longest)
     return scale;
 }
 
-static void binvox_put_numbers(bvxi_output *out, const char *name, const double *numbers, int32_t count)
-{
-    bvxi_output_text(out, name);
-    for (int32_t i = 0; i < count; i++) {
-        bvxi_output_text(out, " ");
-        bvxi_output_double(out, numbers[i]);
-    }
-    bvxi_output_text(out, "\n");
-}
-
 static void binvox_put_header(bvxi_output *out, const bvx_grid *grid, const double corner[3], double scale)
 {
-    bvxi_output_text(out, "#binvox 1\ndim");
-    for (int32_t a = 0; a < 3; a++) {
-        bvxi_output_text(out, " ");
-        bvxi_output_number(out, (uint64_t)grid->size[a]);
-    }
-    bvxi_output_text(out, "\n");
-    binvox_put_numbers(out, "translate", corner, 3);
-    binvox_put_numbers(out, "scale", &scale, 1);
-    bvxi_output_text(out, "data\n");
+    bvxi_output_print(out, "#binvox 1\ndim %w\ntranslate %v\nscale %g\ndata\n", grid->size, " ", corner, " ",
+                      scale);
 }
 
 /* What the header says of the lattice; refuses what it cannot say. */

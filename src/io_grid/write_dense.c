@@ -29,26 +29,6 @@ typedef struct dense_format {
     int32_t planes; /* 1: all x, then all y, then all z of vectors; 0: the three of a centre together */
 } dense_format;
 
-/* ---- text ---- */
-
-static void put_three(bvxi_output *out, const char *open, const double v[3], const char *between,
-                      const char *close)
-{
-    for (int a = 0; a < 3; a++) {
-        bvxi_output_text(out, a == 0 ? open : between);
-        bvxi_output_double(out, v[a]);
-    }
-    bvxi_output_text(out, close);
-}
-
-static void put_sizes(bvxi_output *out, const dense_written *w, const char *between)
-{
-    for (int a = 0; a < 3; a++) {
-        if (a > 0) bvxi_output_text(out, between);
-        bvxi_output_number(out, (uint64_t)w->grid->size[a]);
-    }
-}
-
 static void first_centre(const dense_written *w, const double corner[3], double centre[3])
 {
     bvxi_field_centre(w->grid, 0, 0, 0, centre);
@@ -59,11 +39,11 @@ static void first_centre(const dense_written *w, const double corner[3], double 
 
 static void put_npy_dict(const dense_written *w, bvxi_output *out)
 {
-    bvxi_output_text(out, "{'descr': '");
-    bvxi_output_text(out, w->field == NULL ? "|b1" : w->bytes == 4 ? "<f4" : "<f8");
-    bvxi_output_text(out, "', 'fortran_order': True, 'shape': (");
-    put_sizes(out, w, ", ");
-    bvxi_output_text(out, w->vectors ? ", 3), }" : "), }");
+    bvxi_output_print(out, "{'descr': '%s', 'fortran_order': True, 'shape': (%w%s), }",
+                      w->field == NULL ? "|b1"
+                      : w->bytes == 4  ? "<f4"
+                                       : "<f8",
+                      w->grid->size, ", ", w->vectors ? ", 3" : "");
 }
 
 /* The dictionary is padded so that the numbers begin at a multiple of 64 bytes, and ends with a newline. */
@@ -78,76 +58,60 @@ static void put_npy(const dense_written *w, bvxi_output *out)
     bvxi_output_add(out, magic, sizeof magic);
     bvxi_output_add(out, length, sizeof length);
     put_npy_dict(w, out);
-    while (out->size < size - 1) bvxi_output_text(out, " ");
-    bvxi_output_text(out, "\n");
+    while (out->size < size - 1) bvxi_output_print(out, " ");
+    bvxi_output_print(out, "\n");
 }
 
 static void put_nrrd(const dense_written *w, bvxi_output *out)
 {
+    const double *const spacing = w->grid->lattice.spacing;
     double corner[3], centre[3];
 
     bvxi_grid_corner(w->grid, corner);
     first_centre(w, corner, centre);
-    bvxi_output_text(out, "NRRD0004\ntype: ");
-    bvxi_output_text(out, w->field == NULL ? "uint8" : w->bytes == 4 ? "float" : "double");
     /* The axis of vectors comes first and lies in no direction of space. */
-    bvxi_output_text(out, w->vectors ? "\ndimension: 4\nspace dimension: 3\nsizes: 3 "
-                                     : "\ndimension: 3\nspace dimension: 3\nsizes: ");
-    put_sizes(out, w, " ");
-    bvxi_output_text(out, w->vectors ? "\nspace directions: none" : "\nspace directions:");
-    for (int a = 0; a < 3; a++) {
-        double direction[3] = {0, 0, 0};
-        direction[a] = w->grid->lattice.spacing[a];
-        put_three(out, " (", direction, ",", ")");
-    }
-    put_three(out, "\nspace origin: (", centre, ",", ")");
-    bvxi_output_text(out, w->vectors ? "\ncenterings: none cell cell cell\nkinds: vector domain domain domain"
-                                     : "\ncenterings: cell cell cell\nkinds: domain domain domain");
-    if (w->field != NULL) bvxi_output_text(out, "\nendian: little");
-    put_three(out, "\nencoding: raw\n" BVXI_NRRD_CORNER_KEY ":=(", corner, ",", ")\n\n");
-}
-
-static void put_vti_extent(const dense_written *w, bvxi_output *out)
-{
-    for (int a = 0; a < 3; a++) {
-        bvxi_output_text(out, a > 0 ? " 0 " : "0 ");
-        bvxi_output_number(out, (uint64_t)w->grid->size[a] - (w->field != NULL));
-    }
+    bvxi_output_print(out, "NRRD0004\ntype: %s\ndimension: %s\nspace dimension: 3\nsizes: %s%w",
+                      w->field == NULL ? "uint8"
+                      : w->bytes == 4  ? "float"
+                                       : "double",
+                      w->vectors ? "4" : "3", w->vectors ? "3 " : "", w->grid->size, " ");
+    bvxi_output_print(out, "\nspace directions:%s (%g,0,0) (0,%g,0) (0,0,%g)\nspace origin: (%v)",
+                      w->vectors ? " none" : "", spacing[0], spacing[1], spacing[2], centre, ",");
+    bvxi_output_print(out, w->vectors
+                               ? "\ncenterings: none cell cell cell\nkinds: vector domain domain domain"
+                               : "\ncenterings: cell cell cell\nkinds: domain domain domain");
+    bvxi_output_print(out, "%s\nencoding: raw\n" BVXI_NRRD_CORNER_KEY ":=(%v)\n\n",
+                      w->field != NULL ? "\nendian: little" : "", corner, ",");
 }
 
 static void put_vti(const dense_written *w, bvxi_output *out)
 {
     uint64_t const numbers = bvxi_grid_rows(w->grid) * (uint64_t)w->grid->size[0] * (w->vectors ? 3 : 1);
+    int32_t const points = w->field != NULL;
+    int32_t const last[3] = {w->grid->size[0] - points, w->grid->size[1] - points, w->grid->size[2] - points};
     uint8_t length[8];
     double corner[3], centre[3];
 
     bvxi_grid_corner(w->grid, corner);
     first_centre(w, corner, centre);
-    bvxi_output_text(
+    bvxi_output_print(
         out,
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
-        "header_type=\"UInt64\">\n  <ImageData WholeExtent=\"");
-    put_vti_extent(w, out);
-    put_three(out, "\" Origin=\"", w->field == NULL ? corner : centre, " ", "\" Spacing=\"");
-    put_three(out, "", w->grid->lattice.spacing, " ", "\">\n    <Piece Extent=\"");
-    put_vti_extent(w, out);
-    if (w->field == NULL) {
-        bvxi_output_text(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" "
+        "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n  <ImageData WholeExtent=\"0 %w\" "
+        "Origin=\"%v\" Spacing=\"%v\">\n    <Piece Extent=\"0 %w\">\n",
+        last, " 0 ", points ? centre : corner, " ", w->grid->lattice.spacing, " ", last, " 0 ");
+    if (w->field == NULL)
+        bvxi_output_print(out, "      <PointData>\n      </PointData>\n      <CellData Scalars=\"solid\">\n"
+                               "        <DataArray type=\"UInt8\" Name=\"solid\" format=\"appended\" "
+                               "offset=\"0\"/>\n      </CellData>\n");
+    else
+        bvxi_output_print(
             out,
-            "\">\n      <PointData>\n      </PointData>\n      <CellData Scalars=\"solid\">\n        <DataArray "
-            "type=\"UInt8\" Name=\"solid\" format=\"appended\" offset=\"0\"/>\n      </CellData>\n");
-    } else {
-        bvxi_output_text(
-            out, w->vectors ? "\">\n      <PointData Vectors=\"vector\">\n        <DataArray type=\"Float"
-                            : "\">\n      <PointData Scalars=\"distance\">\n        <DataArray type=\"Float");
-        bvxi_output_number(out, 8 * w->bytes);
-        bvxi_output_text(out,
-                         w->vectors ? "\" Name=\"vector\" NumberOfComponents=\"3\"" : "\" Name=\"distance\"");
-        bvxi_output_text(out,
-                         " format=\"appended\" offset=\"0\"/>\n      </PointData>\n      <CellData>\n      "
-                         "</CellData>\n");
-    }
-    bvxi_output_text(out, "    </Piece>\n  </ImageData>\n  <AppendedData encoding=\"raw\">\n    _");
+            "      <PointData %s>\n        <DataArray type=\"Float%u\" Name=\"%s format=\"appended\" "
+            "offset=\"0\"/>\n      </PointData>\n      <CellData>\n      </CellData>\n",
+            w->vectors ? "Vectors=\"vector\"" : "Scalars=\"distance\"", (uint64_t)w->bytes * 8,
+            w->vectors ? "vector\" NumberOfComponents=\"3\"" : "distance\"");
+    bvxi_output_print(out, "    </Piece>\n  </ImageData>\n  <AppendedData encoding=\"raw\">\n    _");
     bvxi_store_u64(length, numbers * w->bytes);
     bvxi_output_add(out, length, sizeof length);
 }

@@ -148,7 +148,7 @@ static void put_value(vdb_file *f, double v)
 static void put_text(vdb_file *f, const char *text)
 {
     put_u32(f, (uint32_t)bvxi_text_length(text));
-    bvxi_output_text(&f->out, text);
+    bvxi_output_print(&f->out, "%s", text);
 }
 
 static void put_node_place(vdb_file *f, const int32_t at[3], int32_t side)
@@ -317,10 +317,9 @@ static void put_file(vdb_file *f)
     put_u32(f, 224); /* file, library */
     put_u32(f, 9);
     put_u32(f, 0);
-    bvxi_output_text(&f->out, "\1"); /* places of grids are there */
-    bvxi_output_text(&f->out, uuid);
-    put_u32(f, 0); /* remarks on the file */
-    put_u32(f, 1); /* grids */
+    bvxi_output_print(&f->out, "\1%s", uuid); /* places of grids are there */
+    put_u32(f, 0);                            /* remarks on the file */
+    put_u32(f, 1);                            /* grids */
     put_text(f, name);
     put_text(f, f->bytes == 1 ? "Tree_bool_5_4_3" : f->bytes == 4 ? "Tree_float_5_4_3" : "Tree_double_5_4_3");
     put_u32(f, 0); /* no instance of another */

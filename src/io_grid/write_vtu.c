@@ -53,20 +53,16 @@ static void put_vtu_head(const vtu_leaves *v, bvxi_output *out)
     uint64_t size[VTU_ARRAYS], offset = 0;
 
     vtu_sizes(v, size);
-    bvxi_output_text(out, "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
-                          "byte_order=\"LittleEndian\" "
-                          "header_type=\"UInt64\">\n  <UnstructuredGrid>\n    <Piece NumberOfPoints=\"");
-    bvxi_output_number(out, v->points);
-    bvxi_output_text(out, "\" NumberOfCells=\"");
-    bvxi_output_number(out, v->count);
-    bvxi_output_text(out, "\">\n");
+    bvxi_output_print(out,
+                      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
+                      "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n  <UnstructuredGrid>\n"
+                      "    <Piece NumberOfPoints=\"%u\" NumberOfCells=\"%u\">\n",
+                      v->points, v->count);
     for (int i = 0; i < VTU_ARRAYS; i++) {
-        bvxi_output_text(out, vtu_array[i]);
-        bvxi_output_number(out, offset);
-        bvxi_output_text(out, "\"/>\n");
+        bvxi_output_print(out, "%s%u\"/>\n", vtu_array[i], offset);
         offset += 8 + size[i];
     }
-    bvxi_output_text(
+    bvxi_output_print(
         out,
         "      </CellData>\n    </Piece>\n  </UnstructuredGrid>\n  <AppendedData encoding=\"raw\">\n    _");
 }

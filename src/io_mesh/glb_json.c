@@ -72,45 +72,6 @@ bvx_status bvxi_glb_check_size(bvx_context *ctx, uint64_t size, uint64_t levels)
                          size, levels > 1 ? "write one file a level" : "take PLY");
 }
 
-/* ---- pieces of JSON ---- */
-
-static void json_name(bvxi_output *out, const char *name)
-{
-    bvxi_output_text(out, "\"");
-    bvxi_output_text(out, name);
-    bvxi_output_text(out, "\":");
-}
-
-static void json_whole(bvxi_output *out, const char *name, uint64_t value)
-{
-    json_name(out, name);
-    bvxi_output_number(out, value);
-}
-
-static void json_three(bvxi_output *out, const char *name, const double value[3])
-{
-    json_name(out, name);
-    for (int a = 0; a < 3; a++) {
-        bvxi_output_text(out, a == 0 ? "[" : ",");
-        bvxi_output_double(out, value[a]);
-    }
-    bvxi_output_text(out, "]");
-}
-
-/* Quotes, backslashes and control characters are escaped. */
-static void json_string(bvxi_output *out, const char *text)
-{
-    static const char hex[] = "0123456789abcdef";
-    bvxi_output_text(out, "\"");
-    for (const char *p = text; *p != 0; p++) {
-        uint8_t const c = (uint8_t)*p;
-        char const escape[6] = {'\\', 'u', '0', '0', hex[c >> 4], hex[c & 15]};
-        if (c < 32 || c == '"' || c == '\\') bvxi_output_add(out, escape, sizeof escape);
-        else bvxi_output_add(out, p, 1);
-    }
-    bvxi_output_text(out, "\"");
-}
-
 /* ---- texts of other files ---- */
 
 /* An array without its brackets; 0: it is empty, or there is none. */
@@ -142,9 +103,7 @@ static void json_copy(bvxi_output *out, const char *name, const char *array)
 {
     const char *inner;
     if (json_inner(array, &inner) == 0) return; /* glTF has no empty arrays */
-    json_name(out, name);
-    bvxi_output_text(out, array);
-    bvxi_output_text(out, ",");
+    bvxi_output_print(out, "\"%s\":%s,", name, array);
 }
 
 /* ---- parts of the description ---- */
@@ -152,26 +111,27 @@ static void json_copy(bvxi_output *out, const char *name, const char *array)
 static void glb_put_extensions(const bvxi_glb_file *file, bvxi_output *out)
 {
     const char *const others = file->assets != NULL ? file->assets->extensions_used : NULL;
-    const char *own[2] = {NULL, NULL}, *inner;
+    const char *own[2] = {NULL, NULL}, *inner, *between = "";
     size_t const inner_size = json_inner(others, &inner);
-    int put = 0;
 
     /* MSFT_lod is used, not required: a reader that does not know it shows the finest level. */
     if (file->levels > 1 && file->names == NULL && !json_names(others, LOD_EXTENSION)) own[0] = LOD_EXTENSION;
     if (file->frame.step > 0.0 && !json_names(others, QUANTIZE_EXTENSION)) own[1] = QUANTIZE_EXTENSION;
     if (own[0] == NULL && own[1] == NULL && inner_size == 0) return;
 
-    bvxi_output_text(out, "\"extensionsUsed\":[");
+    bvxi_output_print(out, "\"extensionsUsed\":[");
     for (int i = 0; i < 2; i++) {
         if (own[i] == NULL) continue;
-        bvxi_output_text(out, put++ != 0 ? ",\"" : "\"");
-        bvxi_output_text(out, own[i]);
-        bvxi_output_text(out, "\"");
+        bvxi_output_print(out, "%s\"%s\"", between, own[i]);
+        between = ",";
     }
-    if (inner_size != 0 && put != 0) bvxi_output_text(out, ",");
-    if (inner_size != 0) bvxi_output_add(out, inner, inner_size);
-    bvxi_output_text(out, "],");
-    if (file->frame.step > 0.0) bvxi_output_text(out, "\"extensionsRequired\":[\"" QUANTIZE_EXTENSION "\"],");
+    if (inner_size != 0) {
+        bvxi_output_print(out, between);
+        bvxi_output_add(out, inner, inner_size);
+    }
+    bvxi_output_print(out, "],");
+    if (file->frame.step > 0.0)
+        bvxi_output_print(out, "\"extensionsRequired\":[\"" QUANTIZE_EXTENSION "\"],");
 }
 
 /* Where the positions of all levels stand in the world. */
@@ -179,83 +139,49 @@ static void glb_put_frame(const bvxi_file_frame *frame, bvxi_output *out)
 {
     double const scale[3] = {frame->step, frame->step, frame->step};
 
-    if (frame->origin[0] != 0.0 || frame->origin[1] != 0.0 || frame->origin[2] != 0.0) {
-        bvxi_output_text(out, ",");
-        json_three(out, "translation", frame->origin);
-    }
-    if (frame->step > 0.0) {
-        bvxi_output_text(out, ",");
-        json_three(out, "scale", scale);
-    }
+    if (frame->origin[0] != 0.0 || frame->origin[1] != 0.0 || frame->origin[2] != 0.0)
+        bvxi_output_print(out, ",\"translation\":[%v]", frame->origin, ",");
+    if (frame->step > 0.0) bvxi_output_print(out, ",\"scale\":[%v]", scale, ",");
 }
 
-/* Hints for the part of the screen below which each level gives way to the next: there the next one has as
- * many triangles on a pixel as the first has when it fills the screen. The last level is never removed. */
-static void glb_put_coverage(const bvxi_glb_file *file, bvxi_output *out)
+/* The nodes of the coarser levels, with hints for the part of the screen below which each level gives way to
+ * the next: there the next one has as many triangles on a pixel as the first has when it fills the screen. The
+ * last level is never removed. */
+static void glb_put_lower_levels(const bvxi_glb_file *file, bvxi_output *out)
 {
     double const finest = (double)file->level[0].mesh->triangle_count;
     double coverage = 1.0;
 
+    for (uint64_t k = 1; k < file->levels; k++)
+        bvxi_output_print(out, k == 1 ? ",\"extensions\":{\"" LOD_EXTENSION "\":{\"ids\":[%u" : ",%u", k);
+
     /* The first hint is for the finest level itself, so there is one for each level and the last is 0. */
-    bvxi_output_text(out, ",\"extras\":{\"MSFT_screencoverage\":[");
+    bvxi_output_print(out, "]}},\"extras\":{\"MSFT_screencoverage\":[");
     for (uint64_t i = 1; i < file->levels; i++) {
         double const share = (double)file->level[i].mesh->triangle_count / finest;
         if (share < coverage) coverage = share; /* hints never grow, whatever the order of the levels is */
-        bvxi_output_double(out, coverage);
-        bvxi_output_text(out, ",");
+        bvxi_output_print(out, "%g,", coverage);
     }
-    bvxi_output_text(out, "0]}");
+    bvxi_output_print(out, "0]}");
 }
 
-/* Meshes that are no levels: all nodes are in the scene. */
-static void glb_put_named_nodes(const bvxi_glb_file *file, bvxi_output *out)
-{
-    bvxi_output_text(out, "\"scene\":0,\"scenes\":[{\"nodes\":[0");
-    for (uint64_t i = 1; i < file->levels; i++) {
-        bvxi_output_text(out, ",");
-        bvxi_output_number(out, i);
-    }
-    bvxi_output_text(out, "]}],\"nodes\":[");
-    for (uint64_t i = 0; i < file->levels; i++) {
-        bvxi_output_text(out, i > 0 ? ",{\"name\":" : "{\"name\":");
-        json_string(out, file->names[i]);
-        bvxi_output_text(out, ",");
-        json_whole(out, "mesh", i);
-        glb_put_frame(&file->frame, out);
-        bvxi_output_text(out, "}");
-    }
-    bvxi_output_text(out, "],");
-}
-
+/* Of levels only the first node is in the scene: a viewer that does not know MSFT_lod shows the finest one.
+ * Named meshes are no levels: all are in the scene. */
 static void glb_put_nodes(const bvxi_glb_file *file, bvxi_output *out)
 {
-    if (file->names != NULL) {
-        glb_put_named_nodes(file, out);
-        return;
-    }
-    /* Only the first node is in the scene: a viewer that does not know MSFT_lod shows the finest level. */
-    bvxi_output_text(out, "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[");
+    bvxi_output_print(out, "\"scene\":0,\"scenes\":[{\"nodes\":[0");
+    for (uint64_t i = 1; file->names != NULL && i < file->levels; i++) bvxi_output_print(out, ",%u", i);
+    bvxi_output_print(out, "]}],\"nodes\":[");
     for (uint64_t i = 0; i < file->levels; i++) {
-        bvxi_output_text(out, i > 0 ? ",{" : "{");
-        if (file->levels > 1) {
-            bvxi_output_text(out, "\"name\":\"level_");
-            bvxi_output_number(out, i);
-            bvxi_output_text(out, "\",");
-        }
-        json_whole(out, "mesh", i);
+        bvxi_output_print(out, i > 0 ? ",{" : "{");
+        if (file->names != NULL) bvxi_output_print(out, "\"name\":%q,", file->names[i]);
+        else if (file->levels > 1) bvxi_output_print(out, "\"name\":\"level_%u\",", i);
+        bvxi_output_print(out, "\"mesh\":%u", i);
         glb_put_frame(&file->frame, out);
-
-        for (uint64_t k = 1; i == 0 && k < file->levels; k++) {
-            bvxi_output_text(out, k == 1 ? ",\"extensions\":{\"" LOD_EXTENSION "\":{\"ids\":[" : ",");
-            bvxi_output_number(out, k);
-        }
-        if (i == 0 && file->levels > 1) {
-            bvxi_output_text(out, "]}}");
-            glb_put_coverage(file, out);
-        }
-        bvxi_output_text(out, "}");
+        if (i == 0 && file->names == NULL && file->levels > 1) glb_put_lower_levels(file, out);
+        bvxi_output_print(out, "}");
     }
-    bvxi_output_text(out, "],");
+    bvxi_output_print(out, "],");
 }
 
 /* Groups of triangles with a material; the last one is that of the default. */
@@ -268,13 +194,11 @@ static void glb_put_attributes(const bvxi_glb *glb, uint64_t first, bvxi_output 
 {
     for (int i = 0; i < BVXI_GLB_INDEX; i++) {
         if (glb->count[i] == 0) continue;
-        if (i > 0) bvxi_output_text(out, ",");
+        if (i > 0) bvxi_output_print(out, ",");
         /* glTF has no second texture coordinates without first ones: they stand for both. */
-        if (i == BVXI_GLB_UV2 && glb->count[BVXI_GLB_UV] == 0) {
-            json_whole(out, glb->kind[BVXI_GLB_UV].attribute, first);
-            bvxi_output_text(out, ",");
-        }
-        json_whole(out, glb->kind[i].attribute, first++);
+        if (i == BVXI_GLB_UV2 && glb->count[BVXI_GLB_UV] == 0)
+            bvxi_output_print(out, "\"%s\":%u,", glb->kind[BVXI_GLB_UV].attribute, first);
+        bvxi_output_print(out, "\"%s\":%u", glb->kind[i].attribute, first++);
     }
 }
 
@@ -286,57 +210,48 @@ static void glb_put_mesh(const bvxi_glb_file *file, uint64_t level, uint64_t *nu
     int put = 0;
 
     for (int i = 0; i < BVXI_GLB_INDEX; i++) *number += glb->count[i] != 0;
-    bvxi_output_text(out, "{");
-    if (file->names != NULL) {
-        bvxi_output_text(out, "\"name\":");
-        json_string(out, file->names[level]);
-        bvxi_output_text(out, ",");
-    }
-    bvxi_output_text(out, "\"primitives\":[");
+    bvxi_output_print(out, "{");
+    if (file->names != NULL) bvxi_output_print(out, "\"name\":%q,", file->names[level]);
+    bvxi_output_print(out, "\"primitives\":[");
     for (uint64_t g = 0; g <= file->materials; g++) {
         if (!glb_has_group(glb, g)) continue;
-        bvxi_output_text(out, put++ != 0 ? ",{\"attributes\":{" : "{\"attributes\":{");
+        bvxi_output_print(out, put++ != 0 ? ",{\"attributes\":{" : "{\"attributes\":{");
         glb_put_attributes(glb, first, out);
-        bvxi_output_text(out, "},");
-        json_whole(out, "indices", (*number)++);
-        if (g < file->materials || file->matte || file->colours != NULL) {
-            bvxi_output_text(out, ",");
-            json_whole(out, "material", file->colours != NULL ? level : g);
-        }
-        bvxi_output_text(out, ",\"mode\":4}");
+        bvxi_output_print(out, "},\"indices\":%u", (*number)++);
+        if (g < file->materials || file->matte || file->colours != NULL)
+            bvxi_output_print(out, ",\"material\":%u", file->colours != NULL ? level : g);
+        bvxi_output_print(out, ",\"mode\":4}");
     }
-    bvxi_output_text(out, "]}");
+    bvxi_output_print(out, "]}");
 }
 
 static void glb_put_meshes(const bvxi_glb_file *file, bvxi_output *out)
 {
     uint64_t number = 0;
-    bvxi_output_text(out, "\"meshes\":[");
+    bvxi_output_print(out, "\"meshes\":[");
     for (uint64_t level = 0; level < file->levels; level++) {
-        if (level > 0) bvxi_output_text(out, ",");
+        if (level > 0) bvxi_output_print(out, ",");
         glb_put_mesh(file, level, &number, out);
     }
-    bvxi_output_text(out, "],");
+    bvxi_output_print(out, "],");
 }
 
 /* A material a mesh, with the mesh's name. */
 static void glb_put_colours_of_meshes(const bvxi_glb_file *file, bvxi_output *out)
 {
-    bvxi_output_text(out, "\"materials\":[");
+    bvxi_output_print(out, "\"materials\":[");
     for (uint64_t i = 0; i < file->levels; i++) {
         const uint8_t *const colour = file->colours + 4 * i;
-        bvxi_output_text(out, i > 0 ? ",{\"name\":" : "{\"name\":");
-        json_string(out, file->names[i]);
-        if (colour[3] < 255) bvxi_output_text(out, ",\"alphaMode\":\"BLEND\"");
-        bvxi_output_text(out, ",\"pbrMetallicRoughness\":{\"baseColorFactor\":[");
-        for (int c = 0; c < 3; c++) {
-            bvxi_output_double(out, (double)glb_linear_light[colour[c]] / UINT16_MAX);
-            bvxi_output_text(out, ",");
-        }
-        bvxi_output_double(out, (double)colour[3] / UINT8_MAX);
-        bvxi_output_text(out, "],\"metallicFactor\":0,\"roughnessFactor\":1}}");
+        double rgb[3];
+        for (int c = 0; c < 3; c++) rgb[c] = (double)glb_linear_light[colour[c]] / UINT16_MAX;
+        bvxi_output_print(out, "%s{\"name\":%q%s", i > 0 ? "," : "", file->names[i],
+                          colour[3] < 255 ? ",\"alphaMode\":\"BLEND\"" : "");
+        bvxi_output_print(out,
+                          ",\"pbrMetallicRoughness\":{\"baseColorFactor\":[%v,%g],"
+                          "\"metallicFactor\":0,\"roughnessFactor\":1}}",
+                          rgb, ",", (double)colour[3] / UINT8_MAX);
     }
-    bvxi_output_text(out, "],");
+    bvxi_output_print(out, "],");
 }
 
 /* What the file's materials need. Views of images follow those of all levels. */
@@ -346,49 +261,42 @@ static void glb_put_assets(const bvxi_glb_file *file, uint64_t view, bvxi_output
 
     if (file->colours != NULL) glb_put_colours_of_meshes(file, out);
     if (file->matte)
-        bvxi_output_text(out, "\"materials\":[{\"pbrMetallicRoughness\":"
-                              "{\"metallicFactor\":0,\"roughnessFactor\":1}}],");
+        bvxi_output_print(out, "\"materials\":[{\"pbrMetallicRoughness\":"
+                               "{\"metallicFactor\":0,\"roughnessFactor\":1}}],");
     if (assets == NULL) return;
     json_copy(out, "materials", assets->materials);
     json_copy(out, "textures", assets->textures);
     json_copy(out, "samplers", assets->samplers);
     if (assets->image_count == 0) return;
 
-    bvxi_output_text(out, "\"images\":[");
+    bvxi_output_print(out, "\"images\":[");
     for (uint64_t i = 0; i < assets->image_count; i++) {
-        const char *const members = assets->images[i].members;
-        int const named = members != NULL && *members != 0, held = assets->images[i].size > 0;
-        bvxi_output_text(out, i > 0 ? ",{" : "{");
-        if (named) bvxi_output_text(out, members);
-        if (named && held) bvxi_output_text(out, ",");
+        const char *const members = assets->images[i].members != NULL ? assets->images[i].members : "";
+        bvxi_output_print(out, "%s{%s", i > 0 ? "," : "", members);
         /* One whose bytes were not found stays what it was, a name. */
-        if (held) json_whole(out, "bufferView", view++);
-        bvxi_output_text(out, "}");
+        if (assets->images[i].size > 0)
+            bvxi_output_print(out, "%s\"bufferView\":%u", *members != 0 ? "," : "", view++);
+        bvxi_output_print(out, "}");
     }
-    bvxi_output_text(out, "],");
+    bvxi_output_print(out, "],");
 }
 
 static void glb_put_view(uint64_t at, uint64_t size, bvxi_output *out)
 {
-    bvxi_output_text(out, at > 0 ? ",{\"buffer\":0," : "{\"buffer\":0,");
-    json_whole(out, "byteOffset", at);
-    bvxi_output_text(out, ",");
-    json_whole(out, "byteLength", size);
+    bvxi_output_print(out, "%s{\"buffer\":0,\"byteOffset\":%u,\"byteLength\":%u", at > 0 ? "," : "", at,
+                      size);
 }
 
 /* Arrays that a level lacks have no view. */
 static void glb_put_level_views(const bvxi_glb *glb, bvxi_output *out)
 {
     for (int i = 0; i < BVXI_GLB_ARRAYS; i++) {
+        uint64_t const size = glb->kind[i].size;
         if (glb->count[i] == 0) continue;
-        glb_put_view(glb->at[i], glb->count[i] * glb->kind[i].size, out);
-        bvxi_output_text(out, ",");
-        if (glb->kind[i].padded) {
-            json_whole(out, "byteStride", glb->kind[i].size);
-            bvxi_output_text(out, ",");
-        }
-        json_whole(out, "target", i == BVXI_GLB_INDEX ? GLB_INDEX_TARGET : GLB_VERTEX_TARGET);
-        bvxi_output_text(out, "}");
+        glb_put_view(glb->at[i], glb->count[i] * size, out);
+        if (glb->kind[i].padded) bvxi_output_print(out, ",\"byteStride\":%u", size);
+        bvxi_output_print(out, ",\"target\":%u}",
+                          (uint64_t)(i == BVXI_GLB_INDEX ? GLB_INDEX_TARGET : GLB_VERTEX_TARGET));
     }
 }
 
@@ -396,16 +304,16 @@ static void glb_put_views(const bvxi_glb_file *file, bvxi_output *out)
 {
     uint64_t at = bvxi_glb_padded(file->level[file->levels - 1].end);
 
-    bvxi_output_text(out, "\"bufferViews\":[");
+    bvxi_output_print(out, "\"bufferViews\":[");
     for (uint64_t l = 0; l < file->levels; l++) glb_put_level_views(&file->level[l], out);
     for (uint64_t i = 0; i < bvxi_glb_images(file); i++) {
         uint64_t const size = file->assets->images[i].size;
         if (size == 0) continue;
         glb_put_view(at, size, out);
-        bvxi_output_text(out, "}");
+        bvxi_output_print(out, "}");
         at = bvxi_glb_padded(at + size);
     }
-    bvxi_output_text(out, "],");
+    bvxi_output_print(out, "],");
 }
 
 static void glb_put_bounds(const bvxi_glb *glb, bvxi_output *out)
@@ -416,29 +324,17 @@ static void glb_put_bounds(const bvxi_glb *glb, bvxi_output *out)
         low[a] = (double)glb->low[a];
         high[a] = (double)glb->high[a];
     }
-    bvxi_output_text(out, ",");
-    json_three(out, "min", low);
-    bvxi_output_text(out, ",");
-    json_three(out, "max", high);
+    bvxi_output_print(out, ",\"min\":[%v],\"max\":[%v]", low, ",", high, ",");
 }
 
-/* The members of an accessor; a part of an array begins at a byte of its view. */
+/* An accessor but for its end; a part of an array begins at a byte of its view. */
 static void glb_put_accessor(const bvxi_glb_kind *kind, uint64_t view, uint64_t offset, uint64_t count,
                              bvxi_output *out)
 {
-    json_whole(out, "bufferView", view);
-    bvxi_output_text(out, ",");
-    if (offset > 0) {
-        json_whole(out, "byteOffset", offset);
-        bvxi_output_text(out, ",");
-    }
-    json_whole(out, "componentType", (uint64_t)kind->component);
-    if (kind->normalized) bvxi_output_text(out, ",\"normalized\":true");
-    bvxi_output_text(out, ",");
-    json_whole(out, "count", count);
-    bvxi_output_text(out, ",\"type\":\"");
-    bvxi_output_text(out, kind->type);
-    bvxi_output_text(out, "\"");
+    bvxi_output_print(out, "%s{\"bufferView\":%u", view > 0 ? "," : "", view);
+    if (offset > 0) bvxi_output_print(out, ",\"byteOffset\":%u", offset);
+    bvxi_output_print(out, ",\"componentType\":%u%s,\"count\":%u,\"type\":\"%s\"", (uint64_t)kind->component,
+                      kind->normalized ? ",\"normalized\":true" : "", count, kind->type);
 }
 
 /* view: the next one of the file */
@@ -449,18 +345,16 @@ static void glb_put_accessors(const bvxi_glb_file *file, const bvxi_glb *glb, ui
 
     for (int i = 0; i < BVXI_GLB_INDEX; i++) {
         if (glb->count[i] == 0) continue;
-        bvxi_output_text(out, *view > 0 ? ",{" : "{");
         glb_put_accessor(&glb->kind[i], (*view)++, 0, glb->count[i], out);
         if (i == BVXI_GLB_POSITION) glb_put_bounds(glb, out);
-        bvxi_output_text(out, "}");
+        bvxi_output_print(out, "}");
     }
 
     for (uint64_t g = 0; g <= file->materials; g++) {
         uint64_t const begin = glb->group[g] * 3, end = glb->group[g + 1] * 3;
         if (!glb_has_group(glb, g)) continue;
-        bvxi_output_text(out, ",{");
         glb_put_accessor(index, *view, begin * index->size, end - begin, out);
-        bvxi_output_text(out, "}");
+        bvxi_output_print(out, "}");
     }
     (*view)++;
 }
@@ -472,29 +366,25 @@ void bvxi_glb_put_json(const bvxi_glb_file *file, bvxi_output *out)
     for (uint64_t l = 0; l < file->levels; l++)
         for (int i = 0; i < BVXI_GLB_ARRAYS; i++) views += file->level[l].count[i] != 0;
 
-    bvxi_output_text(out, "{\"asset\":{\"version\":\"2.0\",\"generator\":\"bitvox\"},");
+    bvxi_output_print(out, "{\"asset\":{\"version\":\"2.0\",\"generator\":\"bitvox\"},");
     glb_put_extensions(file, out);
     glb_put_nodes(file, out);
     glb_put_meshes(file, out);
     glb_put_assets(file, views, out);
 
     /* All levels and images share one buffer, which ends where the last one does. */
-    bvxi_output_text(out, "\"buffers\":[{");
-    json_whole(out, "byteLength", file->end);
-    bvxi_output_text(out, "}],");
+    bvxi_output_print(out, "\"buffers\":[{\"byteLength\":%u}],", file->end);
     glb_put_views(file, out);
 
-    bvxi_output_text(out, "\"accessors\":[");
+    bvxi_output_print(out, "\"accessors\":[");
     for (uint64_t l = 0; l < file->levels; l++) glb_put_accessors(file, &file->level[l], &view, out);
-    bvxi_output_text(out, "]}");
+    bvxi_output_print(out, "]}");
 }
 
 void bvxi_level_name(const char *before, uint64_t level, char *text)
 {
     bvxi_output out = {0};
     out.bytes = (uint8_t *)text;
-    bvxi_output_text(&out, before);
-    bvxi_output_text(&out, ": level ");
-    bvxi_output_number(&out, level);
+    bvxi_output_print(&out, "%s: level %u", before, level);
     bvxi_output_add(&out, "", 1);
 }

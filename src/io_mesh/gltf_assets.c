@@ -72,9 +72,9 @@ static const char *gltf_put_others(const bvxi_json *j, uint32_t object, const ch
 
     for (uint32_t k = object + 1; k < j->value[object].next; k = j->value[k + 1].next) {
         if (bvxi_json_is(j, k, without) || bvxi_json_is(j, k, nor)) continue;
-        bvxi_output_text(out, before);
+        bvxi_output_print(out, before);
         gltf_put_raw(j, k, out);
-        bvxi_output_text(out, ":");
+        bvxi_output_print(out, ":");
         gltf_put_raw(j, k + 1, out);
         before = ",";
     }
@@ -90,12 +90,8 @@ static const char *gltf_put_members(const bvxi_gltf *f, uint32_t i, bvxi_output 
     const char *const before = gltf_put_others(&f->json, value, "bufferView",
                                                image->bytes != NULL ? "uri" : "bufferView", out);
 
-    if (type != NULL && bvxi_json_member(&f->json, value, "mimeType") == BVXI_JSON_NONE) {
-        bvxi_output_text(out, before);
-        bvxi_output_text(out, "\"mimeType\":\"");
-        bvxi_output_text(out, type);
-        bvxi_output_text(out, "\"");
-    }
+    if (type != NULL && bvxi_json_member(&f->json, value, "mimeType") == BVXI_JSON_NONE)
+        bvxi_output_print(out, "%s\"mimeType\":\"%s\"", before, type);
     bvxi_output_add(out, "", 1);
     return text;
 }
@@ -136,12 +132,12 @@ static const char *gltf_put_extensions(const bvxi_json *j, bvxi_output *out)
     gltf_mark_extensions(j, "samplers", list, count, used);
     for (uint32_t n = 0; n < count; n++, name = j->value[name].next) {
         if (!used[n]) continue;
-        bvxi_output_text(out, some ? "," : "[");
+        bvxi_output_print(out, some ? "," : "[");
         gltf_put_raw(j, name, out);
         some = 1;
     }
     if (!some) return NULL;
-    bvxi_output_text(out, "]");
+    bvxi_output_print(out, "]");
     bvxi_output_add(out, "", 1);
     return text;
 }
@@ -155,22 +151,19 @@ static void gltf_put_mesh(const bvxi_gltf *f, uint32_t mesh, bvxi_output *out)
     uint32_t const list = bvxi_json_member(j, mesh, "primitives"), count = bvxi_json_count(j, list);
     uint32_t value = list + 1;
 
-    bvxi_output_text(out, "{");
-    bvxi_output_text(out, gltf_put_others(j, mesh, "primitives", "primitives", out));
-    bvxi_output_text(out, "\"primitives\":[");
+    bvxi_output_print(out, "{");
+    bvxi_output_print(out, "%s\"primitives\":[", gltf_put_others(j, mesh, "primitives", "primitives", out));
     for (uint32_t i = 0; i < count; i++, value = j->value[value].next) {
-        bvxi_output_text(out, i > 0 ? "," : "");
+        bvxi_output_print(out, i > 0 ? "," : "");
         if (f->part_of[value] == BVXI_JSON_NONE) {
             gltf_put_raw(j, value, out);
             continue;
         }
-        bvxi_output_text(out, "{");
-        bvxi_output_text(out, gltf_put_others(j, value, "indices", "mode", out));
-        bvxi_output_text(out, "\"indices\":");
-        bvxi_output_number(out, (uint64_t)f->list_count[BVXI_GLTF_ACCESSOR] + f->part_of[value]);
-        bvxi_output_text(out, "}");
+        bvxi_output_print(out, "{");
+        bvxi_output_print(out, "%s\"indices\":%u}", gltf_put_others(j, value, "indices", "mode", out),
+                          (uint64_t)f->list_count[BVXI_GLTF_ACCESSOR] + f->part_of[value]);
     }
-    bvxi_output_text(out, "]}");
+    bvxi_output_print(out, "]}");
 }
 
 /* All but the arrays that a level continues, which are put beside. */
@@ -181,17 +174,17 @@ static void gltf_put_file(const bvxi_gltf *f, bvx_assets *assets, bvxi_output *o
 
     if (f->parts == 0) return;
     assets->document = gltf_put_place(out);
-    bvxi_output_text(out, "{\"meshes\":[");
+    bvxi_output_print(out, "{\"meshes\":[");
     for (uint32_t i = 0; i < f->list_count[BVXI_GLTF_MESH]; i++) {
-        bvxi_output_text(out, i > 0 ? "," : "");
+        bvxi_output_print(out, i > 0 ? "," : "");
         gltf_put_mesh(f, f->list[BVXI_GLTF_MESH][i], out);
     }
-    bvxi_output_text(out, "]");
+    bvxi_output_print(out, "]");
     for (uint32_t k = 1; k < j->value[0].next; k = j->value[k + 1].next) {
         int left_out = 0;
         for (int i = 0; i < 4; i++) left_out |= bvxi_json_is(j, k, without[i]);
         if (left_out) continue;
-        bvxi_output_text(out, ",");
+        bvxi_output_print(out, ",");
         bvxi_output_add(out, j->text + j->value[k].at,
                         (size_t)(j->value[k + 1].at + j->value[k + 1].size - j->value[k].at));
     }

@@ -491,11 +491,8 @@ static uint8_t *off_put_faces(const void *user, uint64_t begin, uint64_t end, ui
 
 static void off_put_head(const bvx_mesh *mesh, bvxi_output *out)
 {
-    bvxi_output_text(out, mesh->colours != NULL ? "COFF\n" : "OFF\n");
-    bvxi_output_number(out, mesh->vertex_count);
-    bvxi_output_text(out, " ");
-    bvxi_output_number(out, mesh->triangle_count);
-    bvxi_output_text(out, " 0\n");
+    bvxi_output_print(out, "%s\n%u %u 0\n", mesh->colours != NULL ? "COFF" : "OFF", mesh->vertex_count,
+                      mesh->triangle_count);
 }
 
 bvx_status bvxi_write_off(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file)

@@ -161,13 +161,7 @@ enum { PLY_WRITTEN_FACE = 13, PLY_WRITTEN_TEXCOORD = 25 };
 
 static void ply_put_property(const char *type, const char *const *names, int count, bvxi_output *out)
 {
-    for (int i = 0; i < count; i++) {
-        bvxi_output_text(out, "property ");
-        bvxi_output_text(out, type);
-        bvxi_output_text(out, " ");
-        bvxi_output_text(out, names[i]);
-        bvxi_output_text(out, "\n");
-    }
+    for (int i = 0; i < count; i++) bvxi_output_print(out, "property %s %s\n", type, names[i]);
 }
 
 static void ply_put_header(const bvxi_written *what, bvxi_output *out)
@@ -180,20 +174,18 @@ static void ply_put_header(const bvxi_written *what, bvxi_output *out)
     static const char *const texcoord[] = {"texcoord"};
 
     /* Properties stand in the order in which ply_put_vertices and ply_put_faces write the values. */
-    bvxi_output_text(out, "ply\nformat binary_little_endian 1.0\ncomment written by bitvox\nelement vertex ");
-    bvxi_output_number(out, mesh->vertex_count);
-    bvxi_output_text(out, "\n");
+    bvxi_output_print(out,
+                      "ply\nformat binary_little_endian 1.0\ncomment written by bitvox\nelement vertex %u\n",
+                      mesh->vertex_count);
     ply_put_property(bvxi_writes_f32(mesh) ? "float" : "double", axes, 3, out);
     if (what->normals) ply_put_property("float", normal, 3, out);
     if (mesh->colours != NULL) ply_put_property("uchar", colours, 4, out);
     if (mesh->uvs != NULL && mesh->uv_triangles == NULL) ply_put_property("float", uvs, 2, out);
-    bvxi_output_text(out, "element face ");
-    bvxi_output_number(out, mesh->triangle_count);
-    bvxi_output_text(out, "\n");
+    bvxi_output_print(out, "element face %u\n", mesh->triangle_count);
     /* Many readers know only the type int; uint is there for meshes that need it. */
     ply_put_property(mesh->vertex_count > INT32_MAX ? "list uchar uint" : "list uchar int", corners, 1, out);
     if (mesh->uv_triangles != NULL) ply_put_property("list uchar float", texcoord, 1, out);
-    bvxi_output_text(out, "end_header\n");
+    bvxi_output_print(out, "end_header\n");
 }
 
 static uint8_t *ply_put_vertices(const void *user, uint64_t begin, uint64_t end, uint8_t *at)

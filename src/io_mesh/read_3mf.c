@@ -534,18 +534,15 @@ static void put_3mf_materials(const model_file *f, bvxi_output *out)
     for (uint64_t i = 0; i < f->label_count; i++) {
         const model_label *const l = &f->labels[i];
         const char *p = l->name.p;
+        double rgb[3];
 
         while (p < l->name.end && *p >= ' ' && *p <= '~' && *p != '"' && *p != '\\' && *p != '&') p++;
-        bvxi_output_text(out, i > 0 ? ",{\"name\":\"" : "[{\"name\":\"");
+        bvxi_output_print(out, "%s{\"name\":\"", i > 0 ? "," : "[");
         if (p == l->name.end && p != NULL) bvxi_output_add(out, l->name.p, (size_t)(p - l->name.p));
-        bvxi_output_text(out, "\",\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorFactor\":");
-        for (int k = 0; k < 3; k++) {
-            bvxi_output_text(out, k > 0 ? "," : "[");
-            bvxi_output_double(out, (double)glb_linear_light[l->colour[k]] / 65535.0);
-        }
-        bvxi_output_text(out, ",");
-        bvxi_output_double(out, (double)l->colour[3] / 255.0);
-        bvxi_output_text(out, l->colour[3] < 255 ? "]},\"alphaMode\":\"BLEND\"}" : "]}}");
+        for (int k = 0; k < 3; k++) rgb[k] = (double)glb_linear_light[l->colour[k]] / 65535.0;
+        bvxi_output_print(
+            out, "\",\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorFactor\":[%v,%g]}%s}", rgb,
+            ",", (double)l->colour[3] / 255.0, l->colour[3] < 255 ? ",\"alphaMode\":\"BLEND\"" : "");
     }
     bvxi_output_add(out, "]", 2);
 }

@@ -64,32 +64,24 @@ static bvx_status take_triangles(bvx_context *ctx, const bvx_assets *assets, con
     return BVX_OK;
 }
 
-static void put_whole(const char *text, uint64_t number, bvxi_output *out)
-{
-    bvxi_output_text(out, text);
-    bvxi_output_number(out, number);
-}
-
 /* The file's own description, with a larger buffer and its arrays continued. */
 static void put_document(const bvx_assets *assets, const uint64_t *begin, uint64_t index_at, bvxi_output *out)
 {
     uint64_t const bytes = begin[assets->part_count] * KEPT_TRIANGLE;
 
-    bvxi_output_text(out, assets->document);
-    put_whole(",\"buffers\":[{\"byteLength\":", index_at + bytes, out);
-    bvxi_output_text(out, "}],\"bufferViews\":");
+    bvxi_output_print(out, "%s,\"buffers\":[{\"byteLength\":%u}],\"bufferViews\":", assets->document,
+                      index_at + bytes);
     bvxi_output_add(out, assets->views, bvxi_text_length(assets->views) - 1);
-    put_whole(",{\"buffer\":0,\"target\":34963,\"byteOffset\":", index_at, out);
-    put_whole(",\"byteLength\":", bytes, out);
-    bvxi_output_text(out, "}],\"accessors\":");
+    bvxi_output_print(
+        out, ",{\"buffer\":0,\"target\":34963,\"byteOffset\":%u,\"byteLength\":%u}],\"accessors\":", index_at,
+        bytes);
     bvxi_output_add(out, assets->accessors, bvxi_text_length(assets->accessors) - 1);
-    for (uint64_t i = 0; i < assets->part_count; i++) {
-        put_whole(",{\"bufferView\":", assets->view_count, out);
-        put_whole(",\"byteOffset\":", begin[i] * KEPT_TRIANGLE, out);
-        put_whole(",\"componentType\":5125,\"count\":", (begin[i + 1] - begin[i]) * 3, out);
-        bvxi_output_text(out, ",\"type\":\"SCALAR\"}");
-    }
-    bvxi_output_text(out, "]}");
+    for (uint64_t i = 0; i < assets->part_count; i++)
+        bvxi_output_print(
+            out,
+            ",{\"bufferView\":%u,\"byteOffset\":%u,\"componentType\":5125,\"count\":%u,\"type\":\"SCALAR\"}",
+            (uint64_t)assets->view_count, begin[i] * KEPT_TRIANGLE, (begin[i + 1] - begin[i]) * 3);
+    bvxi_output_print(out, "]}");
 }
 
 bvx_status bvxi_write_kept(bvx_context *ctx, const bvx_mesh *level, const bvx_assets *assets,
