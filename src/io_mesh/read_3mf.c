@@ -1,25 +1,20 @@
 /* read_3mf.c - the bodies that a 3MF file builds, as one mesh: bvx_read_mesh.
  *
  * Source: 3MF Consortium. 3D Manufacturing Format: Core Specification 1.3, Production Extension 1.1, Materials
- * and Properties Extension 1.2. PKWARE. APPNOTE 6.3 (zip).
+ * and Properties Extension 1.2.
  *
- * The models of the container are unpacked and their tags read once, 3D/3dmodel.model last, since it names
- * objects of the others. An object is a range of vertices and triangles: its mesh, or what its components, all
+ * The tags of the models of the container are read once, 3D/3dmodel.model last, since it names objects of the
+ * others. An object is a range of vertices and triangles: its mesh, or what its components, all
  * of them earlier objects, have there. The build is the last range. No other file is opened, no document type
  * is read.
- * Guarantee: the models have at most MODEL_PACKED times the bytes of the file, what copies lead to at most
- * MODEL_REPEATS times, which is known before they are unpacked or copied. */
+ * Guarantee: what copies lead to has at most MODEL_REPEATS times the bytes of the file, which is known before
+ * they are made; an id is found in as many steps as the number of resources has bits. */
 #include "io/xml_scan.h"
 #include "io_mesh/glb.h"
 #include "io_mesh/mesh_formats.h"
+#include "io_mesh/models_3mf.h"
 
-enum { MODEL_RESOURCES = 16384, MODEL_PACKED = 128, MODEL_REPEATS = 1024 };
-
-/* A model of the container. */
-typedef struct model_part {
-    const uint8_t *entry, *text; /* in the directory, with its name at 46; the bytes */
-    uint64_t name, packed, size;
-} model_part;
+enum { MODEL_RESOURCES = 16384, MODEL_REPEATS = 1024 };
 
 /* An object, or a group of materials or colours. */
 typedef struct model_resource {
@@ -39,154 +34,18 @@ typedef struct model_file {
     const char *function;
     bvxi_source *source;
     bvxi_xml xml;
-    model_part *parts;
-    uint64_t part, part_count; /* the one that is read */
+    bvxi_models models;
+    uint64_t part; /* the model that is read */
     model_resource *resources, build;
+    uint16_t *order; /* numbers of the resources by their ids, of equal ones the last behind */
     double *positions;
     uint32_t *corners; /* three, counted from the range's first vertex, and the label */
     model_label *labels;
     uint64_t resource_count, vertex_count, triangle_count, label_count;
-    uint64_t resource_room, vertex_room, triangle_room, label_room;
+    uint64_t resource_room, order_room, vertex_room, triangle_room, label_room;
     double unit; /* in millimeters */
     uint32_t *lost;
 } model_file;
-
-/* ---- The container ---- */
-
-static BVXI_COLD bvx_status fail_zip(const bvxi_source *s, const uint8_t *at, const char *why)
-{
-    return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "3MF: byte %u: %s", bvxi_source_byte(s, at), why);
-}
-
-static int leaves_container(const uint8_t *name, uint64_t n)
-{
-    for (uint64_t i = 0; i < n; i++)
-        if (name[i] == '\\' || name[i] == ':' || (name[i] == '/' && i == 0) ||
-            (name[i] == '.' && i > 0 && name[i - 1] == '.'))
-            return 1;
-    return 0;
-}
-
-/* The bytes of an entry are where its local header says. Numbers of which all 32 bits are set have 64, one after
- * the other, in the extra field 1. */
-static bvx_status find_bytes(const bvxi_source *s, model_part *part)
-{
-    static const size_t fields[3] = {24, 20, 42};
-    const uint8_t *const begin = (const uint8_t *)s->begin, *const e = part->entry;
-    const uint8_t *extra = e + 46 + part->name, *const end = extra + bvxi_load_u16(e + 30, 0);
-    uint64_t const size = (uint64_t)(s->end - s->begin);
-    uint16_t const method = bvxi_load_u16(e + 10, 0);
-    uint8_t wide[24] = {0}, *next = wide;
-    uint64_t v[3], data;
-
-    for (; end - extra >= 4; extra += 4 + bvxi_load_u16(extra + 2, 0)) {
-        size_t const n = bvxi_load_u16(extra + 2, 0);
-        if (n > (size_t)(end - extra) - 4) break;
-        if (bvxi_load_u16(extra, 0) == 1) memcpy(wide, extra + 4, n < 24 ? n : 24);
-    }
-    for (int i = 0; i < 3; i++) {
-        v[i] = bvxi_load_u32(e + fields[i], 0);
-        if (v[i] != UINT32_MAX) continue;
-        v[i] = bvxi_load_u64(next, 0);
-        next += 8;
-    }
-    part->size = v[0];
-    part->packed = v[1];
-    if ((bvxi_load_u16(e + 8, 0) & 1) != 0 || (method != 0 && method != 8))
-        return bvxi_fail(s->ctx, BVX_ERR_UNSUPPORTED,
-                         "3MF: a model is encrypted or packed by another method than deflate");
-    if (v[2] > size || size - v[2] < 30 || bvxi_load_u32(begin + v[2], 0) != 0x04034b50)
-        return fail_zip(s, e, "the directory names an entry that is not there");
-    data = v[2] + 30 + bvxi_load_u16(begin + v[2] + 26, 0) + bvxi_load_u16(begin + v[2] + 28, 0);
-    if (data > size || part->packed > size - data) return fail_zip(s, begin + v[2], "an entry is cut off");
-    if (method == 0 && part->size != part->packed) return fail_zip(s, e, "an entry has two sizes");
-    part->text = begin + data;
-    return BVX_OK;
-}
-
-/* The models in the order of the directory, 3D/3dmodel.model last. */
-static bvx_status find_models(model_file *f, const uint8_t *p, const uint8_t *end, uint64_t entries)
-{
-    const bvxi_source *const s = f->source;
-    model_part root = {0};
-    uint64_t left = MODEL_PACKED * (uint64_t)(s->end - s->begin);
-
-    BVXI_TRY(BVXI_ARRAY(f->ctx, (end - p) / 46 + 1, "the models' places", f->parts));
-    for (uint64_t whole; entries != 0; entries--, p += whole) {
-        model_part part = {.entry = p};
-
-        if (end - p < 46 || bvxi_load_u32(p, 0) != 0x02014b50) return fail_zip(s, p, "an entry is damaged");
-        part.name = bvxi_load_u16(p + 28, 0);
-        whole = 46 + part.name + bvxi_load_u16(p + 30, 0) + bvxi_load_u16(p + 32, 0);
-        if (whole > (uint64_t)(end - p)) return fail_zip(s, p, "an entry is cut off");
-        if (leaves_container(p + 46, part.name))
-            return fail_zip(s, p + 46, "an entry has a name outside the container");
-        if (part.name < 6 || !bvxi_word_is((const char *)p + 40 + part.name, 6, ".model")) continue;
-        BVXI_TRY(find_bytes(s, &part));
-        if (part.size > left)
-            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                                 "3MF: the models would have more than %d times the bytes of the file",
-                                 (int64_t)MODEL_PACKED);
-        left -= part.size;
-        if (bvxi_word_is((const char *)p + 46, (size_t)part.name, "3d/3dmodel.model")) root = part;
-        else f->parts[f->part_count++] = part;
-    }
-    if (root.text == NULL)
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "3MF: the file has no part 3D/3dmodel.model");
-    f->parts[f->part_count++] = root;
-    return BVX_OK;
-}
-
-/* Deflate as gzip has it: with a header, and a trailer of what the directory states. */
-static bvx_status unpack_model(const bvxi_source *s, const bvx_read_options *o, model_part *part)
-{
-    static const uint8_t head[10] = {0x1f, 0x8b, 8, 0, 0, 0, 0, 0, 0, 255};
-    uint32_t const crc = bvxi_load_u32(part->entry + 16, 0);
-    uint8_t *packed, *plain = NULL;
-    int failed;
-
-    if (bvxi_load_u16(part->entry + 10, 0) == 0) {
-        failed = bvxi_crc32(part->text, (size_t)part->size) != crc;
-    } else {
-        if (o->inflate == NULL)
-            return bvxi_fail(s->ctx, BVX_ERR_UNSUPPORTED,
-                             "3MF: the model is packed; options.inflate is needed to unpack it");
-        BVXI_TRY(BVXI_ARRAY(s->ctx, part->size, "the unpacked model", plain));
-        BVXI_TRY(BVXI_ARRAY(s->ctx, part->packed + 18, "the packed model", packed));
-        memcpy(packed, head, sizeof head);
-        memcpy(packed + 10, part->text, (size_t)part->packed);
-        bvxi_store_u32(packed + 10 + part->packed, crc);
-        bvxi_store_u32(packed + 14 + part->packed, (uint32_t)part->size);
-        failed = o->inflate(o->inflate_user, packed, part->packed + 18, plain, part->size) != 0;
-        bvxi_drop(s->ctx, packed);
-    }
-    if (failed) return fail_zip(s, part->text, "the model is damaged");
-    if (plain != NULL) part->text = plain;
-    return BVX_OK;
-}
-
-static bvx_status open_container(model_file *f, const bvx_read_options *o)
-{
-    const uint8_t *const begin = (const uint8_t *)f->source->begin, *const end = (const uint8_t *)
-                                                                                     f->source->end;
-    const uint8_t *p = end;
-    uint64_t offset = UINT64_MAX, record;
-
-    /* The last record that ends the file, its comment aside; before it may be the place of one of 64 bits. */
-    while (p - begin >= 22 && end - p <= 65535 &&
-           (bvxi_load_u32(p - 22, 0) != 0x06054b50 || bvxi_load_u16(p - 2, 0) != (uint64_t)(end - p)))
-        p--;
-    if (p - begin >= 22 && end - p <= 65535) offset = bvxi_load_u32(p - 6, 0);
-    if (offset == UINT32_MAX && p - begin >= 22 + 20 + 56) {
-        record = bvxi_load_u64(p - 22 - 12, 0);
-        if (record < (uint64_t)(p - 22 - 20 - 56 - begin) + 1) offset = bvxi_load_u64(begin + record + 48, 0);
-    }
-    if (p - begin < 22 || offset > (uint64_t)(p - 22 - begin))
-        return fail_zip(f->source, end, "no directory of a zip file ends the file");
-    BVXI_TRY(find_models(f, begin + offset, p - 22, bvxi_load_u16(p - 12, 0)));
-    for (uint64_t i = 0; i < f->part_count; i++) BVXI_TRY(unpack_model(f->source, o, &f->parts[i]));
-    return BVX_OK;
-}
 
 /* ---- Values ---- */
 
@@ -232,15 +91,28 @@ static bvx_status take_index(const model_file *f, const char *name, uint64_t cou
     return BVX_OK;
 }
 
+/* Behind the resources whose ids are at most this one, in their order. */
+static uint64_t place_of_id(const model_file *f, uint64_t id)
+{
+    uint64_t low = 0, high = f->resource_count;
+    while (low < high) {
+        uint64_t const middle = (low + high) / 2;
+        if (f->resources[f->order[middle]].id <= id) low = middle + 1;
+        else high = middle;
+    }
+    return low;
+}
+
 /* What an attribute names, among the resources before this tag; NULL: none. */
 static bvx_status find_resource(const model_file *f, const char *name, uint64_t part,
                                 const model_resource **r)
 {
-    uint64_t id = 0, i = f->resource_count;
+    uint64_t id = 0;
 
     BVXI_TRY(take_index(f, name, UINT32_MAX, &id));
-    while (i > 0 && f->resources[i - 1].id != (part << 32 | id)) i--;
-    *r = i > 0 ? &f->resources[i - 1] : NULL;
+    id |= part << 32;
+    uint64_t const i = place_of_id(f, id);
+    *r = i > 0 && f->resources[f->order[i - 1]].id == id ? &f->resources[f->order[i - 1]] : NULL;
     return BVX_OK;
 }
 
@@ -279,6 +151,10 @@ static bvx_status take_resource(model_file *f)
     r.labels[0] = f->label_count;
     BVXI_TRY(take_label(f, "pindex", r.labels, &r.label));
     BVXI_TRY(BVXI_GROW(f, f->resources, f->resource_count, f->resource_room, "the objects"));
+    BVXI_TRY(BVXI_GROW(f, f->order, f->resource_count, f->order_room, "the objects' order"));
+    uint16_t *const place = f->order + place_of_id(f, r.id);
+    memmove(place + 1, place, (size_t)(f->order + f->resource_count - place) * sizeof *place);
+    *place = (uint16_t)f->resource_count;
     f->resources[f->resource_count++] = r;
     return BVX_OK;
 }
@@ -368,10 +244,7 @@ static bvx_status take_use(model_file *f, model_resource *to)
     uint64_t part = f->part;
 
     if (bvxi_xml_attribute(&f->xml, "p:path", &text))
-        for (part = 0; part < f->part_count; part++)
-            if ((uint64_t)(text.end - text.p) == f->parts[part].name + 1 && *text.p == '/' &&
-                memcmp(text.p + 1, f->parts[part].entry + 46, (size_t)f->parts[part].name) == 0)
-                break;
+        part = bvxi_models_find(&f->models, text.p, (uint64_t)(text.end - text.p));
     if (bvxi_xml_attribute(&f->xml, "transform", &text)) BVXI_TRY(take_reals(f, "transform", 12, 0, m));
     BVXI_TRY(find_resource(f, "objectid", part, &of));
     if (of == NULL || of == to)
@@ -448,7 +321,8 @@ static bvx_status take_tag(model_file *f)
     case 6: return take_vertex(f, last);
     case 7: return take_triangle(f, last);
     case 8: return take_use(f, last);
-    case 9: return f->part + 1 == f->part_count ? take_use(f, &f->build) : BVX_OK; /* others build nothing */
+    case 9:
+        return f->part + 1 == f->models.count ? take_use(f, &f->build) : BVX_OK; /* others build nothing */
     default: return BVX_OK;
     }
 }
@@ -484,8 +358,8 @@ static bvx_status take_3mf_run(model_file *f, int vertices)
 
 static bvx_status read_part(model_file *f)
 {
-    const model_part *const part = &f->parts[f->part];
-    double const share = 0.9 / (double)f->part_count;
+    const bvxi_model *const part = &f->models.model[f->part];
+    double const share = 0.9 / (double)f->models.count;
 
     bvxi_xml_start(&f->xml, f->ctx, "3MF", part->text, part->text + part->size);
     bvxi_source_pass(&f->xml.source, share * (double)f->part, share * (double)(f->part + 1));
@@ -553,8 +427,8 @@ bvx_status bvxi_read_3mf(bvxi_source *source, const bvx_read_options *options, u
     bvxi_output out = {0};
     bvx_assets *a;
 
-    BVXI_TRY(open_container(&f, options));
-    for (f.part = 0; f.part < f.part_count; f.part++) BVXI_TRY(read_part(&f));
+    BVXI_TRY(bvxi_models_open(source, options, &f.models));
+    for (f.part = 0; f.part < f.models.count; f.part++) BVXI_TRY(read_part(&f));
     BVXI_TRY(make_mesh(&f, mesh));
     if (f.label_count == 0) return BVX_OK;
 

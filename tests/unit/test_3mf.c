@@ -7,7 +7,7 @@
 
 enum { MF = BVX_FORMAT_3MF };
 
-static uint8_t zip[20000];
+static uint8_t zip[6000000];
 static size_t zip_size;
 
 /* Tetrahedra with corners at 0 and at 1 along each axis. */
@@ -53,7 +53,7 @@ static void make_parts(int parts, const char *const *name, const char *const *te
         int const k = i % parts, local = i < parts;
         size_t const n = strlen(text[k]), held = n + (packed ? 5 : 0);
 
-        TEST_ASSERT_TRUE(zip_size + n + 200 < sizeof zip && n < 65536);
+        TEST_ASSERT_TRUE(zip_size + n + 200 < sizeof zip && (n < 65536 || !packed));
         if (local) at[k] = (uint32_t)zip_size;
         else if (k == 0) directory = (uint32_t)zip_size;
         put(local ? 0x04034b50 : 0x02014b50, 4);
@@ -260,6 +260,15 @@ static void test_3mf_objects_of_other_parts(void)
     bvx_mesh_free(ctx, &m);
     make_parts(1, names, texts, 0, 0);
     check_refused(zip, zip_size, MF, BVX_ERR_FORMAT, "not there");
+
+    /* Names of one size and another; of two models with one name the first counts. */
+    static const char *const more[4] = {"3D/3dmodel.model", "3D/Objects/b.model", "3D/Objects/a.model",
+                                        "3D/Objects/a.model"};
+    const char *const more_texts[4] = {texts[0], "<model/>", texts[1], "<model/>"};
+    make_parts(4, more, more_texts, 0, 0);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_file(zip, zip_size, MF, &m), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_UINT64(4, m.triangle_count);
+    bvx_mesh_free(ctx, &m);
 }
 
 /* ---- What strangers send ---- */
@@ -307,6 +316,27 @@ static void test_3mf_repeats_only_what_its_size_allows(void)
         snprintf(text + n, sizeof text - n, "</resources><build><item objectid=\"63\"/></build></model>");
         refuse_model(text, empty ? BVX_ERR_EMPTY : BVX_ERR_RANGE, empty ? "no item" : "repeated");
     }
+}
+
+/* As many objects as are taken, each item but the last one naming the first: a search through all of them would
+ * be seen by who waits. */
+static void test_3mf_items_find_their_objects_among_many(void)
+{
+    enum { OBJECTS = 16383, ITEMS = 90000 };
+    static char text[2800000];
+    bvx_mesh m;
+    size_t n = (size_t)snprintf(text, sizeof text, "<model><resources>");
+
+    for (int i = 0; i < OBJECTS; i++)
+        n += (size_t)snprintf(text + n, sizeof text - n, "<object id=\"%d\"/>", 20000 - i);
+    n += (size_t)snprintf(text + n, sizeof text - n, BODY "</resources><build>");
+    for (int i = 0; i < ITEMS; i++)
+        n += (size_t)snprintf(text + n, sizeof text - n, "<item objectid=\"20000\"/>");
+    TEST_ASSERT_TRUE(n < sizeof text - 100);
+    snprintf(text + n, sizeof text - n, "<item objectid=\"4\"/></build></model>");
+    m = read_model(text);
+    TEST_ASSERT_EQUAL_UINT64(4, m.triangle_count);
+    bvx_mesh_free(ctx, &m);
 }
 
 static void test_3mf_components_nest_without_end(void)
@@ -429,6 +459,7 @@ int main(void)
     RUN_TEST(test_3mf_objects_of_other_parts);
     RUN_TEST(test_3mf_refuses_what_is_no_model);
     RUN_TEST(test_3mf_repeats_only_what_its_size_allows);
+    RUN_TEST(test_3mf_items_find_their_objects_among_many);
     RUN_TEST(test_3mf_components_nest_without_end);
     RUN_TEST(test_3mf_refuses_damaged_containers);
     RUN_TEST(test_3mf_written_is_the_same_mesh);
