@@ -261,8 +261,6 @@ static int combine_grids(cli_run *run, boolean_run *b)
     uint64_t set = 0;
 
     cli_stage_begin(run, "boolean");
-    cli_stage_calls(run,
-                    1 + (b->in[0].kind == CLI_MESH) + (b->in[1].kind == CLI_MESH) + (b->kind == CLI_MESH));
     status = fill_operands(run, b);
     if (status == BVX_OK && own->resample) status = resample_operand(run, b);
     for (int i = 0; i < 2 && status == BVX_OK; i++)

@@ -108,9 +108,8 @@ static int count_crossings(cli_run *run, const bvx_mesh *mesh, cli_mesh_entry *e
     /* It takes longer than all the rest together, so it is done on request only. */
     if (!own->count_crossings) return CLI_DONE;
     bvx_mesh_view_of(mesh, &view);
-    cli_stage_begin(run, "crossings");
-    CLI_TRY(cli_stage_check(run, bvx_mesh_crossings(run->context, &view, &entry->crossings, NULL, 0),
-                            cli_input_name(run->options->input[0])));
+    CLI_TRY(CLI_STAGE(run, "crossings", bvx_mesh_crossings(run->context, &view, &entry->crossings, NULL, 0),
+                      cli_input_name(run->options->input[0])));
     entry->has_crossings = 1;
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
 }
@@ -182,9 +181,8 @@ static int measure(cli_run *run, const bvx_mesh *mesh, cli_made *made)
     if (!own->measure) return CLI_DONE;
     own->mass.struct_size = sizeof own->mass;
     bvx_mesh_view_of(mesh, &view);
-    cli_stage_begin(run, "measure");
-    CLI_TRY(cli_stage_check(run, bvx_measure(run->context, &view, &own->mass, &r),
-                            cli_input_name(run->options->input[0])));
+    CLI_TRY(CLI_STAGE(run, "measure", bvx_measure(run->context, &view, &own->mass, &r),
+                      cli_input_name(run->options->input[0])));
     tell_measure(made, &r);
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
 }

@@ -265,8 +265,8 @@ static int make_bodies(cli_run *run, labels_job *j)
         j->names[i] = b->name;
         memcpy(j->colours + 4 * i, b->colour, 4);
         if (several) CLI_TRY(cli_open_output(run, b->path));
-        cli_stage_begin(run, "body");
-        CLI_TRY(cli_stage_check(run, bvx_label_mesh(run->context, &j->complex, b->at, &j->mesh[i]), b->name));
+        CLI_TRY(
+            CLI_STAGE(run, "body", bvx_label_mesh(run->context, &j->complex, b->at, &j->mesh[i]), b->name));
         CLI_TRY(cli_check_mesh(run, &j->mesh[i], i, b->path, "check"));
         if (!several) continue;
         /* One file after the other, so that one mesh is held. */

@@ -246,7 +246,6 @@ static int write_pictures(cli_run *run, void *work)
 {
     const sheet *const s = &((render_job *)work)->sheet;
     cli_stage_begin(run, "write");
-    cli_stage_calls(run, 2);
     int status = write_image(run, 0, &s->image);
     if (status == CLI_DONE) status = cli_keep_outputs(run);
     cli_stage_end(run);

@@ -56,8 +56,7 @@ static int make_simplify(cli_run *run, void *work, cli_made *made)
     CLI_TRY(cli_open_collapse(run, c));
     const char *const in = cli_input_name(run->options->input[0]);
     /* Vertices at equal positions count as one: files repeat them where colours or normals change. */
-    cli_stage_begin(run, "check input");
-    CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &c->view, 1, &c->before), in));
+    CLI_TRY(CLI_STAGE(run, "check input", bvx_mesh_check(run->context, &c->view, 1, &c->before), in));
     CLI_TRY(simplify_input(run, c));
     return cli_finish_collapse(run, c);
 }

@@ -47,9 +47,8 @@ static int slice_surface(cli_run *run, cli_input *in)
     if (in->kind == CLI_MESH) return CLI_DONE;
     /* Contours are doubles: a surface in floats would round them twice. */
     e.position_type = BVX_F64;
-    cli_stage_begin(run, "surface");
-    bvx_status const status = bvx_extract_surface(run->context, &in->grid, &e, &in->mesh);
-    return cli_stage_check(run, status, cli_input_name(in->path));
+    return CLI_STAGE(run, "surface", bvx_extract_surface(run->context, &in->grid, &e, &in->mesh),
+                     cli_input_name(in->path));
 }
 
 static int slice_mesh(cli_run *run, const bvx_mesh *mesh, bvx_sections *sections)
@@ -61,9 +60,8 @@ static int slice_mesh(cli_run *run, const bvx_mesh *mesh, bvx_sections *sections
     for (int k = 0; k < 3; k++) s.normal[k] = k == axis;
     s.spacing = own->spacing;
     bvx_mesh_view_of(mesh, &view);
-    cli_stage_begin(run, "slice");
-    bvx_status const status = bvx_slice_mesh(run->context, &view, &s, sections);
-    return cli_stage_check(run, status, cli_input_name(run->options->input[0]));
+    return CLI_STAGE(run, "slice", bvx_slice_mesh(run->context, &view, &s, sections),
+                     cli_input_name(run->options->input[0]));
 }
 
 typedef struct slice_job {
@@ -78,7 +76,6 @@ static int write_contours(cli_run *run, void *work)
     bvx_buffer file = {0};
     bvx_status status;
     cli_stage_begin(run, "write");
-    cli_stage_calls(run, 2);
     status = bvx_write_sections(run->context, &job->sections, bvx_format_of_name(path), &file);
     int result = cli_write_buffer(run, 0, status, &file, path);
     if (result == CLI_DONE) result = cli_keep_outputs(run);

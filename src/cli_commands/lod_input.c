@@ -68,8 +68,7 @@ static int make_solid(cli_run *run, cli_chain *c)
     const char *const path = cli_input_name(run->options->input[0]);
     bvx_voxelize_options v = {.struct_size = sizeof v};
 
-    cli_stage_begin(run, "check input");
-    CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &c->view, 1, &c->certificate), path));
+    CLI_TRY(CLI_STAGE(run, "check input", bvx_mesh_check(run->context, &c->view, 1, &c->certificate), path));
     c->diagonal = cli_diagonal(c->certificate.box.low, c->certificate.box.high);
     CLI_TRY(choose_resolution(run, c));
     cli_stage_begin(run, "voxelize");
@@ -121,8 +120,7 @@ static int open_grid(cli_run *run, cli_chain *c)
     }
     c->diagonal = cli_diagonal(low, high);
     CLI_TRY(count_solid(run, c));
-    cli_stage_begin(run, "surface");
-    CLI_TRY(cli_stage_check(run, surface_of_solid(run, c), cli_input_name(path)));
+    CLI_TRY(CLI_STAGE(run, "surface", surface_of_solid(run, c), cli_input_name(path)));
     bvx_mesh_view_of(&c->input, &c->view);
     return CLI_DONE;
 }

@@ -270,7 +270,6 @@ int cli_read_file(cli_run *run, const char *path, cli_bytes *b)
 {
     int status;
     cli_stage_begin(run, "read");
-    cli_stage_calls(run, 2); /* it may be packed */
     status = cli_read_bytes(run, path, 0, b);
     if (status == CLI_DONE) cli_stage_end(run);
     return status;

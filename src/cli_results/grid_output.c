@@ -56,7 +56,6 @@ int cli_write_grid(cli_run *run, const bvx_grid *grid)
 {
     bvx_buffer file = {0};
     cli_stage_begin(run, "write");
-    cli_stage_calls(run, 2);
     return finish_voxels(run,
                          bvx_write_grid(run->context, grid, bvx_format_of_name(run->options->output), &file),
                          &file, grid);
@@ -67,7 +66,6 @@ int cli_write_field(cli_run *run, const bvx_field *field)
     int32_t const format = bvx_format_of_name(run->options->output);
     bvx_buffer file = {0};
     cli_stage_begin(run, "write");
-    cli_stage_calls(run, 2);
     return finish_voxels(run, bvx_write_field(run->context, field, run->options->vectors, format, &file),
                          &file, &field->band);
 }

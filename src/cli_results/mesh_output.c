@@ -214,8 +214,8 @@ int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
     s.reports = &r->level;
 
     bvx_mesh_view_of(mesh, &view);
-    cli_stage_begin(run, "simplify");
-    CLI_TRY(cli_stage_check(run, bvx_mesh_simplify(run->context, &view, &s, 1, &less), run->options->output));
+    CLI_TRY(CLI_STAGE(run, "simplify", bvx_mesh_simplify(run->context, &view, &s, 1, &less),
+                      run->options->output));
 
     bvx_mesh_free(run->context, mesh);
     *mesh = less;
@@ -435,7 +435,6 @@ static int write_judged(cli_run *run, const bvx_mesh *mesh, int number, const ch
 
     CLI_TRY(judge_mesh(run, mesh, number, path));
     cli_stage_begin(run, "write");
-    cli_stage_calls(run, 2);
     result = put_mesh(run, mesh, number, path);
     if (result == CLI_DONE && keep) result = cli_keep_outputs(run);
     cli_stage_end(run);
@@ -480,7 +479,6 @@ static int write_levels_file(cli_run *run, const bvx_mesh *levels, int count, co
 
     result = certify_file(run, placed, count, 0, path);
     cli_stage_begin(run, "write");
-    cli_stage_calls(run, 2);
     if (result == CLI_DONE)
         result = cli_write_buffer(
             run, 0,
@@ -500,7 +498,6 @@ int cli_write_levels(cli_run *run, const bvx_mesh *levels, int count, char *cons
 
     for (int i = 0; i < count && result == CLI_DONE; i++) result = judge_mesh(run, &levels[i], i, path[i]);
     cli_stage_begin(run, "write");
-    cli_stage_calls(run, 2 * count);
     for (int i = 0; i < count && result == CLI_DONE; i++) result = put_mesh(run, &levels[i], i, path[i]);
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     if (result == CLI_DONE) cli_stage_end(run);

@@ -49,10 +49,9 @@ int cli_take_tree(cli_run *run, bvx_octree *tree, cli_tree *t)
 
 static int make_surface_mesh(cli_run *run, cli_tree *t)
 {
-    cli_stage_begin(run, "surface");
-    CLI_TRY(cli_stage_check(
-        run, bvx_extract_octree(run->context, t->tree, run->options->states, NULL, &t->surface),
-        run->options->output));
+    CLI_TRY(CLI_STAGE(run, "surface",
+                      bvx_extract_octree(run->context, t->tree, run->options->states, NULL, &t->surface),
+                      run->options->output));
     return t->surface.triangle_count != 0
                ? CLI_DONE
                : cli_fail(run, "%s: no voxel has these states", run->options->output);
@@ -64,7 +63,6 @@ static int write_tree_file(cli_run *run, const cli_tree *t)
     bvx_buffer file = {0};
     if (t->kind == CLI_MESH) return cli_write_mesh(run, &t->surface);
     cli_stage_begin(run, "write");
-    cli_stage_calls(run, 2);
     int result = cli_write_buffer(
         run, 0,
         bvx_write_octree(run->context, t->tree, run->options->states, bvx_format_of_name(path), &file), &file,

@@ -154,8 +154,7 @@ static bvx_status make_surface_mesh(cli_run *run, cli_voxels *v)
 int cli_write_voxels(cli_run *run, cli_voxels *v)
 {
     if (CLI_HOLDS(run, CLI_TO_MESH)) {
-        cli_stage_begin(run, "surface");
-        CLI_TRY(cli_stage_check(run, make_surface_mesh(run, v), cli_input_name(v->name)));
+        CLI_TRY(CLI_STAGE(run, "surface", make_surface_mesh(run, v), cli_input_name(v->name)));
         if (v->mesh.triangle_count == 0)
             return cli_fail(run, "%s: the result is empty, so there is no surface to write",
                             cli_input_name(v->name));

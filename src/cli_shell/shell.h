@@ -226,8 +226,8 @@ void cli_stage_begin(cli_run *run, const char *format, ...);
 double cli_stage_end(cli_run *run);
 /* So many bytes are held beside what the context has now. */
 void cli_note_peak(cli_run *run, uint64_t bytes);
-/* How many calls of the library, and files written, the stage is made of; 1 where nothing is said. */
-void cli_stage_calls(cli_run *run, int calls);
+/* A stage of one call of the library, and what came of it. */
+#define CLI_STAGE(run, name, call, about) (cli_stage_begin(run, name), cli_stage_check(run, call, about))
 int32_t cli_progress(void *run, const char *stage, double fraction); /* a bvx_progress_fn */
 /* The last line, of fraction 1 after a success; no bar stays after. */
 void cli_progress_end(cli_run *run, int status);
@@ -237,8 +237,6 @@ typedef struct cli_progress_state {
     char stage[32];      /* "" before the first */
     int named;           /* the command has begun it and not ended it */
     double low, high;    /* its share of the run */
-    int calls, call;     /* of the library in it: how many, and which one runs */
-    int moved;           /* it has reported something */
     int rounds;          /* levels or pictures that stages are repeated for; 0: one */
     double start, ended; /* of the stage, seconds; ended 0: it still runs */
     double reached;      /* of the run */

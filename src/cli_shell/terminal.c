@@ -1,9 +1,8 @@
 /* terminal.c - time, and the progress of a run: a bar for people, lines of JSON for programs.
  *
  * A stage is what the command names: "level 0". It has the share of the run that the plan of its command
- * gives it, and its calls of the library, which report 0 to 1 each, share it evenly: cli_stage_calls says how
- * many there are. One fraction rises from 0 to 1 over the whole run; 1 is reported when the run has
- * succeeded. */
+ * gives it; of several calls of the library in one stage, that each report 0 to 1, the first moves it. One
+ * fraction rises from 0 to 1 over the whole run; 1 is reported when the run has succeeded. */
 #if defined(__unix__) || defined(__APPLE__)
 #define _POSIX_C_SOURCE 200809L
 #define TERMINAL_POSIX  1
@@ -150,8 +149,6 @@ static void open_stage(cli_run *run, const char *name)
     snprintf(p->stage, sizeof p->stage, "%s", name);
     p->start = cli_seconds();
     p->ended = 0.0;
-    p->calls = 1;
-    p->call = p->moved = 0;
     /* A fixed part of what is left of the bar, as the stages that follow are not known. */
     p->low = p->reached;
     p->high = p->low + (1.0 - p->low) * part;
@@ -195,12 +192,8 @@ double cli_stage_end(cli_run *run)
     return p->ended - p->start;
 }
 
-void cli_stage_calls(cli_run *run, int calls)
-{
-    run->progress.calls = calls > 1 ? calls : 1;
-}
-
-/* Calls that report nothing but their end are too small to be counted. */
+/* The fraction never falls, whatever order the calls of a stage report in. The end of a call is not that of the
+ * stage. */
 int32_t cli_progress(void *user, const char *work, double fraction)
 {
     cli_run *const run = user;
@@ -208,17 +201,9 @@ int32_t cli_progress(void *user, const char *work, double fraction)
 
     (void)work;
     if (cli_interrupted()) return 1;
-    if (!p->named) return 0;
-    /* The end of a call, not of the stage: the next one takes the share after it. */
-    if (fraction >= 1.0) {
-        p->call += p->moved && p->call + 1 < p->calls;
-        p->moved = 0;
-        return 0;
-    }
-    p->moved = 1;
-    double const at = p->low + (p->high - p->low) * ((p->call + fraction) / p->calls);
-    /* The fraction never falls, whatever order the calls report in. */
-    if (at > p->reached) p->reached = at < p->high ? at : p->high;
+    double const at = p->low + (p->high - p->low) * fraction;
+    if (!p->named || at <= p->reached || fraction >= 1.0) return 0;
+    p->reached = at;
     tell_progress(run, 0);
     return 0;
 }
