@@ -219,6 +219,7 @@ static bvx_status build_closest_tree(bvxi_call call, closest_builder *b)
 static bvx_status plan_and_build(bvxi_call call, const bvx_mesh_view *view, const double low[3],
                                  const double high[3], double scale, int unnumbered, bvxi_closest_tree *tree)
 {
+    uint64_t const mark = bvxi_scratch_begin(call.ctx);
     closest_builder b = {.tree = tree, .unnumbered = unnumbered};
     plan_closest_tree(view, low, high, scale, tree);
     tree->fast = bvxi_cpu(call.ctx) == BVX_CPU_AVX2;
@@ -226,7 +227,7 @@ static bvx_status plan_and_build(bvxi_call call, const bvx_mesh_view *view, cons
     b.curve.scale = scale;
     b.curve.units = tree->box_scale;
     memcpy(b.curve.centre, tree->centre, sizeof tree->centre);
-    return build_closest_tree(call, &b);
+    return bvxi_scratch_keep(call.ctx, mark, build_closest_tree(call, &b));
 }
 
 bvx_status bvxi_closest_build(bvxi_call call, const bvx_mesh_view *view, const double low[3],

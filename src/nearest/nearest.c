@@ -101,6 +101,7 @@ static bvx_status open_near(bvxi_call call, bvxi_nearest *n)
 bvx_status bvxi_nearest_open(bvxi_call call, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
                              bvxi_nearest **nearest)
 {
+    uint64_t const mark = bvxi_scratch_begin(call.ctx);
     bvxi_nearest *n = NULL;
     *nearest = NULL;
     BVXI_TRY(bvxi_view_check(call.ctx, call.function, mesh));
@@ -109,7 +110,7 @@ bvx_status bvxi_nearest_open(bvxi_call call, const bvx_mesh_view *mesh, const bv
     n->view = *mesh;
     n->lattice = *lattice;
     n->triangle_count = mesh->triangle_count;
-    BVXI_TRY(open_near(call, n));
+    BVXI_TRY(bvxi_scratch_keep(call.ctx, mark, open_near(call, n)));
     *nearest = n;
     return BVX_OK;
 }
