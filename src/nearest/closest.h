@@ -13,6 +13,41 @@
 
 #include "core/core.h"
 #include "mesh/topology.h"
+#include "mesh/view.h"
+
+/* ---- nearest_order.c: triangles along a curve through space, of which both trees are built ---- */
+
+typedef struct bvxi_curve {
+    const bvx_mesh_view *view;
+    double scale;            /* of coordinates, a power of two */
+    double centre[3], units; /* scaled -> [-1, 1]; what lies beyond is moved onto the sides */
+    uint64_t *keys;          /* of the middles of triangles' boxes, ascending [Size: triangles] */
+    uint32_t *order;         /* triangles; equal keys in the order of their numbers [Size: triangles] */
+} bvxi_curve;
+
+/* Fill keys and order, whose arrays are the caller's, as that part of its work. */
+bvx_status bvxi_curve_sort(bvxi_call call, bvxi_curve *curve);
+
+/* Corners of a triangle, scaled, and its box in the curve's units. */
+static inline void bvxi_curve_corners(const bvxi_curve *curve, uint64_t triangle, double t[3][3])
+{
+    bvxi_view_corners(curve->view, triangle, t);
+    for (int k = 0; k < 9; k++) t[k / 3][k % 3] *= curve->scale;
+}
+
+static inline void bvxi_curve_box(const bvxi_curve *curve, const double t[3][3], double low[3],
+                                  double high[3])
+{
+    for (int a = 0; a < 3; a++) {
+        double lo = t[0][a], hi = t[0][a];
+        for (int k = 1; k < 3; k++) {
+            lo = t[k][a] < lo ? t[k][a] : lo;
+            hi = t[k][a] > hi ? t[k][a] : hi;
+        }
+        low[a] = (lo - curve->centre[a]) * curve->units;
+        high[a] = (hi - curve->centre[a]) * curve->units;
+    }
+}
 
 /* ---- The point of a mesh that is closest to a given point ---- */
 

@@ -1,9 +1,9 @@
 /* closest_build.c - a hierarchy of boxes over triangles.
  *
- * Source: Kamel, Faloutsos. On Packing R-trees. 1993: sort by a curve through space, then pack each four
- * neighbours into a node, level by level; no pointers, no recursion, the shape follows from the count only.
- * The curve is Morton's over the centres of the triangles' boxes; equal places keep the order of triangle
- * indices, or are ordered by a hash of the corners' positions where no numbering may show.
+ * Source: Kamel, Faloutsos. On Packing R-trees. 1993: sort by a curve through space (nearest_order.c), then pack
+ * each four neighbours into a node, level by level; no pointers, no recursion, the shape follows from the count only.
+ * Equal places keep the order of triangle indices, or are ordered by a hash of the corners' positions where no
+ * numbering may show.
  * Boxes are floats rounded outwards, in units in which the mesh lies within [-1, 1]. */
 #include "nearest/closest.h"
 #include "bits/sort.h"
@@ -13,71 +13,15 @@
 #include "mesh/view.h"
 
 enum {
-    CLOSEST_BITS = 16,   /* of the curve along each axis */
     CLOSEST_FEW = 16,    /* triangles of one key that are sorted one by one */
     CLOSEST_GRAIN = 4096 /* least triangles or nodes a task */
 };
 
 typedef struct closest_builder {
     bvxi_closest_tree *tree;
-    const bvx_mesh_view *view;
-    uint64_t *keys;
-    int32_t pieces;
+    bvxi_curve curve;
     int unnumbered; /* 1: the numbers of triangles, vertices and corners do not show */
-    /* places of the first run of equal keys of each piece, and the end */
-    uint64_t run[BVXI_MOST_PIECES + 1];
 } closest_builder;
-
-/* Bounds of a triangle in box units. */
-static void closest_triangle_box(const bvxi_closest_tree *tree, const double t[3][3], double low[3],
-                                 double high[3])
-{
-    for (int a = 0; a < 3; a++) {
-        double lo = t[0][a], hi = t[0][a];
-        for (int k = 1; k < 3; k++) {
-            lo = t[k][a] < lo ? t[k][a] : lo;
-            hi = t[k][a] > hi ? t[k][a] : hi;
-        }
-        /* Box units lie in [-1, 1] about the middle, where floats are densest. */
-        low[a] = (lo - tree->centre[a]) * tree->box_scale;
-        high[a] = (hi - tree->centre[a]) * tree->box_scale;
-    }
-}
-
-/* Place on the curve; box units lie in [-1, 1]. */
-static uint64_t curve_key(const double low[3], const double high[3])
-{
-    double const most = (double)((1 << CLOSEST_BITS) - 1);
-    uint64_t key = 0;
-    /* Bits of the three axes in turn: neighbours on the curve are neighbours in space. */
-    for (int a = 0; a < 3; a++) {
-        double const x = ((low[a] + high[a]) * 0.25 + 0.5) * most;
-        key |= bvxi_curve_spread(x <= 0.0 ? 0 : x >= most ? (uint64_t)most : (uint64_t)x) << a;
-    }
-    return key;
-}
-
-static void make_curve_keys(void *user, uint64_t begin, uint64_t end)
-{
-    const closest_builder *const b = user;
-    uint64_t *const keys = b->keys;
-    uint32_t *const order = b->tree->order;
-    double t[3][3], low[3], high[3];
-    uint32_t c[3];
-
-    for (uint64_t i = begin; i < end; i++) {
-        bvxi_view_triangle(b->view, i, c);
-        for (int k = 0; k < 3; k++) {
-            bvxi_view_position(b->view, c[k], t[k]);
-            for (int a = 0; a < 3; a++) t[k][a] *= b->tree->scale;
-        }
-
-        /* The middle of the triangle's box, which no order of corners changes. */
-        closest_triangle_box(b->tree, (const double(*)[3])t, low, high);
-        keys[i] = curve_key(low, high);
-        order[i] = (uint32_t)i;
-    }
-}
 
 /* Turn a triangle's corners: the lowest position first, of two such corners the one whose next is lower. */
 static void turn_to_lowest(const bvx_mesh_view *view, uint32_t c[3])
@@ -119,69 +63,19 @@ static void order_few(uint64_t *keys, uint32_t *order, uint64_t count)
     }
 }
 
-/* Where the run of equal keys at a place ends, before stop. */
-static uint64_t end_of_its_run(const closest_builder *b, uint64_t first, uint64_t stop)
-{
-    uint64_t end = first + 1;
-    while (end < stop && b->keys[end] == b->keys[first]) end++;
-    return end;
-}
-
-/* Their keys are equal and no longer needed: the hashes take their place. */
-static void hash_run(const closest_builder *b, uint64_t first, uint64_t end)
-{
-    for (uint64_t i = first; i < end; i++) b->keys[i] = hash_of_corners(b->view, b->tree->order[i]);
-}
-
-/* Runs that begin in a piece and are short; it begins with the first place of a run. */
-static void order_short_runs(void *user, int32_t index)
-{
-    const closest_builder *const b = user;
-    uint64_t const stop = b->run[index + 1];
-    uint64_t end;
-    /* Few share a key, so most cost a look at the neighbours; those of the next piece change meanwhile. */
-    for (uint64_t first = b->run[index]; first < stop; first = end) {
-        end = end_of_its_run(b, first, stop);
-        if (end - first == 1) continue;
-        hash_run(b, first, end);
-        order_few(b->keys + first, b->tree->order + first, end - first);
-    }
-}
-
-/* 1 when more than 2 CLOSEST_FEW triangles have one key: two of these stand at multiples of CLOSEST_FEW. */
-static int has_long_run(const closest_builder *b)
-{
-    for (uint64_t i = CLOSEST_FEW; i < b->tree->triangle_count; i += CLOSEST_FEW)
-        if (b->keys[i] == b->keys[i - CLOSEST_FEW]) return 1;
-    return 0;
-}
-
-/* Triangles of equal keys by a hash of their positions; keys are used up. */
+/* Triangles of equal keys by a hash of their positions, which takes the place of the keys. */
 static bvx_status order_by_positions(bvx_context *ctx, closest_builder *b)
 {
-    uint64_t const n = b->tree->triangle_count;
+    uint64_t *const keys = b->curve.keys, n = b->tree->triangle_count, end;
+    uint32_t *const order = b->tree->order;
 
-    /* Sorting long runs takes memory, which tasks cannot request. Only meshes within a speck have them. */
-    if (has_long_run(b)) {
-        uint64_t end;
-        for (uint64_t first = 0; first < n; first = end) {
-            end = end_of_its_run(b, first, n);
-            if (end - first == 1) continue;
-            hash_run(b, first, end);
-            if (end - first <= CLOSEST_FEW) order_few(b->keys + first, b->tree->order + first, end - first);
-            else BVXI_TRY(bvxi_radix_sort(ctx, b->keys + first, b->tree->order + first, end - first));
-        }
-        return BVX_OK;
+    for (uint64_t first = 0; first < n; first = end) {
+        for (end = first + 1; end < n && keys[end] == keys[first];) end++;
+        for (uint64_t i = first; i < end && end - first > 1; i++)
+            keys[i] = hash_of_corners(b->curve.view, order[i]);
+        if (end - first <= CLOSEST_FEW) order_few(keys + first, order + first, end - first);
+        else BVXI_TRY(bvxi_radix_sort(ctx, keys + first, order + first, end - first));
     }
-
-    /* Known before a piece begins, as keys of others change under its hands: where its first run does. */
-    for (int32_t i = 0; i <= b->pieces; i++) {
-        uint64_t begin = n, end;
-        if (i < b->pieces) bvxi_piece(n, b->pieces, i, &begin, &end);
-        while (begin > 0 && begin < n && b->keys[begin] == b->keys[begin - 1]) begin++;
-        b->run[i] = begin;
-    }
-    bvxi_tasks(ctx, b->pieces, order_short_runs, b);
     return BVX_OK;
 }
 
@@ -190,13 +84,14 @@ static void copy_curve_corners(const closest_builder *b, uint64_t place)
     size_t const point = b->tree->position_type == BVX_F32 ? 12 : 24;
     unsigned char *const to = (unsigned char *)b->tree->corners + 3 * point * (size_t)place;
     uint32_t c[3];
-    bvxi_view_triangle(b->view, b->tree->order[place], c);
-    if (b->unnumbered) turn_to_lowest(b->view, c);
+    bvxi_view_triangle(b->curve.view, b->tree->order[place], c);
+    if (b->unnumbered) turn_to_lowest(b->curve.view, c);
     /* As bytes, of any alignment. */
     for (size_t k = 0; k < 3; k++) {
         double p[3];
-        if (point == 24) bvxi_view_position(b->view, c[k], p);
-        memcpy(to + k * point, point == 24 ? (const void *)p : bvxi_view_position_at(b->view, c[k]), point);
+        if (point == 24) bvxi_view_position(b->curve.view, c[k], p);
+        memcpy(to + k * point, point == 24 ? (const void *)p : bvxi_view_position_at(b->curve.view, c[k]),
+               point);
     }
 }
 
@@ -214,7 +109,7 @@ static void fill_lowest_boxes(void *user, uint64_t begin, uint64_t end)
             /* Corners lie in the order of the curve, so that a search reads memory that is near. */
             copy_curve_corners(b, first + (uint64_t)k);
             bvxi_closest_corners(tree, first + (uint64_t)k, t);
-            closest_triangle_box(tree, (const double(*)[3])t, low, high);
+            bvxi_curve_box(&b->curve, (const double(*)[3])t, low, high);
             for (int a = 0; a < 3; a++) {
                 tree->nodes[i].low[a][k] = bvxi_float_below(low[a]);
                 tree->nodes[i].high[a][k] = bvxi_float_above(high[a]);
@@ -227,20 +122,18 @@ static void fill_lowest_boxes(void *user, uint64_t begin, uint64_t end)
 typedef struct box_level {
     bvxi_closest_tree *tree;
     uint64_t slots;
-    int32_t level, pieces;
+    int32_t level;
 } box_level;
 
 /* Boxes around the nodes of the level below. */
-static void fill_box_level(void *user, int32_t index)
+static void fill_box_level(void *user, uint64_t begin, uint64_t end)
 {
     const box_level *const l = user;
     bvxi_closest_tree *const tree = l->tree;
     const bvxi_closest_node *const from = tree->nodes + tree->level_first[l->level - 1];
     bvxi_closest_node *const to = tree->nodes + tree->level_first[l->level];
     uint64_t const below = tree->level_nodes[l->level - 1];
-    uint64_t begin, end;
 
-    bvxi_piece(tree->level_nodes[l->level], l->pieces, index, &begin, &end);
     memset(to + begin, 0, (size_t)(end - begin) * sizeof *to);
 
     /* A node of this level holds the boxes of four below, each around all that its own four hold. */
@@ -292,70 +185,61 @@ static uint64_t closest_corner_bytes(const bvxi_closest_tree *tree)
     return tree->triangle_count * (tree->position_type == BVX_F32 ? 36 : 72);
 }
 
-static bvx_status sort_along_curve(bvxi_call call, closest_builder *b)
+static bvx_status sort_closest_triangles(bvxi_call call, closest_builder *b)
 {
-    uint64_t const n = b->tree->triangle_count;
-    BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, n * sizeof *b->keys, "the search tree's keys", &b->keys));
-    b->pieces = bvxi_piece_count(n, CLOSEST_GRAIN);
-    /* Keys side by side; the sort is stable, so equal keys stay in the order of their indices. */
-    BVXI_TRY(BVXI_SHARE(call.ctx, call.from, call.to,
-                        bvxi_for(call.ctx, call.stage, n, CLOSEST_GRAIN, make_curve_keys, b)));
-    BVXI_TRY(bvxi_radix_sort(call.ctx, b->keys, b->tree->order, n));
-    if (b->unnumbered) BVXI_TRY(order_by_positions(call.ctx, b));
-    bvxi_drop(call.ctx, b->keys);
-    return BVX_OK;
+    BVXI_TRY(BVXI_ARRAY(call.ctx, b->tree->triangle_count, "the search tree's keys", b->curve.keys));
+    BVXI_TRY(bvxi_curve_sort(call, &b->curve));
+    return b->unnumbered ? order_by_positions(call.ctx, b) : BVX_OK;
 }
 
 static bvx_status build_closest_tree(bvxi_call call, closest_builder *b)
 {
     bvxi_closest_tree *const tree = b->tree;
     double const middle = (call.from + call.to) * 0.5;
-    uint64_t const order_bytes = tree->triangle_count * sizeof *tree->order;
-    uint64_t const node_bytes = tree->node_count * sizeof *tree->nodes;
 
-    BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, order_bytes, "the search tree's order", &tree->order));
-    BVXI_TRY(sort_along_curve(bvxi_call_part(call, call.from, middle), b));
-
-    /* The keys are gone by now, so both are never held at once. */
+    BVXI_TRY(BVXI_ARRAY(call.ctx, tree->triangle_count, "the search tree's order", tree->order));
+    b->curve.order = tree->order;
+    /* The keys go before corners and boxes come, so that both are never held at once. */
+    BVXI_TRY(BVXI_SCOPE(call.ctx, sort_closest_triangles(bvxi_call_part(call, call.from, middle), b)));
     BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, closest_corner_bytes(tree), "the search tree's corners",
                         &tree->corners));
-    BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, node_bytes, "the search tree's boxes", &tree->nodes));
-
+    BVXI_TRY(BVXI_ARRAY(call.ctx, tree->node_count, "the search tree's boxes", tree->nodes));
     BVXI_TRY(BVXI_SHARE(
         call.ctx, middle, call.to,
         bvxi_for(call.ctx, call.stage, tree->level_nodes[0], CLOSEST_GRAIN, fill_lowest_boxes, b)));
     for (int32_t l = 1; l < tree->level_count; l++) {
-        box_level level = {tree, l == 1 ? tree->triangle_count : tree->level_nodes[l - 2], l,
-                           bvxi_piece_count(tree->level_nodes[l], CLOSEST_GRAIN)};
-        bvxi_tasks(call.ctx, level.pieces, fill_box_level, &level);
+        box_level level = {tree, l == 1 ? tree->triangle_count : tree->level_nodes[l - 2], l};
+        BVXI_TRY(bvxi_for_ranges(call.ctx, call.stage, call.to, call.to,
+                                 bvxi_piece_count(tree->level_nodes[l], CLOSEST_GRAIN), tree->level_nodes[l],
+                                 fill_box_level, &level));
     }
     return BVX_OK;
 }
 
-static bvx_status build_or_free(bvxi_call call, closest_builder *b)
+static bvx_status plan_and_build(bvxi_call call, const bvx_mesh_view *view, const double low[3],
+                                 const double high[3], double scale, int unnumbered, bvxi_closest_tree *tree)
 {
-    bvx_status const status = build_closest_tree(call, b);
-    /* A tree that is half made has arrays already. */
-    if (status != BVX_OK) bvxi_closest_free(call.ctx, b->tree);
-    return status;
+    uint64_t const mark = bvxi_scratch_begin(call.ctx);
+    closest_builder b = {.tree = tree, .unnumbered = unnumbered};
+    plan_closest_tree(view, low, high, scale, tree);
+    tree->fast = bvxi_cpu(call.ctx) == BVX_CPU_AVX2;
+    b.curve.view = view;
+    b.curve.scale = scale;
+    b.curve.units = tree->box_scale;
+    memcpy(b.curve.centre, tree->centre, sizeof tree->centre);
+    return bvxi_scratch_keep(call.ctx, mark, build_closest_tree(call, &b));
 }
 
 bvx_status bvxi_closest_build(bvxi_call call, const bvx_mesh_view *view, const double low[3],
                               const double high[3], double scale, bvxi_closest_tree *tree)
 {
-    closest_builder b = {.tree = tree, .view = view};
-    plan_closest_tree(view, low, high, scale, tree);
-    tree->fast = bvxi_cpu(call.ctx) == BVX_CPU_AVX2;
-    return build_or_free(call, &b);
+    return plan_and_build(call, view, low, high, scale, 0, tree);
 }
 
 bvx_status bvxi_closest_build_unnumbered(bvxi_call call, const bvx_mesh_view *view, const double low[3],
                                          const double high[3], double scale, bvxi_closest_tree *tree)
 {
-    closest_builder b = {.tree = tree, .view = view, .unnumbered = 1};
-    plan_closest_tree(view, low, high, scale, tree);
-    tree->fast = bvxi_cpu(call.ctx) == BVX_CPU_AVX2;
-    BVXI_TRY(build_or_free(call, &b));
+    BVXI_TRY(plan_and_build(call, view, low, high, scale, 1, tree));
     /* Of equally near triangles the one that comes first along the curve counts. */
     for (uint64_t i = 0; i < tree->triangle_count; i++) tree->order[i] = (uint32_t)i;
     return BVX_OK;

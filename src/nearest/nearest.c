@@ -84,17 +84,16 @@ bvx_status bvxi_nearest_check(bvx_context *ctx, const char *function, const bvx_
     return check_near_range(ctx, function, lattice, low, high);
 }
 
-static bvx_status open_near(bvx_context *ctx, const char *function, const char *stage, double from, double to,
-                            bvxi_nearest *n)
+static bvx_status open_near(bvxi_call call, bvxi_nearest *n)
 {
     double low[3], high[3];
     /* What is refused is refused before memory is taken for the tree. */
-    BVXI_TRY(bvxi_view_bounds(ctx, function, &n->view, low, high));
-    BVXI_TRY(check_near_range(ctx, function, &n->lattice, low, high));
+    BVXI_TRY(bvxi_view_bounds(call.ctx, call.function, &n->view, low, high));
+    BVXI_TRY(check_near_range(call.ctx, call.function, &n->lattice, low, high));
     n->scale = near_scale(&n->lattice, low, high);
-    BVXI_TRY(require_near_area(ctx, function, n));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *n->memo, "the field's memory", &n->memo));
-    BVXI_TRY(bvxi_near_build(ctx, stage, from, to, low, high, n));
+    BVXI_TRY(require_near_area(call.ctx, call.function, n));
+    BVXI_TRY(bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, sizeof *n->memo, "the field's memory", &n->memo));
+    BVXI_TRY(bvxi_near_build(call, low, high, n));
     n->rounding = near_rounding(n);
     return BVX_OK;
 }
@@ -102,6 +101,7 @@ static bvx_status open_near(bvx_context *ctx, const char *function, const char *
 bvx_status bvxi_nearest_open(bvxi_call call, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
                              bvxi_nearest **nearest)
 {
+    uint64_t const mark = bvxi_scratch_begin(call.ctx);
     bvxi_nearest *n = NULL;
     *nearest = NULL;
     BVXI_TRY(bvxi_view_check(call.ctx, call.function, mesh));
@@ -110,10 +110,9 @@ bvx_status bvxi_nearest_open(bvxi_call call, const bvx_mesh_view *mesh, const bv
     n->view = *mesh;
     n->lattice = *lattice;
     n->triangle_count = mesh->triangle_count;
-    bvx_status const status = open_near(call.ctx, call.function, call.stage, call.from, call.to, n);
-    if (status == BVX_OK) *nearest = n;
-    else bvxi_nearest_close(call.ctx, n);
-    return status;
+    BVXI_TRY(bvxi_scratch_keep(call.ctx, mark, open_near(call, n)));
+    *nearest = n;
+    return BVX_OK;
 }
 
 void bvxi_nearest_prefer_planes(bvxi_nearest *nearest)

@@ -3,7 +3,7 @@
  *
  * A leaf keeps each triangle in a frame of its own, in which a distance is one in a plane and a height.
  * Sources at the headings below. */
-#include "nearest/nearest_tree.h"
+#include "nearest/closest.h"
 #include "nearest/nearest_brick.h"
 #include "core/simd.h"
 #include "core/vec3.h"
@@ -45,14 +45,12 @@ void bvxi_near_make_leaf(const uint32_t number[BVXI_NEAR_WIDTH], const float cor
 /* ---- The hierarchy of boxes over a mesh's triangles ---- */
 
 /* Source: Kamel, Faloutsos. On Packing R-trees. 1993: sort by a curve through space (nearest_order.c), then
- * pack up to eight neighbours into a leaf and up to eight boxes into a node, level by level; no pointers, no
- * recursion. Where the curve jumps a leaf or a node ends before its eighth child. Boxes are floats rounded
- * outwards. */
+ * pack up to eight neighbours into a leaf and eight boxes into a node, level by level; no pointers, no recursion.
+ * Where the curve jumps a leaf ends before its eighth child. Boxes are floats rounded outwards. */
 
 enum {
     NEAR_LEAF_GRAIN = 4096, /* least triangles a task */
-    NEAR_AHEAD = 24,        /* triangles that memory is requested ahead */
-    NEAR_CUT_LEVELS = 2     /* levels of nodes that are cut where the curve jumps */
+    NEAR_AHEAD = 24         /* triangles that memory is requested ahead */
 };
 
 typedef struct near_box {
@@ -62,9 +60,9 @@ typedef struct near_box {
 
 typedef struct near_builder {
     bvxi_nearest *n;
-    bvxi_near_order order;
-    near_box *boxes;     /* of leaves [Size: leaves] */
-    uint64_t first[257]; /* first leaf of each piece */
+    bvxi_curve curve;
+    near_box *boxes;                  /* of leaves [Size: leaves] */
+    uint64_t first[BVXI_MOST_PIECES]; /* leaves of each piece, then the first one */
     int32_t pieces, fast;
 } near_builder;
 
@@ -111,8 +109,8 @@ static inline void prefetch_near(const near_builder *b, uint64_t i, uint64_t end
     uint32_t c[3];
     /* Meshes with indices wait twice, for those and then for the vertices. */
     if (i + 2 * NEAR_AHEAD >= end || v->indices == NULL) return;
-    BVXI_PREFETCH(bvxi_view_index_at(v, bvxi_near_order_number(&b->order, i + 2 * NEAR_AHEAD)));
-    bvxi_view_triangle(v, bvxi_near_order_number(&b->order, i + NEAR_AHEAD), c);
+    BVXI_PREFETCH(bvxi_view_index_at(v, b->curve.order[i + 2 * NEAR_AHEAD]));
+    bvxi_view_triangle(v, b->curve.order[i + NEAR_AHEAD], c);
     for (int k = 0; k < 3; k++) BVXI_PREFETCH(bvxi_view_position_at(v, c[k]));
 }
 
@@ -126,11 +124,10 @@ static void fill_near_leaf(const near_builder *b, uint64_t first, uint32_t count
 
     /* A leaf that is not full holds its last triangle again: eight are always measured. */
     for (uint32_t k = 0; k < BVXI_NEAR_WIDTH; k++) {
-        order[k] = bvxi_near_order_number(&b->order, first + (k < count ? k : count - 1));
+        order[k] = b->curve.order[first + (k < count ? k : count - 1)];
         prefetch_near(b, first + k, end);
     }
 
-    /* Corners of the leaf's triangles as the caller gave them, coordinate by coordinate. */
     /* Coordinate by coordinate, so that eight triangles are one vector of each. */
     for (uint64_t k = 0; k < BVXI_NEAR_WIDTH; k++) {
         uint32_t c[3];
@@ -152,13 +149,18 @@ static void fill_near_leaf(const near_builder *b, uint64_t first, uint32_t count
         b->boxes[leaf].point[a] = n->leaves[leaf].frame[0].f[BVXI_NEAR_FOOT + a] - b->boxes[leaf].low[a];
 }
 
+static uint32_t near_leaf_run(const near_builder *b, uint64_t first, uint64_t end)
+{
+    return bvxi_near_cut(b->curve.keys + first, end - first, b->n->triangle_count < BVXI_NEAR_CUT_BELOW);
+}
+
 static void count_near_leaves(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     near_builder *const b = user;
     uint64_t leaves = 0;
     /* Cuts are looked for within the piece only, so that pieces need not wait for each other. */
-    for (; begin < end; leaves++) begin += bvxi_near_order_run(&b->order, begin, end);
-    b->first[index + 1] = leaves;
+    for (; begin < end; leaves++) begin += near_leaf_run(b, begin, end);
+    b->first[index] = leaves;
 }
 
 static void fill_near_leaves(void *user, int32_t index, uint64_t begin, uint64_t end)
@@ -167,30 +169,27 @@ static void fill_near_leaves(void *user, int32_t index, uint64_t begin, uint64_t
     uint64_t leaf = b->first[index];
     /* The same cuts as were counted. */
     while (begin < end) {
-        uint32_t const count = bvxi_near_order_run(&b->order, begin, end);
+        uint32_t const count = near_leaf_run(b, begin, end);
         fill_near_leaf(b, begin, count, end, leaf++);
         begin += count;
     }
 }
 
-static bvx_status make_near_leaves(bvx_context *ctx, const char *stage, double from, double to,
-                                   near_builder *b)
+static bvx_status make_near_leaves(bvxi_call call, near_builder *b)
 {
     bvxi_nearest *const n = b->n;
-    double const middle = from + (to - from) * 0.125;
+    double const middle = call.from + (call.to - call.from) * 0.125;
 
     b->pieces = bvxi_piece_count(n->triangle_count, NEAR_LEAF_GRAIN);
-    BVXI_TRY(
-        bvxi_for_pieces(ctx, stage, from, middle, b->pieces, b->n->triangle_count, count_near_leaves, b));
+    BVXI_TRY(bvxi_for_pieces(call.ctx, call.stage, call.from, middle, b->pieces, n->triangle_count,
+                             count_near_leaves, b));
 
     /* How many leaves a piece makes shows only after it was cut, so all are counted before any is written. */
-    for (int32_t i = 0; i < b->pieces; i++) b->first[i + 1] += b->first[i];
-    n->leaf_count = b->first[b->pieces];
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n->leaf_count * sizeof *n->leaves, "the search tree's triangles",
-                        &n->leaves));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n->leaf_count * sizeof *b->boxes, "the search tree's boxes",
-                        &b->boxes));
-    return bvxi_for_pieces(ctx, stage, middle, to, b->pieces, b->n->triangle_count, fill_near_leaves, b);
+    n->leaf_count = bvxi_place_counts(b->first, (uint64_t)b->pieces);
+    BVXI_TRY(BVXI_ARRAY(call.ctx, n->leaf_count, "the search tree's triangles", n->leaves));
+    BVXI_TRY(BVXI_ARRAY(call.ctx, n->leaf_count, "the search tree's boxes", b->boxes));
+    return bvxi_for_pieces(call.ctx, call.stage, middle, call.to, b->pieces, n->triangle_count,
+                           fill_near_leaves, b);
 }
 
 /* ---- Nodes ---- */
@@ -203,59 +202,12 @@ static inline void join_near_box(near_box *to, const near_box *box)
     }
 }
 
-static inline float near_box_sides(const near_box *b)
-{
-    return (b->high[0] - b->low[0]) + (b->high[1] - b->low[1]) + (b->high[2] - b->low[2]);
-}
-
-/* How many of the next boxes, at most eight, make a node: those before the best cut, if worth it. */
-static uint32_t near_box_run(const near_box *boxes, uint64_t left, int cut)
-{
-    uint32_t count = left < BVXI_NEAR_WIDTH ? (uint32_t)left : BVXI_NEAR_WIDTH;
-
-    /* What stands before the cut may be worth a cut too. */
-    while (cut && count > 1) {
-        float behind[BVXI_NEAR_WIDTH], best = 0.0f;
-        near_box box = boxes[count - 1];
-        uint32_t at = 0;
-
-        /* Boxes of all that come after each place, from the end; then of all before it, from the start. */
-        for (uint32_t i = count - 1; i > 0; i--) {
-            join_near_box(&box, &boxes[i]);
-            behind[i] = near_box_sides(&box);
-        }
-        box = boxes[0];
-        for (uint32_t i = 1; i < count; i++) {
-            float const sides = near_box_sides(&box) + behind[i];
-            if (at == 0 || sides < best) {
-                best = sides;
-                at = i;
-            }
-            join_near_box(&box, &boxes[i]);
-        }
-
-        /* A cut costs a node that is not full: it must save a quarter of the sides. */
-        if (4.0f * best >= 3.0f * near_box_sides(&box)) break;
-        count = at;
-    }
-    return count;
-}
-
-static uint64_t count_near_nodes(const near_box *boxes, uint64_t count, int cut)
-{
-    uint64_t nodes = 0;
-    for (uint64_t i = 0; i < count; nodes++) i += near_box_run(boxes + i, count - i, cut);
-    return nodes;
-}
-
 /* Make the nodes of a level; their own boxes take the place of their
  * children's. Children that there are not are points far from everything. */
-static void fill_near_nodes(near_box *boxes, uint64_t count, int cut, bvxi_near_node *nodes)
+static void fill_near_nodes(near_box *boxes, uint64_t count, bvxi_near_node *nodes)
 {
-    uint64_t made = 0;
-
-    for (uint64_t first = 0; first < count; made++) {
-        uint32_t const run = near_box_run(boxes + first, count - first, cut);
+    for (uint64_t first = 0, made = 0; first < count; first += BVXI_NEAR_WIDTH, made++) {
+        uint32_t const run = count - first < BVXI_NEAR_WIDTH ? (uint32_t)(count - first) : BVXI_NEAR_WIDTH;
         near_box box = boxes[first];
 
         /* Children stand side by side, so that one number finds them all. */
@@ -268,7 +220,6 @@ static void fill_near_nodes(near_box *boxes, uint64_t count, int cut, bvxi_near_
             }
         for (uint32_t k = 1; k < run; k++) join_near_box(&box, &boxes[first + k]);
         boxes[made] = box; /* made <= first: that child is in a node already */
-        first += run;
     }
 }
 
@@ -278,15 +229,11 @@ static bvx_status make_near_nodes(bvx_context *ctx, near_builder *b)
     uint64_t count = n->leaf_count;
 
     do {
-        /* Higher up few nodes are cut for little gain, and full nodes keep the levels within bounds. */
-        int const cut = n->level_count < NEAR_CUT_LEVELS && n->leaf_count < BVXI_NEAR_CUT_BELOW;
-        int32_t const level = n->level_count;
-        n->level_nodes[level] = count_near_nodes(b->boxes, count, cut);
-        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n->level_nodes[level] * sizeof **n->level,
-                            "the search tree's nodes", &n->level[level]));
-        n->level_count++;
-        fill_near_nodes(b->boxes, count, cut, n->level[level]);
-        count = n->level_nodes[level];
+        bvxi_near_node **const nodes = &n->level[n->level_count++];
+        uint64_t const made = (count + BVXI_NEAR_WIDTH - 1) / BVXI_NEAR_WIDTH;
+        BVXI_TRY(BVXI_ARRAY(ctx, made, "the search tree's nodes", *nodes));
+        fill_near_nodes(b->boxes, count, *nodes);
+        count = made;
     } while (count > 1);
     return BVX_OK;
 }
@@ -299,7 +246,7 @@ static void plan_near_tree(const double low[3], const double high[3], near_build
 {
     bvxi_nearest *const n = b->n;
     const bvx_lattice *const l = &n->lattice;
-    double half[3], minus[3];
+    double half[3], minus[3], side = 0.0;
 
     for (int a = 0; a < 3; a++) {
         double const first = l->origin[a] * n->scale;
@@ -317,28 +264,29 @@ static void plan_near_tree(const double low[3], const double high[3], near_build
         double const x = (low[a] * n->scale - n->middle[a]) * n->box_scale;
         double const y = (high[a] * n->scale - n->middle[a]) * n->box_scale;
         double const from = x > -2.0 ? x : y < -2.0 ? x : -2.0, to = y < 2.0 ? y : x > 2.0 ? y : 2.0;
-        b->order.grid_low[a] = from;
-        b->order.grid_side = to - from > b->order.grid_side ? to - from : b->order.grid_side;
+        b->curve.centre[a] = n->middle[a] + (from + to) * 0.5 / n->box_scale;
+        side = to - from > side ? to - from : side;
     }
+    b->curve.view = &n->view;
+    b->curve.scale = n->scale;
+    b->curve.units = 2.0 * n->box_scale / side;
 }
 
-bvx_status bvxi_near_build(bvx_context *ctx, const char *stage, double from, double to, const double low[3],
-                           const double high[3], bvxi_nearest *n)
+bvx_status bvxi_near_build(bvxi_call call, const double low[3], const double high[3], bvxi_nearest *n)
 {
-    double const middle = (from + to) * 0.5;
-    near_builder b;
-
-    memset(&b, 0, sizeof b);
-    b.n = n;
-    b.fast = bvxi_cpu(ctx) == BVX_CPU_AVX2;
+    double const middle = (call.from + call.to) * 0.5;
+    near_builder b = {.n = n, .fast = bvxi_cpu(call.ctx) == BVX_CPU_AVX2};
 
     /* The order first, then leaves of what it puts side by side, then levels of boxes above them. */
     plan_near_tree(low, high, &b);
-    BVXI_TRY(bvxi_near_order_make(ctx, stage, from, middle, n, &b.order));
-    BVXI_TRY(make_near_leaves(ctx, stage, middle, to, &b));
-    BVXI_TRY(make_near_nodes(ctx, &b));
-    bvxi_drop(ctx, b.boxes);
-    bvxi_near_order_free(ctx, &b.order);
+    BVXI_TRY(BVXI_ARRAY(call.ctx, n->triangle_count, "the search tree's keys", b.curve.keys));
+    BVXI_TRY(BVXI_ARRAY(call.ctx, n->triangle_count, "the search tree's order", b.curve.order));
+    BVXI_TRY(bvxi_curve_sort(bvxi_call_part(call, call.from, middle), &b.curve));
+    BVXI_TRY(make_near_leaves(bvxi_call_part(call, middle, call.to), &b));
+    BVXI_TRY(make_near_nodes(call.ctx, &b));
+    bvxi_drop(call.ctx, b.boxes);
+    bvxi_drop(call.ctx, b.curve.order);
+    bvxi_drop(call.ctx, b.curve.keys);
     return BVX_OK;
 }
 

@@ -20,7 +20,7 @@
  * unit of a foot's place in box units. Of 20 million even, thin, flat and tiny triangles none came to half of
  * that (test_nearest_parts.c). */
 
-enum { BVXI_NEAR_WIDTH = 8, BVXI_NEAR_LEVELS = 14 }; /* two of any count, then 8^12 > 2^31 leaves */
+enum { BVXI_NEAR_WIDTH = 8, BVXI_NEAR_LEVELS = 10 }; /* 8^10 > 2^29 leaves */
 
 #define BVXI_NEAR_ERROR 0x1p-19f
 #define BVXI_NEAR_SLACK 0x1p-12f /* relative slack of squared distances that are compared to drop boxes */
@@ -75,7 +75,6 @@ struct bvxi_nearest {
     bvxi_near_leaf *leaves;
     /* the lowest first: its children are leaves; the last has one node */
     bvxi_near_node *level[BVXI_NEAR_LEVELS];
-    uint64_t level_nodes[BVXI_NEAR_LEVELS];
     int32_t level_count;
     double scale;         /* world -> the units of the evaluation, a power of two */
     double middle[3];     /* of the lattice [Units: evaluation] */
@@ -90,8 +89,7 @@ struct bvxi_nearest {
 void bvxi_near_make_leaf(const uint32_t number[BVXI_NEAR_WIDTH], const float corner[9][BVXI_NEAR_WIDTH],
                          const float low[3], int32_t fast, bvxi_near_leaf *leaf);
 
-bvx_status bvxi_near_build(bvx_context *ctx, const char *stage, double from, double to, const double low[3],
-                           const double high[3], bvxi_nearest *n);
+bvx_status bvxi_near_build(bvxi_call call, const double low[3], const double high[3], bvxi_nearest *n);
 void bvxi_near_free(bvx_context *ctx, bvxi_nearest *n);
 
 /* Corners of a triangle in the units of the evaluation. */
@@ -105,31 +103,9 @@ static inline void bvxi_near_corners(const bvxi_nearest *n, uint32_t triangle, d
     }
 }
 
-/* ---- Triangles along a curve through space ---- */
-
-/* With more triangles no run is cut: eight times a leaf's number stays below 2^32. */
-#define BVXI_NEAR_CUT_BELOW (UINT64_C(1) << 29)
-
-typedef struct bvxi_near_order {
-    double grid_low[3], grid_side; /* where the curve's grid lies, set by the caller [Units: box] */
-    uint64_t count;
-    uint64_t *keys, *spare; /* [Size: count] */
-    uint32_t *numbers;      /* in the order of sorted; NULL: a key's low 32 bits [Size: count] */
-    const uint64_t *sorted; /* keys or spare */
-} bvxi_near_order;
-
-/* The rest of *o is zero before. It is to be freed also after a failure. */
-bvx_status bvxi_near_order_make(bvx_context *ctx, const char *stage, double from, double to,
-                                const bvxi_nearest *n, bvxi_near_order *o);
-void bvxi_near_order_free(bvx_context *ctx, bvxi_near_order *o);
-
-/* How many of the triangles first .. end - 1, at most eight, make a leaf. */
-uint32_t bvxi_near_order_run(const bvxi_near_order *o, uint64_t first, uint64_t end);
-
-/* Number of the triangle at a place of the curve. */
-static inline uint32_t bvxi_near_order_number(const bvxi_near_order *o, uint64_t i)
-{
-    return o->numbers != NULL ? o->numbers[i] : (uint32_t)o->sorted[i];
-}
+/* nearest_order.c: how many of the triangles left, at most eight, make a leaf; keys: theirs along the curve. cut: runs
+ * may be less than they could be, as they must not be where eight times a leaf's number passes 32 bits. */
+uint32_t bvxi_near_cut(const uint64_t *keys, uint64_t left, int cut);
+#define BVXI_NEAR_CUT_BELOW (UINT64_C(1) << 29) /* triangles */
 
 #endif
