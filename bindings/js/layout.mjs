@@ -90,7 +90,7 @@ export function readHeader(header) {
         )) {
             const [, type, names] = declaration.match(/^((?:const )?(?:struct )?\w+)\s+(.*)$/s);
             for (const part of names.split(',').map(text => text.trim())) {
-                const [, star, field, counts] = part.match(/^(\**)(\w+)((?:\[\d+\])*)$/);
+                const [, star, field, counts] = part.match(/^((?:\*(?:const )?)*)(\w+)((?:\[\d+\])*)$/);
                 const plain = type.replace(/^const |^struct /g, '');
                 const kind = star ? 'ptr' : (TYPES[plain] ?? plain);
                 const known = SIZES[kind]

@@ -364,7 +364,7 @@ class Bitvox {
         });
     }
 
-    #chain(name, called, struct, mesh, options) {
+    #chain(name, called, struct, whole, mesh, options) {
         const { count, targetTriangles, targetErrors, locked, ...rest } = options;
         return this.#call(name, options, (call, machine) => {
             for (const [what, list] of Object.entries({ targetTriangles, targetErrors })) {
@@ -383,7 +383,6 @@ class Bitvox {
                 refuse(name, `count is ${levels}, and there are not as many targets`);
             const reports = call.struct('level_report', levels),
                 made = call.result('mesh', levels);
-            const whole = struct === 'simplify_options' ? null : struct.replace('options', 'report');
             const chain = whole ? call.struct(whole) : 0;
             const set = (field, value) => machine.setField(struct, given, field, value);
             const given = call.options(
@@ -423,13 +422,13 @@ class Bitvox {
     hull(mesh, options = {}) {
         const { targetTriangles, targetErrors } = options;
         const all = { count: (targetTriangles ?? targetErrors ?? { length: 1 }).length, ...options };
-        return this.#chain('hull', 'bvx_hull', 'hull_options', mesh, all);
+        return this.#chain('hull', 'bvx_hull', 'hull_options', 'hull_report', mesh, all);
     }
     buildLevels(mesh, options = {}) {
-        return this.#chain('buildLevels', 'bvx_build_levels', 'levels_options', mesh, options);
+        return this.#chain('buildLevels', 'bvx_build_levels', 'levels_options', 'levels_report', mesh, options);
     }
     simplify(mesh, options = {}) {
-        return this.#chain('simplify', 'bvx_mesh_simplify', 'simplify_options', mesh, options);
+        return this.#chain('simplify', 'bvx_mesh_simplify', 'simplify_options', null, mesh, options);
     }
 
     buildLods(solid, options = {}) {
