@@ -23,12 +23,9 @@ static bvx_status place_on_plane(bvxi_stack *s, bvxi_plane *p, double low[2], do
             double const c = p->uv[i][k];
             /* Infinite or undefined: such a place is on no grid. */
             if (c - c != 0.0)
-                return s->fixed
-                           ? BVX_ERR_RANGE
-                           : bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
-                                           "%s: point %i is too far out", s->function, (uint64_t)p->given[i]);
-            if (c < low[k]) low[k] = c;
-            if (c > high[k]) high[k] = c;
+                return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR, "%s: point %i is too far out",
+                                     s->function, (uint64_t)p->given[i]);
+            bvxi_widen(&low[k], &high[k], &c, 1);
         }
     }
     return BVX_OK;
@@ -145,59 +142,22 @@ bvx_status bvxi_plane_direct(bvxi_stack *s, bvxi_plane *p, int32_t (*box)[4])
 
 enum { PLANES_SPARE_CUTS = 32 /* for subdivided cells */, PLANES_GRAIN = 1024 /* points */ };
 
-typedef struct planes_scratch {
-    bvxi_segment_box *sorted, *active;
-    int32_t (*box)[4];
-    bvxi_arc_scratch arcs;
-} planes_scratch;
-
 typedef struct planes_job {
     bvxi_stack *s;
     bvxi_stack view; /* fixed: for pieces */
     int32_t pieces, workers;
-    planes_scratch *scratch; /* one a worker */
-    double (*bounds)[4];     /* of each plane */
-    uint8_t *unsure;         /* a plane each */
-    uint64_t *count;         /* crossings and arcs of each plane */
-    uint64_t most_points, most_loops, most_arcs;
-    int32_t rows; /* the larger of columns and rows of cells, and one more */
+    bvxi_segment_box *box;  /* [2 * most_points] of each worker */
+    bvxi_arc_scratch *arcs; /* of each worker */
+    uint8_t *unsure;        /* a plane each */
+    uint64_t *count;        /* crossings and arcs of each plane */
+    uint64_t most_points, most_arcs;
 } planes_job;
-
-static void plane_place_piece(void *user, uint64_t begin, uint64_t end)
-{
-    planes_job *const job = user;
-    for (uint64_t i = begin; i < end; i++) {
-        double *const b = job->bounds[i];
-        b[0] = b[1] = 1e300;
-        b[2] = b[3] = -1e300;
-        job->unsure[i] = place_on_plane(&job->view, &job->s->plane[i], b, b + 2) != BVX_OK;
-    }
-}
-
-static planes_job planes_job_of(bvxi_stack *s)
-{
-    planes_job job = {
-        .s = s, .view = *s, .pieces = bvxi_section_pieces(s->plane_count, s->all.point_room, PLANES_GRAIN)};
-    job.view.fixed = 1;
-    return job;
-}
 
 bvx_status bvxi_planes_place(bvxi_stack *s)
 {
-    planes_job job = planes_job_of(s);
-
-    BVXI_TRY(BVXI_ARRAY(s->ctx, s->plane_count, "the bounds of sections", job.bounds));
-    BVXI_TRY(BVXI_ARRAY(s->ctx, s->plane_count, "the bounds of sections", job.unsure));
-    BVXI_TRY(
-        bvxi_for_ranges(s->ctx, "sections", 0.0, 0.25, job.pieces, s->plane_count, plane_place_piece, &job));
     for (uint32_t i = 0; i < s->plane_count; i++) {
-        const double *const b = job.bounds[i];
-        /* Gone over again with a stack that has messages: it fails here, and says where. */
-        if (job.unsure[i]) BVXI_TRY(place_on_plane(s, &s->plane[i], s->low, s->high));
-        for (int k = 0; k < 2; k++) {
-            if (b[k] < s->low[k]) s->low[k] = b[k];
-            if (b[k + 2] > s->high[k]) s->high[k] = b[k + 2];
-        }
+        BVXI_TRY(bvxi_progress(s->ctx, "sections", 0.25 * i / s->plane_count));
+        BVXI_TRY(place_on_plane(s, &s->plane[i], s->low, s->high));
     }
     return BVX_OK;
 }
@@ -212,18 +172,24 @@ static void measure_plane(const planes_job *job, uint64_t i)
     bvxi_plane_count_cuts(job->s, p, &job->count[2 * i], &job->count[2 * i + 1]);
 }
 
+/* A loop has three segments or more: boxes of loops fit where those of segments were. */
+static int32_t (*loop_boxes(bvxi_segment_box *box))[4]
+{
+    return (int32_t(*)[4])(void *)box;
+}
+
 static void plane_snap_piece(void *user, int32_t index, int32_t worker)
 {
     planes_job *const job = user;
-    const planes_scratch *const x = &job->scratch[worker];
+    bvxi_segment_box *const box = job->box + 2 * (uint64_t)worker * job->most_points;
     uint64_t begin, end;
     bvxi_piece(job->s->plane_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         bvxi_plane *const p = &job->s->plane[i];
         /* The quick test may say that it is not sure; such planes are left to the calling thread. */
         bvxi_plane_snap(&job->view, p);
-        job->unsure[i] = !bvxi_plane_is_simple(p, x->sorted, x->active) ||
-                         bvxi_plane_direct(&job->view, p, x->box) != BVX_OK;
+        job->unsure[i] = !bvxi_plane_is_simple(p, box, box + job->most_points) ||
+                         bvxi_plane_direct(&job->view, p, loop_boxes(box)) != BVX_OK;
         if (!job->unsure[i]) measure_plane(job, i);
     }
 }
@@ -236,7 +202,7 @@ static bvx_status settle_planes(planes_job *job)
         /* In order, so that what is refused is the first plane that is wrong, whatever the threads did. */
         if (job->unsure[i]) {
             BVXI_TRY(bvxi_plane_check_simple(s, p));
-            BVXI_TRY(bvxi_plane_direct(s, p, job->scratch[0].box));
+            BVXI_TRY(bvxi_plane_direct(s, p, loop_boxes(job->box)));
             measure_plane(job, i);
         }
         for (uint32_t k = 0; k < p->contour_count; k++) s->report.holes += (uint64_t)p->contour[k].hole;
@@ -289,37 +255,22 @@ static void plane_cut_piece(void *user, int32_t index, int32_t worker)
     uint64_t begin, end;
     bvxi_piece(job->s->plane_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++)
-        bvxi_plane_cut(&job->view, &job->s->plane[i], &job->scratch[worker].arcs);
-}
-
-/* Scratch of all workers in one block. */
-static bvx_status open_snap_scratch(planes_job *job)
-{
-    uint64_t const boxes = job->most_points * sizeof(bvxi_segment_box);
-    uint64_t const loops = job->most_loops * sizeof *job->scratch->box;
-    unsigned char *at;
-    BVXI_TRY(bvxi_alloc(job->s->ctx, BVXI_SCRATCH, (uint64_t)job->workers * (2 * boxes + loops),
-                        "the order of segments", &at));
-    for (int32_t i = 0; i < job->workers; i++, at += 2 * boxes + loops) {
-        job->scratch[i].sorted = (bvxi_segment_box *)(void *)at;
-        job->scratch[i].active = (bvxi_segment_box *)(void *)(at + boxes);
-        job->scratch[i].box = (int32_t(*)[4])(void *)(at + 2 * boxes);
-    }
-    return BVX_OK;
+        bvxi_plane_cut(&job->view, &job->s->plane[i], &job->arcs[worker]);
 }
 
 static bvx_status open_cut_scratch(planes_job *job)
 {
-    uint64_t const n = job->most_arcs, each = n * sizeof(bvxi_arc) + (3 * n + (uint64_t)job->rows) * 4;
-    unsigned char *at;
-    BVXI_TRY(bvxi_alloc(job->s->ctx, BVXI_SCRATCH, (uint64_t)job->workers * each, "the order of arcs", &at));
-    for (int32_t i = 0; i < job->workers; i++, at += each) {
-        bvxi_arc_scratch *const x = &job->scratch[i].arcs;
-        x->arc = (bvxi_arc *)(void *)at;
-        x->cell = (uint32_t *)(void *)(at + n * sizeof(bvxi_arc));
-        x->order[0] = x->cell + n;
-        x->order[1] = x->order[0] + n;
-        x->start = x->order[1] + n;
+    static const char what[] = "the order of arcs";
+    const bvxi_stack *const s = job->s;
+    int32_t const rows = (s->size[0] > s->size[1] ? s->size[0] : s->size[1]) + 1;
+
+    BVXI_TRY(BVXI_ZEROS(s->ctx, job->workers, what, job->arcs));
+    for (bvxi_arc_scratch *x = job->arcs; x < job->arcs + job->workers; x++) {
+        BVXI_TRY(BVXI_ARRAY(s->ctx, job->most_arcs, what, x->arc));
+        BVXI_TRY(BVXI_ARRAY(s->ctx, job->most_arcs, what, x->cell));
+        BVXI_TRY(BVXI_ARRAY(s->ctx, job->most_arcs, what, x->order[0]));
+        BVXI_TRY(BVXI_ARRAY(s->ctx, job->most_arcs, what, x->order[1]));
+        BVXI_TRY(BVXI_ARRAY(s->ctx, rows, what, x->start));
     }
     return BVX_OK;
 }
@@ -327,22 +278,19 @@ static bvx_status open_cut_scratch(planes_job *job)
 bvx_status bvxi_planes_ready(bvxi_stack *s)
 {
     uint64_t const n = s->plane_count;
-    planes_job job = planes_job_of(s);
+    planes_job job = {
+        .s = s, .view = *s, .pieces = bvxi_section_pieces(n, s->all.point_room, PLANES_GRAIN)};
 
+    job.view.fixed = 1;
     job.workers = bvxi_threads(s->ctx) < job.pieces ? bvxi_threads(s->ctx) : job.pieces;
-    job.rows = (s->size[0] > s->size[1] ? s->size[0] : s->size[1]) + 1;
-
-    for (uint32_t i = 0; i < n; i++) {
+    for (uint32_t i = 0; i < n; i++)
         if (s->plane[i].point_count > job.most_points) job.most_points = s->plane[i].point_count;
-        if (s->plane[i].contour_count > job.most_loops) job.most_loops = s->plane[i].contour_count;
-    }
-    BVXI_TRY(BVXI_ZEROS(s->ctx, job.workers, "the sections' scratch", job.scratch));
     BVXI_TRY(BVXI_ARRAY(s->ctx, n, "the sections' scratch", job.unsure));
     BVXI_TRY(BVXI_ARRAY(s->ctx, 2 * n, "the sections' scratch", job.count));
-    BVXI_TRY(open_snap_scratch(&job));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, 2 * (uint64_t)job.workers * job.most_points, "the order of segments", job.box));
     BVXI_TRY(bvxi_parallel(s->ctx, "sections", 0.25, 0.75, job.pieces, plane_snap_piece, &job));
     BVXI_TRY(settle_planes(&job));
-    bvxi_drop(s->ctx, job.scratch[0].sorted); /* the block of all */
+    bvxi_drop(s->ctx, job.box);
     BVXI_TRY(open_cuts(&job));
     BVXI_TRY(open_cut_scratch(&job));
     return bvxi_parallel(s->ctx, "sections", 0.75, 1.0, job.pieces, plane_cut_piece, &job);

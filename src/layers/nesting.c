@@ -216,55 +216,34 @@ bvx_status bvxi_nesting_open(bvxi_stack *s)
 /* It shares points, crossings and ring with its section. A level of holes is turned: what its loops enclose is
  * outside, so they run with the inside on their left and triangles face as the body's do. */
 
-typedef struct nest_sizes {
-    uint32_t segments;
-    uint32_t arcs;
-    uint64_t groups, boxes, inside, bytes;
-} nest_sizes;
-
 static uint32_t nest_contour_of_arc(const bvxi_plane *p, const bvxi_arc *arc)
 {
     return bvxi_contour_of(p, arc->from == BVXI_NONE ? arc->point : p->cut[arc->from].segment);
 }
 
-static void nest_measure_level(const bvxi_stack *s, const bvxi_plane *whole, const uint8_t *level,
-                               uint32_t number, nest_sizes *size)
+static bvx_status nest_open_level(const bvxi_stack *s, bvxi_plane *p, const uint8_t *level, uint32_t number,
+                                  uint32_t **segment)
 {
-    memset(size, 0, sizeof *size);
-    for (uint32_t c = 0; c < whole->contour_count; c++)
-        if (level[c] == number) size->segments += whole->contour[c].count;
-    for (uint32_t i = 0; i < whole->arc_count; i++)
-        size->arcs += level[nest_contour_of_arc(whole, &whole->arc[i])] == number;
-    bvxi_plane_tree_size(size->segments, &size->groups, &size->boxes);
-    size->inside = bvxi_stack_words(s);
-    size->bytes = whole->contour_count * sizeof *whole->contour + size->groups * sizeof *whole->group +
-                  size->boxes * sizeof *whole->box + size->inside * sizeof *whole->inside +
-                  size->arcs * (sizeof *whole->arc + sizeof *whole->ring_arc + sizeof *whole->arc_cell +
-                                sizeof *whole->asking) +
-                  (uint64_t)size->segments * sizeof *whole->segment;
-}
+    static const char what[] = "the levels of loops";
+    uint32_t segments = 0, arcs = 0;
+    uint64_t groups, boxes;
 
-/* One block for all of them, eight bytes wide items first; it begins with the contours. */
-static void nest_place_level(bvxi_plane *p, unsigned char *at, const nest_sizes *size, uint32_t **segment)
-{
-    p->contour = (bvxi_contour *)(void *)at;
-    at += p->contour_count * sizeof *p->contour;
-    p->group = (bvxi_segment_group *)(void *)at;
-    at += size->groups * sizeof *p->group;
-    p->box = (double(*)[4])(void *)at;
-    at += size->boxes * sizeof *p->box;
-    p->inside = (uint64_t *)(void *)at;
-    at += size->inside * sizeof *p->inside;
-    p->arc = (bvxi_arc *)(void *)at;
-    at += size->arcs * sizeof *p->arc;
-    p->ring_arc = (bvxi_ring_arc *)(void *)at;
-    at += size->arcs * sizeof *p->ring_arc;
-    p->arc_cell = (uint32_t *)(void *)at;
-    at += size->arcs * sizeof *p->arc_cell;
-    p->asking = (uint32_t *)(void *)at;
-    at += size->arcs * sizeof *p->asking;
-    *segment = (uint32_t *)(void *)at;
+    for (uint32_t c = 0; c < p->contour_count; c++)
+        if (level[c] == number) segments += p->whole->contour[c].count;
+    for (uint32_t i = 0; i < p->arc_count; i++)
+        arcs += level[nest_contour_of_arc(p->whole, &p->whole->arc[i])] == number;
+    bvxi_plane_tree_size(segments, &groups, &boxes);
+    BVXI_TRY(BVXI_ARRAY(s->ctx, p->contour_count, what, p->contour));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, groups, what, p->group));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, boxes, what, p->box));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, bvxi_stack_words(s), what, p->inside));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, arcs, what, p->arc));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, arcs, what, p->ring_arc));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, arcs, what, p->arc_cell));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, arcs, what, p->asking));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, segments, what, *segment));
     p->segment = *segment;
+    return BVX_OK;
 }
 
 /* A part that ends before the next section does so here too, unless one of its holes goes on. */
@@ -303,7 +282,6 @@ static void nest_fill_level(const bvxi_stack *s, bvxi_plane *p, const uint8_t *l
     bvxi_plane_look_at_cells(s, p);
 
     /* Each crossing of a line of one v turns the grid points beyond it, and is the end of one arc. */
-    memset(p->inside, 0, (size_t)bvxi_stack_words(s) * 8);
     for (uint32_t i = 0; i < p->arc_count; i++) {
         const bvxi_line_cut *const c = &p->cut[p->arc[i].to];
         uint32_t const bit = (p->arc_cell[i] & 0xffff) + 1;
@@ -321,19 +299,13 @@ static void nest_fill_level(const bvxi_stack *s, bvxi_plane *p, const uint8_t *l
 static bvx_status nest_make_level(bvxi_stack *s, bvxi_plane *whole, int side, uint32_t number, uint32_t *part)
 {
     const uint8_t *const level = s->nesting.level[side] + (whole->contour - s->all.contour);
-    bvxi_plane *const p = &s->nesting.plane[s->nesting.plane_count];
-    unsigned char *block;
+    bvxi_plane *const p = &s->nesting.plane[s->nesting.plane_count++];
     uint32_t *segment;
-    nest_sizes size;
-
-    nest_measure_level(s, whole, level, number, &size);
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, size.bytes, "the levels of loops", &block));
-    s->nesting.plane_count++;
 
     *p = *whole;
     p->whole = whole;
     p->turned = (int)(number & 1);
-    nest_place_level(p, block, &size, &segment);
+    BVXI_TRY(nest_open_level(s, p, level, number, &segment));
     nest_copy_loops(p, level, number, part);
     nest_fill_level(s, p, level, number, segment);
     return BVX_OK;

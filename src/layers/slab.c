@@ -370,42 +370,30 @@ static bvx_status order_hanging(bvxi_split_work *w, bvxi_slab *slab)
     return bvxi_radix_sort(w->s->ctx, w->key, w->order, kept);
 }
 
-/* Copy a part of the slab's block; all of them are of four byte numbers or less. */
-static unsigned char *keep_part(unsigned char *to, const void *from, uint64_t bytes)
+static bvx_status keep_part(bvx_context *ctx, void *to, const void *from, uint64_t bytes)
 {
-    if (bytes != 0) memcpy(to, from, (size_t)bytes);
-    return to + bytes;
+    void *kept;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the parts of cells", &kept));
+    if (bytes != 0) memcpy(kept, from, (size_t)bytes);
+    memcpy(to, &kept, sizeof kept);
+    return BVX_OK;
 }
 
-static bvx_status keep_slab(bvxi_split_work *w, bvxi_slab *slab)
+static bvx_status keep_slab(const bvxi_split_work *w, bvxi_slab *slab)
 {
     const bvxi_slab *const g = &w->grown;
-    uint64_t const split = g->split_count * sizeof *g->split;
-    uint64_t const leaf = g->leaf_count * sizeof *g->leaf;
-    uint64_t const arc = g->arc_count * sizeof *g->arc;
-    uint64_t const hanging = g->hanging_count * sizeof *g->hanging, by_u = (uint64_t)g->hanging_count * 4;
-    unsigned char *at;
+    bvx_context *const ctx = w->s->ctx;
 
     if (g->split_count == 0) return BVX_OK;
-
-    /* One block, since slabs are many and most are small. */
-    BVXI_TRY(
-        bvxi_alloc(w->s->ctx, BVXI_SCRATCH, split + leaf + arc + hanging + by_u, "the parts of cells", &at));
     slab->split_count = g->split_count;
     slab->leaf_count = g->leaf_count;
     slab->arc_count = g->arc_count;
     slab->hanging_count = g->hanging_count;
-    slab->split = (bvxi_split *)(void *)at;
-    at = keep_part(at, g->split, split);
-    slab->leaf = (bvxi_leaf *)(void *)at;
-    at = keep_part(at, g->leaf, leaf);
-    slab->arc = (bvxi_arc *)(void *)at;
-    at = keep_part(at, g->arc, arc);
-    slab->hanging = (bvxi_hanging *)(void *)at;
-    at = keep_part(at, w->sorted, hanging);
-    slab->by_u = (uint32_t *)(void *)at;
-    keep_part(at, w->order, by_u);
-    return BVX_OK;
+    BVXI_TRY(keep_part(ctx, &slab->split, g->split, g->split_count * sizeof *g->split));
+    BVXI_TRY(keep_part(ctx, &slab->leaf, g->leaf, g->leaf_count * sizeof *g->leaf));
+    BVXI_TRY(keep_part(ctx, &slab->arc, g->arc, g->arc_count * sizeof *g->arc));
+    BVXI_TRY(keep_part(ctx, &slab->hanging, w->sorted, g->hanging_count * sizeof *g->hanging));
+    return keep_part(ctx, &slab->by_u, w->order, g->hanging_count * sizeof *slab->by_u);
 }
 
 /* ---- all slabs ---- */

@@ -60,9 +60,9 @@ typedef struct bvxi_trace {
     bvxi_trace_point *point;
     bvxi_trace_end *end;
     uint32_t *row[2]; /* crossings of one side in order, below and above */
-    uint32_t row_room;
     uint32_t *cross[2]; /* FIELD: crossings around the cell */
-    uint32_t cross_count[2], cross_room;
+    uint32_t cross_count[2];
+    uint64_t row_room[2], cross_room[2];
     struct bvxi_trace_insert {
         double along;
         uint32_t point;
@@ -74,7 +74,7 @@ typedef struct bvxi_trace {
     int strip;                   /* out: it became a strip from below to above */
     uint32_t loop_count, strips; /* so far in the cell */
     uint32_t choice;             /* how each is filled */
-    uint32_t loop_room;
+    uint64_t loop_room[5]; /* of the arrays below */
     uint32_t *vertex;
     uint8_t *faces;
     const double **at;
