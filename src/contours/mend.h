@@ -61,9 +61,6 @@ typedef struct bvxi_mend_work {
     bvxi_map *map; /* nodes by their places */
 } bvxi_mend_work;
 
-/* Fill in nodes, edges and the loops that change. *done is 0 where splitting does not end. */
-bvx_status bvxi_mend_split_plane(bvxi_mend_work *work, int *done);
-
 /* ---- mend_trace.c: loops along the edges that are left ---- */
 
 /* Edges of changed loops that lie on each other an even number of times go;
@@ -85,13 +82,5 @@ typedef struct bvxi_mend_paths {
     const uint32_t *loop; /* where each loop's stops begin */
     uint32_t stop_count, loop_count;
 } bvxi_mend_paths;
-
-void bvxi_mend_direction(const bvxi_mend_work *work, const uint32_t *edge, uint32_t end, int64_t d[2]);
-/* The middle of the angle from one end counter-clockwise to another, of length 1 or 0; returns
- * the cosine of half of it. */
-double bvxi_mend_middle(const bvxi_mend_paths *paths, uint32_t from, uint32_t to, double middle[2]);
-
-/* By how many steps each stop moves. stays: of each node, the stop that does not. */
-bvx_status bvxi_mend_apart(const bvxi_mend_paths *paths, const uint32_t *stays, int16_t (*nudge)[2]);
 
 #endif

@@ -1,7 +1,302 @@
 /* mend_trace.c - loops along the edges that are left of loops that touched or crossed, and the stack that
  * they make. */
 #include "contours/mend.h"
+
 #include "mesh/mesh.h"
+
+#include <math.h>
+
+/* ---- loops moved apart at a node ---- */
+
+/* At a node stops of loops lie in each other or beside each other like brackets, as no path crosses another. One
+ * stays; each of the others moves into the angle on its far side, those that have others in that angle a quarter as
+ * far as these. Nodes at which segments would meet move half as far, until none do. Exact; what cannot be moved
+ * apart is found by the checks of every stack. */
+
+enum {
+    APART_STEPS = 48,
+    APART_FARTHEST = 12288,
+    APART_DOUBLINGS = 12,
+    APART_ROUNDS = 28,
+    APART_KEPT_LEVELS = 1
+};
+enum { APART_LESS = 1, APART_MORE = 2 };
+
+/* A segment where it is to lie: from a stop to the next one, or of a loop that is as it was. */
+typedef struct apart_segment {
+    int32_t q[2][2];
+    uint32_t stop[2]; /* or BVXI_NONE */
+} apart_segment;
+
+typedef struct apart_stop {
+    double way[2];  /* along which it moves; 0: it stays */
+    uint32_t level; /* stops that lie in its angle, one in the other */
+    uint32_t next;  /* in its loop */
+} apart_stop;
+
+typedef struct apart_work {
+    const bvxi_mend_paths *paths;
+    apart_stop *stop;
+    uint32_t *first, *at_node; /* stops by node [Size: nodes + 1], [Size: stops] */
+    double *steps;             /* of each node: how far what lies innermost moves */
+    uint8_t *mark;             /* of each node: APART_... */
+    apart_segment *segment;
+    bvxi_segment_box *box;
+    uint32_t segments;
+} apart_work;
+
+static void mend_direction(const bvxi_mend_work *w, const uint32_t *edge, uint32_t end, int64_t d[2])
+{
+    const uint32_t *const node = w->edge[edge[end >> 1]].node;
+    for (int k = 0; k < 2; k++) d[k] = (int64_t)w->node[node[~end & 1]].q[k] - w->node[node[end & 1]].q[k];
+}
+
+/* The middle of the angle from one end counter-clockwise to another, of length 1 or 0; returns
+ * the cosine of half of it. */
+static double mend_middle(const bvxi_mend_paths *p, uint32_t from, uint32_t to, double middle[2])
+{
+    double u[2], v[2], length;
+    int64_t d[2], e[2];
+
+    mend_direction(p->w, p->edge, from, d);
+    mend_direction(p->w, p->edge, to, e);
+    length = sqrt((double)d[0] * (double)d[0] + (double)d[1] * (double)d[1]);
+    for (int k = 0; k < 2; k++) u[k] = (double)d[k] / length;
+    length = sqrt((double)e[0] * (double)e[0] + (double)e[1] * (double)e[1]);
+    for (int k = 0; k < 2; k++) v[k] = (double)e[k] / length;
+
+    /* The middle of the angle lies across the difference of both directions. */
+    middle[0] = v[1] - u[1];
+    middle[1] = u[0] - v[0];
+    length = sqrt(middle[0] * middle[0] + middle[1] * middle[1]);
+    for (int k = 0; k < 2; k++) middle[k] = length > 0.0 ? middle[k] / length : 0.0;
+    return middle[0] * u[0] + middle[1] * u[1];
+}
+
+/* ---- brackets at a node ---- */
+
+static int stands_between(const bvxi_mend_paths *p, uint32_t from, uint32_t end, uint32_t to)
+{
+    uint32_t const r = p->rank[end], a = p->rank[from], b = p->rank[to];
+    return a < b ? a < r && r < b : r > a || r < b;
+}
+
+/* The ends of the angle that a stop moves into: counter-clockwise, without the stop that stays. */
+static void far_angle(const bvxi_mend_paths *p, uint32_t stop, uint32_t stays, uint32_t angle[2])
+{
+    const bvxi_mend_stop *const s = &p->stop[stop];
+    int const turned = stands_between(p, s->out, p->stop[stays].in, s->in);
+    angle[0] = turned ? s->in : s->out;
+    angle[1] = turned ? s->out : s->in;
+}
+
+/* Stops in a stop's angle come before it: by how many ends stand there. */
+static uint32_t ends_within(const bvxi_mend_paths *p, const uint32_t angle[2], uint32_t all)
+{
+    return (p->rank[angle[1]] + all - p->rank[angle[0]]) % all;
+}
+
+static void aim_stops(apart_work *w, uint32_t node, uint32_t stays)
+{
+    const bvxi_mend_paths *const p = w->paths;
+    uint32_t *const here = w->at_node + w->first[node];
+    uint32_t const count = w->first[node + 1] - w->first[node], all = 2 * count;
+    uint32_t deepest = 0;
+
+    for (uint32_t i = 1; i < count; i++) { /* narrow ones first; few meet at a node */
+        uint32_t const x = here[i];
+        uint32_t a[2], b[2], j = i;
+        far_angle(p, x, stays, a);
+        for (; j > 0; j--) {
+            far_angle(p, here[j - 1], stays, b);
+            if (here[j - 1] != stays && (x == stays || ends_within(p, b, all) <= ends_within(p, a, all)))
+                break;
+            here[j] = here[j - 1];
+        }
+        here[j] = x;
+    }
+
+    for (uint32_t i = 0; i < count; i++) {
+        apart_stop *const s = &w->stop[here[i]];
+        uint32_t a[2];
+
+        s->level = 0;
+        s->way[0] = s->way[1] = 0.0;
+        if (here[i] == stays) continue;
+        far_angle(p, here[i], stays, a);
+        (void)mend_middle(p, a[0], a[1], s->way);
+        for (uint32_t k = 0; k < i; k++)
+            if (here[k] != stays && stands_between(p, a[0], p->stop[here[k]].in, a[1]) &&
+                w->stop[here[k]].level >= s->level)
+                s->level = w->stop[here[k]].level + 1;
+        if (s->level > deepest) deepest = s->level;
+    }
+
+    /* Each level moves a quarter as far as the one in it: of many, the innermost begins farther off. */
+    w->steps[node] = APART_STEPS;
+    for (; deepest > APART_KEPT_LEVELS && w->steps[node] < APART_FARTHEST; deepest--) w->steps[node] *= 4.0;
+}
+
+static void aim_nodes(apart_work *w, const uint32_t *stays)
+{
+    const bvxi_mend_paths *const p = w->paths;
+    uint32_t const nodes = p->w->node_count;
+
+    memset(w->first, 0, ((size_t)nodes + 1) * 4);
+    for (uint32_t i = 0; i < p->stop_count; i++) w->first[p->stop[i].node + 1]++;
+    for (uint32_t n = 0; n < nodes; n++) w->first[n + 1] += w->first[n];
+    for (uint32_t i = p->stop_count; i-- > 0;) /* starts move to the ends before them */
+        w->at_node[--w->first[p->stop[i].node + 1]] = i;
+    for (uint32_t n = 0; n < nodes; n++) w->first[n] = w->first[n + 1];
+    w->first[nodes] = p->stop_count;
+
+    for (uint32_t n = 0; n < nodes; n++) {
+        w->steps[n] = 0.0;
+        if (w->first[n + 1] - w->first[n] > 1) aim_stops(w, n, stays[n]);
+        else if (w->first[n + 1] != w->first[n])
+            memset(&w->stop[w->at_node[w->first[n]]], 0, sizeof *w->stop);
+    }
+    for (uint32_t l = 0; l < p->loop_count; l++) {
+        uint32_t const begin = p->loop[l], end = l + 1 < p->loop_count ? p->loop[l + 1] : p->stop_count;
+        for (uint32_t i = begin; i < end; i++) w->stop[i].next = i + 1 < end ? i + 1 : begin;
+    }
+}
+
+static void stop_nudge(const bvxi_mend_paths *p, const apart_work *w, uint32_t stop, int32_t nudge[2])
+{
+    const apart_stop *const s = &w->stop[stop];
+    double steps = w->steps[p->stop[stop].node];
+    for (uint32_t k = 0; k < s->level; k++) steps *= 0.25;
+    for (int k = 0; k < 2; k++) nudge[k] = (int32_t)floor(steps * s->way[k] + 0.5);
+}
+
+static void put_segments(apart_work *w)
+{
+    const bvxi_mend_paths *const p = w->paths;
+    const bvxi_mend_work *const m = p->w;
+
+    w->segments = 0;
+    for (uint32_t i = 0; i < p->stop_count; i++) {
+        apart_segment *const s = &w->segment[w->segments++];
+        s->stop[0] = i;
+        s->stop[1] = w->stop[i].next;
+        for (int end = 0; end < 2; end++) {
+            const int32_t *const at = m->node[p->stop[s->stop[end]].node].q;
+            int32_t nudge[2];
+            stop_nudge(p, w, s->stop[end], nudge);
+            for (int k = 0; k < 2; k++) s->q[end][k] = at[k] + 2 * nudge[k];
+        }
+    }
+    for (uint32_t i = 0; i < m->edge_count; i++) {
+        apart_segment *const s = &w->segment[w->segments];
+        if (m->changed[m->edge[i].loop]) continue;
+        w->segments++;
+        for (int end = 0; end < 2; end++) {
+            s->stop[end] = BVXI_NONE;
+            memcpy(s->q[end], m->node[m->edge[i].node[end]].q, sizeof s->q[end]);
+        }
+    }
+}
+
+static int segments_collide(const apart_segment *s, const apart_segment *t)
+{
+    int const after = s->stop[1] == t->stop[0], before = t->stop[1] == s->stop[0];
+    if (s->stop[0] == BVXI_NONE && t->stop[0] == BVXI_NONE) return 0; /* they do not touch as they are */
+    /* Neighbours on a loop share a point: only a fold back onto each other counts. */
+    if (after && before) return 0;
+    if (after) return bvxi_folds_back(s->q[1], s->q[0], t->q[1]);
+    if (before) return bvxi_folds_back(s->q[0], s->q[1], t->q[0]);
+    return bvxi_segments_meet(s->q[0], s->q[1], t->q[0], t->q[1]);
+}
+
+static uint32_t node_of_end(const apart_work *w, const apart_segment *s, int end)
+{
+    return s->stop[end] == BVXI_NONE ? BVXI_NONE : w->paths->stop[s->stop[end]].node;
+}
+
+/* Segments that meet at a node of both are too near to each other there; at other nodes they move too far. */
+static void mark_collision(apart_work *w, const apart_segment *s, const apart_segment *t)
+{
+    int common = 0;
+    for (int i = 0; i < 4; i++) {
+        uint32_t const node = node_of_end(w, s, i & 1);
+        if (node == BVXI_NONE || node != node_of_end(w, t, i >> 1)) continue;
+        w->mark[node] |= APART_MORE;
+        common = 1;
+    }
+    for (int end = 0; end < 2 && !common; end++) {
+        if (s->stop[end] != BVXI_NONE) w->mark[node_of_end(w, s, end)] |= APART_LESS;
+        if (t->stop[end] != BVXI_NONE) w->mark[node_of_end(w, t, end)] |= APART_LESS;
+    }
+}
+
+static bvx_status find_collision(void *user, uint32_t i, uint32_t j)
+{
+    apart_work *const w = user;
+    if (segments_collide(&w->segment[i], &w->segment[j])) mark_collision(w, &w->segment[i], &w->segment[j]);
+    return BVX_OK;
+}
+
+/* What was too near goes further off while that may help: later on all only comes nearer. */
+static int change_steps(apart_work *w, uint32_t node, int round)
+{
+    double *const steps = &w->steps[node];
+    if (w->mark[node] == APART_MORE && round < APART_DOUBLINGS && *steps < APART_FARTHEST) *steps *= 2.0;
+    else if (w->mark[node] != 0 && *steps > 1.0) *steps *= 0.5;
+    else return 0;
+    return 1;
+}
+
+static bvx_status choose_steps(apart_work *w)
+{
+    uint32_t const nodes = w->paths->w->node_count;
+    int again = 1;
+
+    for (int round = 0; again && round < APART_ROUNDS; round++) {
+        /* All collisions of a round are found before a node changes, so their order does not matter. */
+        again = 0;
+        memset(w->mark, 0, nodes);
+        put_segments(w);
+        for (uint32_t i = 0; i < w->segments; i++)
+            w->box[i] = bvxi_box_segment(w->segment[i].q[0], w->segment[i].q[1], i);
+        BVXI_TRY(bvxi_sweep(w->paths->w->s->ctx, w->box, w->segments, find_collision, w));
+        for (uint32_t n = 0; n < nodes; n++) again |= change_steps(w, n, round);
+    }
+    return BVX_OK;
+}
+
+static bvx_status move_apart(apart_work *w, const uint32_t *stays, int16_t (*nudge)[2])
+{
+    const bvxi_mend_paths *const p = w->paths;
+    bvx_context *const ctx = p->w->s->ctx;
+    uint64_t const stops = p->stop_count, nodes = p->w->node_count;
+
+    BVXI_TRY(BVXI_ARRAY(ctx, stops, "stops at a node", w->stop));
+    BVXI_TRY(BVXI_ARRAY(ctx, nodes + 1, "the nodes' stops", w->first));
+    BVXI_TRY(BVXI_ARRAY(ctx, stops, "the nodes' stops", w->at_node));
+    BVXI_TRY(BVXI_ARRAY(ctx, nodes, "the steps of nodes", w->steps));
+    BVXI_TRY(BVXI_ARRAY(ctx, nodes, "the marks of nodes", w->mark));
+    BVXI_TRY(BVXI_ARRAY(ctx, stops + p->w->edge_count, "the segments apart", w->segment));
+    BVXI_TRY(BVXI_ARRAY(ctx, stops + p->w->edge_count, "the segments apart", w->box));
+    aim_nodes(w, stays);
+    BVXI_TRY(choose_steps(w));
+    /* The farthest step still fits 16 bits. */
+    for (uint32_t i = 0; i < stops; i++) {
+        int32_t steps[2];
+        stop_nudge(p, w, i, steps);
+        for (int k = 0; k < 2; k++) nudge[i][k] = (int16_t)steps[k];
+    }
+    return BVX_OK;
+}
+
+/* By how many steps each stop moves. stays: of each node, the stop that does not. */
+static bvx_status mend_move_apart(const bvxi_mend_paths *paths, const uint32_t *stays, int16_t (*nudge)[2])
+{
+    apart_work w = {.paths = paths};
+    return BVXI_SCOPE(paths->w->s->ctx, move_apart(&w, stays, nudge));
+}
+
+/* ---- loops along the edges that are left ---- */
 
 bvx_status bvxi_mended_add_loop(bvxi_mended *m, uint32_t section, int32_t label)
 {
@@ -30,7 +325,7 @@ bvx_status bvxi_mended_add_point(bvxi_mended *m, const double at[3], int32_t u, 
  * slits, spikes, borders in common. Of the others an even number ends at each node. They are joined there in
  * pairs that lie beside each other, so that no path crosses another, and a path that comes back to a node is
  * cut off there as a loop: no loop comes to a node twice. Loops that share a node still touch; there each
- * one's point is moved in fixed point by some steps (mend_apart.c). What is written to the mesh is the point
+ * one's point is moved in fixed point by some steps. What is written to the mesh is the point
  * itself; only the decisions about what lies where see that it was moved. */
 
 typedef struct mend_trace {
@@ -78,8 +373,8 @@ static bvx_status mend_keep_edges(mend_trace *t, uint64_t *key, uint32_t *order)
 static int mend_turns_before(const mend_trace *t, uint32_t a, uint32_t b)
 {
     int64_t d[2], e[2];
-    bvxi_mend_direction(t->w, t->edge, a, d);
-    bvxi_mend_direction(t->w, t->edge, b, e);
+    mend_direction(t->w, t->edge, a, d);
+    mend_direction(t->w, t->edge, b, e);
     /* Directions of the lower half-plane come after those of
      * the upper one; within one, the cross product decides. */
     int const low = d[1] < 0 || (d[1] == 0 && d[0] < 0);
@@ -155,8 +450,8 @@ static double mend_narrowness(const mend_trace *t, const bvxi_mend_paths *p, con
 {
     uint32_t const all = t->start[s->node + 1] - t->start[s->node], i = t->rank[s->out], j = t->rank[s->in];
     double middle[2];
-    if ((i + 1) % all == j) return bvxi_mend_middle(p, s->out, s->in, middle);
-    return (j + 1) % all == i ? bvxi_mend_middle(p, s->in, s->out, middle) : 2.0;
+    if ((i + 1) % all == j) return mend_middle(p, s->out, s->in, middle);
+    return (j + 1) % all == i ? mend_middle(p, s->in, s->out, middle) : 2.0;
 }
 
 /* At a node the stop in the narrowest angle stays, or one between others. narrowest: scratch, by node. */
@@ -240,6 +535,6 @@ bvx_status bvxi_mend_trace(bvxi_mend_work *w, bvxi_mended *mended)
     bvxi_mend_paths paths = {w, t.edge, t.rank, t.stop, t.loop, t.stop_count, t.loop_count};
     mend_choose_stay(&t, &paths, narrowest, stays);
     BVXI_TRY(BVXI_ZEROS(w->s->ctx, t.stop_count, "the steps of points", nudge));
-    BVXI_TRY(bvxi_mend_apart(&paths, stays, nudge));
+    BVXI_TRY(mend_move_apart(&paths, stays, nudge));
     return mend_give_loops(&t, (const int16_t(*)[2])nudge);
 }

@@ -6,61 +6,158 @@
  * right, are gone over once more in order on the calling thread, which says what it is. */
 #include "contours/section.h"
 
-enum { PLANES_SPARE_CUTS = 32 /* for subdivided cells */, PLANES_GRAIN = 1024 /* points */ };
+#include "lattice/wide.h"
 
-typedef struct planes_scratch {
-    bvxi_segment_box *sorted, *active;
-    int32_t (*box)[4];
-    bvxi_arc_scratch arcs;
-} planes_scratch;
+#include <math.h>
+
+/* ---- one plane ---- */
+
+/* One plane, with messages; these are what planes are gone over again with when something is wrong. */
+static bvx_status place_on_plane(bvxi_stack *s, bvxi_plane *p, double low[2], double high[2])
+{
+    for (uint32_t i = 0; i < p->point_count; i++) {
+        const double *const at = s->given->points + 3 * (uint64_t)p->given[i];
+        p->uv[i][0] = bvxi_along_axis(s->axis[0], at);
+        p->uv[i][1] = bvxi_along_axis(s->axis[1], at);
+        for (int k = 0; k < 2; k++) {
+            double const c = p->uv[i][k];
+            /* Infinite or undefined: such a place is on no grid. */
+            if (c - c != 0.0)
+                return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR, "%s: point %i is too far out",
+                                     s->function, (uint64_t)p->given[i]);
+            bvxi_widen(&low[k], &high[k], &c, 1);
+        }
+    }
+    return BVX_OK;
+}
+
+int32_t bvxi_snap_steps(const bvxi_stack *s, int k, double along)
+{
+    return (int32_t)floor((along - s->origin[k]) / s->step[k] * (double)(1 << (s->fine - 1)));
+}
+
+void bvxi_plane_snap(const bvxi_stack *s, bvxi_plane *p)
+{
+    for (uint32_t i = 0; i < p->point_count; i++)
+        for (int k = 0; k < 2; k++) {
+            /* Points are odd: between the grid's lines, which are even, so that none lies on a line. */
+            int32_t const top = (s->size[k] << s->fine) - 1;
+            int32_t const steps = s->nudge == NULL ? 0 : s->nudge[p->given[i]][k];
+            int32_t const q = 2 * (bvxi_snap_steps(s, k, p->uv[i][k]) + steps) + 1;
+            p->q[i][k] = q < 1 ? 1 : q > top ? top : q;
+        }
+}
+
+/* Twice the area, exactly, as a sign. */
+static int turn_of(const bvxi_plane *p, const bvxi_contour *c)
+{
+    bvxi_wide sum = bvxi_wide_mul(0, 0);
+    const int32_t *const o = p->q[c->first];
+    for (uint32_t i = c->first + 1; i + 1 < c->first + c->count; i++) {
+        int64_t const ax = (int64_t)p->q[i][0] - o[0], ay = (int64_t)p->q[i][1] - o[1];
+        int64_t const bx = (int64_t)p->q[i + 1][0] - o[0], by = (int64_t)p->q[i + 1][1] - o[1];
+        sum = bvxi_wide_add(sum, bvxi_wide_add(bvxi_wide_mul(ax, by), bvxi_wide_mul(-ay, bx)));
+    }
+    return bvxi_wide_sign(sum);
+}
+
+int bvxi_loop_contains(const bvxi_plane *p, const bvxi_contour *c, const int32_t *at)
+{
+    int odd = 0;
+    for (uint32_t i = c->first; i < c->first + c->count; i++) {
+        const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
+        /* Half open, so that a place level with a point counts it once. */
+        if ((a[1] <= at[1]) == (b[1] <= at[1])) continue;
+        int64_t const s = ((int64_t)b[0] - a[0]) * ((int64_t)at[1] - a[1]) -
+                          ((int64_t)at[0] - a[0]) * ((int64_t)b[1] - a[1]);
+        odd ^= (s > 0) == (b[1] > a[1]);
+    }
+    return odd;
+}
+
+static void reverse_loop(bvxi_plane *p, const bvxi_contour *c)
+{
+    for (uint32_t i = c->first, j = c->first + c->count - 1; i < j; i++, j--) {
+        uint32_t const given = p->given[i];
+        int32_t q[2];
+        double uv[2];
+        memcpy(q, p->q[i], sizeof q);
+        memcpy(uv, p->uv[i], sizeof uv);
+        p->given[i] = p->given[j];
+        memcpy(p->q[i], p->q[j], sizeof q);
+        memcpy(p->uv[i], p->uv[j], sizeof uv);
+        p->given[j] = given;
+        memcpy(p->q[j], q, sizeof q);
+        memcpy(p->uv[j], uv, sizeof uv);
+    }
+}
+
+uint32_t bvxi_contour_of(const bvxi_plane *p, uint32_t point)
+{
+    uint32_t low = 0, high = p->contour_count;
+    while (high - low > 1) {
+        uint32_t const middle = low + (high - low) / 2;
+        if (p->contour[middle].first <= point) low = middle;
+        else high = middle;
+    }
+    return low;
+}
+
+void bvxi_loop_box(const bvxi_plane *p, const bvxi_contour *c, int32_t box[4])
+{
+    for (int k = 0; k < 2; k++) box[k] = box[k + 2] = p->q[c->first][k];
+    for (uint32_t i = c->first; i < c->first + c->count; i++)
+        for (int k = 0; k < 2; k++) {
+            if (p->q[i][k] < box[k]) box[k] = p->q[i][k];
+            if (p->q[i][k] > box[k + 2]) box[k + 2] = p->q[i][k];
+        }
+}
+
+/* The boxes of loops keep most pairs from being looked at. */
+bvx_status bvxi_plane_direct(bvxi_stack *s, bvxi_plane *p, int32_t (*box)[4])
+{
+    for (uint32_t i = 0; i < p->contour_count; i++) bvxi_loop_box(p, &p->contour[i], box[i]);
+    for (uint32_t i = 0; i < p->contour_count; i++) {
+        bvxi_contour *const c = &p->contour[i];
+        const int32_t *const at = p->q[c->first];
+        int const turn = turn_of(p, c);
+
+        /* A hole lies in an odd number of others; since no two meet, one point of it decides. */
+        c->hole = 0;
+        for (uint32_t j = 0; j < p->contour_count; j++)
+            if (j != i && at[0] >= box[j][0] && at[0] <= box[j][2] && at[1] >= box[j][1] &&
+                at[1] <= box[j][3])
+                c->hole ^= bvxi_loop_contains(p, &p->contour[j], at);
+        if (turn == 0)
+            return s->fixed ? BVX_ERR_FORMAT
+                            : bvxi_fail_for(s->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOP_FLAT,
+                                            "%s: loop %i of section %u encloses no area", s->function,
+                                            (uint64_t)c->given, (uint64_t)p->section);
+        if ((turn > 0) == (c->hole != 0)) reverse_loop(p, c);
+    }
+    return BVX_OK;
+}
+
+/* ---- planes side by side ---- */
+
+enum { PLANES_SPARE_CUTS = 32 /* for subdivided cells */, PLANES_GRAIN = 1024 /* points */ };
 
 typedef struct planes_job {
     bvxi_stack *s;
     bvxi_stack view; /* fixed: for pieces */
     int32_t pieces, workers;
-    planes_scratch *scratch; /* one a worker */
-    double (*bounds)[4];     /* of each plane */
-    uint8_t *unsure;         /* a plane each */
-    uint64_t *count;         /* crossings and arcs of each plane */
-    uint64_t most_points, most_loops, most_arcs;
-    int32_t rows; /* the larger of columns and rows of cells, and one more */
+    bvxi_segment_box *box;  /* [2 * most_points] of each worker */
+    bvxi_arc_scratch *arcs; /* of each worker */
+    uint8_t *unsure;        /* a plane each */
+    uint64_t *count;        /* crossings and arcs of each plane */
+    uint64_t most_points, most_arcs;
 } planes_job;
-
-static void plane_place_piece(void *user, uint64_t begin, uint64_t end)
-{
-    planes_job *const job = user;
-    for (uint64_t i = begin; i < end; i++) {
-        double *const b = job->bounds[i];
-        b[0] = b[1] = 1e300;
-        b[2] = b[3] = -1e300;
-        job->unsure[i] = bvxi_plane_place(&job->view, &job->s->plane[i], b, b + 2) != BVX_OK;
-    }
-}
-
-static planes_job planes_job_of(bvxi_stack *s)
-{
-    planes_job job = {
-        .s = s, .view = *s, .pieces = bvxi_section_pieces(s->plane_count, s->all.point_room, PLANES_GRAIN)};
-    job.view.fixed = 1;
-    return job;
-}
 
 bvx_status bvxi_planes_place(bvxi_stack *s)
 {
-    planes_job job = planes_job_of(s);
-
-    BVXI_TRY(BVXI_ARRAY(s->ctx, s->plane_count, "the bounds of sections", job.bounds));
-    BVXI_TRY(BVXI_ARRAY(s->ctx, s->plane_count, "the bounds of sections", job.unsure));
-    BVXI_TRY(
-        bvxi_for_ranges(s->ctx, "sections", 0.0, 0.25, job.pieces, s->plane_count, plane_place_piece, &job));
     for (uint32_t i = 0; i < s->plane_count; i++) {
-        const double *const b = job.bounds[i];
-        /* Gone over again with a stack that has messages: it fails here, and says where. */
-        if (job.unsure[i]) BVXI_TRY(bvxi_plane_place(s, &s->plane[i], s->low, s->high));
-        for (int k = 0; k < 2; k++) {
-            if (b[k] < s->low[k]) s->low[k] = b[k];
-            if (b[k + 2] > s->high[k]) s->high[k] = b[k + 2];
-        }
+        BVXI_TRY(bvxi_progress(s->ctx, "sections", 0.25 * i / s->plane_count));
+        BVXI_TRY(place_on_plane(s, &s->plane[i], s->low, s->high));
     }
     return BVX_OK;
 }
@@ -75,18 +172,24 @@ static void measure_plane(const planes_job *job, uint64_t i)
     bvxi_plane_count_cuts(job->s, p, &job->count[2 * i], &job->count[2 * i + 1]);
 }
 
+/* A loop has three segments or more: boxes of loops fit where those of segments were. */
+static int32_t (*loop_boxes(bvxi_segment_box *box))[4]
+{
+    return (int32_t(*)[4])(void *)box;
+}
+
 static void plane_snap_piece(void *user, int32_t index, int32_t worker)
 {
     planes_job *const job = user;
-    const planes_scratch *const x = &job->scratch[worker];
+    bvxi_segment_box *const box = job->box + 2 * (uint64_t)worker * job->most_points;
     uint64_t begin, end;
     bvxi_piece(job->s->plane_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         bvxi_plane *const p = &job->s->plane[i];
         /* The quick test may say that it is not sure; such planes are left to the calling thread. */
         bvxi_plane_snap(&job->view, p);
-        job->unsure[i] = !bvxi_plane_is_simple(p, x->sorted, x->active) ||
-                         bvxi_plane_direct(&job->view, p, x->box) != BVX_OK;
+        job->unsure[i] = !bvxi_plane_is_simple(p, box, box + job->most_points) ||
+                         bvxi_plane_direct(&job->view, p, loop_boxes(box)) != BVX_OK;
         if (!job->unsure[i]) measure_plane(job, i);
     }
 }
@@ -99,7 +202,7 @@ static bvx_status settle_planes(planes_job *job)
         /* In order, so that what is refused is the first plane that is wrong, whatever the threads did. */
         if (job->unsure[i]) {
             BVXI_TRY(bvxi_plane_check_simple(s, p));
-            BVXI_TRY(bvxi_plane_direct(s, p, job->scratch[0].box));
+            BVXI_TRY(bvxi_plane_direct(s, p, loop_boxes(job->box)));
             measure_plane(job, i);
         }
         for (uint32_t k = 0; k < p->contour_count; k++) s->report.holes += (uint64_t)p->contour[k].hole;
@@ -152,37 +255,22 @@ static void plane_cut_piece(void *user, int32_t index, int32_t worker)
     uint64_t begin, end;
     bvxi_piece(job->s->plane_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++)
-        bvxi_plane_cut(&job->view, &job->s->plane[i], &job->scratch[worker].arcs);
-}
-
-/* Scratch of all workers in one block. */
-static bvx_status open_snap_scratch(planes_job *job)
-{
-    uint64_t const boxes = job->most_points * sizeof(bvxi_segment_box);
-    uint64_t const loops = job->most_loops * sizeof *job->scratch->box;
-    unsigned char *at;
-    BVXI_TRY(bvxi_alloc(job->s->ctx, BVXI_SCRATCH, (uint64_t)job->workers * (2 * boxes + loops),
-                        "the order of segments", &at));
-    for (int32_t i = 0; i < job->workers; i++, at += 2 * boxes + loops) {
-        job->scratch[i].sorted = (bvxi_segment_box *)(void *)at;
-        job->scratch[i].active = (bvxi_segment_box *)(void *)(at + boxes);
-        job->scratch[i].box = (int32_t(*)[4])(void *)(at + 2 * boxes);
-    }
-    return BVX_OK;
+        bvxi_plane_cut(&job->view, &job->s->plane[i], &job->arcs[worker]);
 }
 
 static bvx_status open_cut_scratch(planes_job *job)
 {
-    uint64_t const n = job->most_arcs, each = n * sizeof(bvxi_arc) + (3 * n + (uint64_t)job->rows) * 4;
-    unsigned char *at;
-    BVXI_TRY(bvxi_alloc(job->s->ctx, BVXI_SCRATCH, (uint64_t)job->workers * each, "the order of arcs", &at));
-    for (int32_t i = 0; i < job->workers; i++, at += each) {
-        bvxi_arc_scratch *const x = &job->scratch[i].arcs;
-        x->arc = (bvxi_arc *)(void *)at;
-        x->cell = (uint32_t *)(void *)(at + n * sizeof(bvxi_arc));
-        x->order[0] = x->cell + n;
-        x->order[1] = x->order[0] + n;
-        x->start = x->order[1] + n;
+    static const char what[] = "the order of arcs";
+    const bvxi_stack *const s = job->s;
+    int32_t const rows = (s->size[0] > s->size[1] ? s->size[0] : s->size[1]) + 1;
+
+    BVXI_TRY(BVXI_ZEROS(s->ctx, job->workers, what, job->arcs));
+    for (bvxi_arc_scratch *x = job->arcs; x < job->arcs + job->workers; x++) {
+        BVXI_TRY(BVXI_ARRAY(s->ctx, job->most_arcs, what, x->arc));
+        BVXI_TRY(BVXI_ARRAY(s->ctx, job->most_arcs, what, x->cell));
+        BVXI_TRY(BVXI_ARRAY(s->ctx, job->most_arcs, what, x->order[0]));
+        BVXI_TRY(BVXI_ARRAY(s->ctx, job->most_arcs, what, x->order[1]));
+        BVXI_TRY(BVXI_ARRAY(s->ctx, rows, what, x->start));
     }
     return BVX_OK;
 }
@@ -190,22 +278,19 @@ static bvx_status open_cut_scratch(planes_job *job)
 bvx_status bvxi_planes_ready(bvxi_stack *s)
 {
     uint64_t const n = s->plane_count;
-    planes_job job = planes_job_of(s);
+    planes_job job = {
+        .s = s, .view = *s, .pieces = bvxi_section_pieces(n, s->all.point_room, PLANES_GRAIN)};
 
+    job.view.fixed = 1;
     job.workers = bvxi_threads(s->ctx) < job.pieces ? bvxi_threads(s->ctx) : job.pieces;
-    job.rows = (s->size[0] > s->size[1] ? s->size[0] : s->size[1]) + 1;
-
-    for (uint32_t i = 0; i < n; i++) {
+    for (uint32_t i = 0; i < n; i++)
         if (s->plane[i].point_count > job.most_points) job.most_points = s->plane[i].point_count;
-        if (s->plane[i].contour_count > job.most_loops) job.most_loops = s->plane[i].contour_count;
-    }
-    BVXI_TRY(BVXI_ZEROS(s->ctx, job.workers, "the sections' scratch", job.scratch));
     BVXI_TRY(BVXI_ARRAY(s->ctx, n, "the sections' scratch", job.unsure));
     BVXI_TRY(BVXI_ARRAY(s->ctx, 2 * n, "the sections' scratch", job.count));
-    BVXI_TRY(open_snap_scratch(&job));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, 2 * (uint64_t)job.workers * job.most_points, "the order of segments", job.box));
     BVXI_TRY(bvxi_parallel(s->ctx, "sections", 0.25, 0.75, job.pieces, plane_snap_piece, &job));
     BVXI_TRY(settle_planes(&job));
-    bvxi_drop(s->ctx, job.scratch[0].sorted); /* the block of all */
+    bvxi_drop(s->ctx, job.box);
     BVXI_TRY(open_cuts(&job));
     BVXI_TRY(open_cut_scratch(&job));
     return bvxi_parallel(s->ctx, "sections", 0.75, 1.0, job.pieces, plane_cut_piece, &job);

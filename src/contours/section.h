@@ -224,7 +224,6 @@ typedef struct bvxi_section_grid {
     double origin[2], step[2];
     int32_t size[2], fine;
 } bvxi_section_grid;
-bvx_status bvxi_stack_grid(bvxi_stack *stack);
 void bvxi_stack_give_grid(const bvxi_stack *stack, bvxi_section_grid *grid);
 void bvxi_stack_take_grid(bvxi_stack *stack, const bvxi_section_grid *grid);
 
@@ -265,8 +264,6 @@ static inline int32_t bvxi_section_pieces(uint64_t count, uint64_t work, uint64_
 bvx_status bvxi_planes_place(bvxi_stack *stack);
 /* Fixed point, directions, areas, boxes, crossings with the grid. */
 bvx_status bvxi_planes_ready(bvxi_stack *stack);
-/* One plane, with messages; these are what planes are gone over again with when something is wrong. */
-bvx_status bvxi_plane_place(bvxi_stack *stack, bvxi_plane *plane, double low[2], double high[2]);
 void bvxi_plane_snap(const bvxi_stack *stack, bvxi_plane *plane);
 /* Steps of the fixed point from the grid's begin to a place along axis k; the coordinate is twice that and
  * 1. */
@@ -360,9 +357,6 @@ static inline void bvxi_ring_stretch(const bvxi_plane *p, uint32_t contour, uint
     *first = p->ring[p->contour[contour].first];
     *end = contour + 1 < p->contour_count ? p->ring[p->contour[contour + 1].first] : p->ring_count;
 }
-
-/* Arcs as stretches of a ring whose crossings are numbered. */
-void bvxi_plane_ring_arcs(bvxi_plane *plane);
 
 /* ---- distance2d.c ---- */
 
@@ -465,8 +459,6 @@ bvx_status bvxi_slabs_fill(bvxi_stack *stack, bvxi_slab *slabs, uint32_t count);
 bvx_status bvxi_slabs_join(bvxi_stack *stack, const bvxi_slab *slabs, uint32_t count, bvx_mesh *mesh);
 /* The section's region as triangles; side 1: seen from above, -1: from below. */
 bvx_status bvxi_cap_fill(bvxi_stack *stack, const bvxi_plane *plane, int32_t side);
-/* Twice the area of a loop in fixed point, about; less than 0 for a hole. */
-double bvxi_cap_area(const bvxi_plane *plane, const bvxi_contour *contour);
 /* The smallest outer loop around each hole, or BVXI_NONE; that of outer loops is BVXI_NONE. */
 void bvxi_plane_owners(const bvxi_plane *plane, uint32_t *owner);
 /* The same for the region within lines between vertices. */

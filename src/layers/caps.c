@@ -115,6 +115,18 @@ static void insert_hole(cap_work *w, const bvxi_contour *hole, uint32_t from, ui
 
 /* ---- which holes ---- */
 
+/* Twice the area of a loop in fixed point, about; less than 0 for a hole. */
+static double cap_area(const bvxi_plane *p, const bvxi_contour *c)
+{
+    double sum = 0.0;
+    for (uint32_t i = c->first; i < c->first + c->count; i++) {
+        /* About the first point, so that large coordinates do not take the digits. */
+        const int32_t *const a = p->q[i], *const b = p->q[p->next[i]], *const o = p->q[c->first];
+        sum += ((double)a[0] - o[0]) * ((double)b[1] - o[1]) - ((double)a[1] - o[1]) * ((double)b[0] - o[0]);
+    }
+    return sum;
+}
+
 void bvxi_plane_owners(const bvxi_plane *p, uint32_t *owner)
 {
     for (uint32_t h = 0; h < p->contour_count; h++) {
@@ -124,7 +136,7 @@ void bvxi_plane_owners(const bvxi_plane *p, uint32_t *owner)
         for (uint32_t o = 0; o < p->contour_count; o++) {
             if (p->contour[o].hole || !bvxi_loop_contains(p, &p->contour[o], p->q[p->contour[h].first]))
                 continue;
-            double const area = bvxi_cap_area(p, &p->contour[o]);
+            double const area = cap_area(p, &p->contour[o]);
             if (owner[h] != BVXI_NONE && area >= best) continue;
             owner[h] = o;
             best = area;
@@ -318,13 +330,56 @@ bvx_status bvxi_cap_fill(bvxi_stack *s, const bvxi_plane *plane, int32_t side)
     return fill_regions(&w, owner);
 }
 
-double bvxi_cap_area(const bvxi_plane *p, const bvxi_contour *c)
+/* ---- caps of lines ---- */
+
+/* In the field's way the lines of the first or last plane, which the cells beside it have left, are loops of a
+ * section whose points are vertices and whose segments nothing crosses. */
+
+/* Follow the lines into loops: points in order, contours, directions of
+ * holes. behind: [vertices] the next one, or none. */
+static bvx_status follow_lines(bvxi_stack *s, bvxi_plane *p, const uint32_t (*edge)[2], uint32_t count,
+                               uint32_t *behind)
 {
-    double sum = 0.0;
-    for (uint32_t i = c->first; i < c->first + c->count; i++) {
-        /* About the first point, so that large coordinates do not take the digits. */
-        const int32_t *const a = p->q[i], *const b = p->q[p->next[i]], *const o = p->q[c->first];
-        sum += ((double)a[0] - o[0]) * ((double)b[1] - o[1]) - ((double)a[1] - o[1]) * ((double)b[0] - o[0]);
+    for (uint32_t i = 0; i < count; i++) behind[edge[i][0]] = edge[i][1];
+    for (uint32_t i = 0; i < count; i++) {
+        bvxi_contour *const c = &p->contour[p->contour_count];
+        uint32_t v = edge[i][0];
+        if (behind[v] == BVXI_NONE) continue;
+        c->first = p->point_count;
+        while (behind[v] != BVXI_NONE) {
+            const double *const at = s->mesh.position + 3 * (uint64_t)v;
+            uint32_t const n = p->point_count++, next = behind[v];
+            for (int k = 0; k < 2; k++)
+                p->q[n][k] = 2 * bvxi_snap_steps(s, k, bvxi_along_axis(s->axis[k], at)) + 1;
+            p->ring[n] = v;
+            p->next[n] = n + 1;
+            behind[v] = BVXI_NONE;
+            v = next;
+        }
+        if (v != edge[i][0])
+            return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: the lines of a flat cap do not close", s->function);
+        c->count = p->point_count - c->first;
+        p->next[p->point_count - 1] = c->first;
+        c->hole = cap_area(p, c) < 0.0;
+        p->contour_count++;
     }
-    return sum;
+    return BVX_OK;
+}
+
+bvx_status bvxi_cap_fill_edges(bvxi_stack *s, const uint32_t (*edge)[2], uint32_t count, int32_t side)
+{
+    uint64_t const vertices = s->mesh.vertex_count;
+    uint32_t *behind = NULL;
+    bvxi_plane p = {0};
+
+    if (count == 0) return BVX_OK;
+    p.lines = 1;
+    BVXI_TRY(BVXI_ARRAY(s->ctx, vertices, "the lines of a cap", behind));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, count, "the lines of a cap", p.q));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, count, "the lines of a cap", p.next));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, count, "the lines of a cap", p.ring));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, count, "the lines of a cap", p.contour));
+    memset(behind, 0xff, (size_t)vertices * 4);
+    BVXI_TRY(follow_lines(s, &p, edge, count, behind));
+    return bvxi_cap_fill(s, &p, side);
 }

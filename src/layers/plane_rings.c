@@ -57,7 +57,8 @@ static void number_ring(bvxi_plane *p, const uint32_t *start, const uint32_t *so
     p->ring_count = n;
 }
 
-void bvxi_plane_ring_arcs(bvxi_plane *p)
+/* Arcs as stretches of a ring whose crossings are numbered. */
+static void number_ring_arcs(bvxi_plane *p)
 {
     for (uint32_t i = 0; i < p->arc_count; i++) {
         if (p->arc[i].from == BVXI_NONE) continue;
@@ -105,7 +106,7 @@ static void ring_count_piece(void *user, uint64_t begin, uint64_t end)
         uint32_t *const sorted = job->sorted + job->first[i];
         sort_cuts(p, start, sorted);
         number_ring(p, start, sorted);
-        bvxi_plane_ring_arcs(p);
+        number_ring_arcs(p);
     }
 }
 
@@ -152,7 +153,7 @@ bvx_status bvxi_rings_make(bvxi_stack *s)
     /* Copies of planes for levels hold rings of their own, which follow the crossings just numbered. */
     for (uint32_t i = 0; i < s->nesting.plane_count; i++) {
         bvxi_nesting_refresh(&s->nesting.plane[i]);
-        bvxi_plane_ring_arcs(&s->nesting.plane[i]);
+        number_ring_arcs(&s->nesting.plane[i]);
     }
     return bvxi_for_ranges(s->ctx, "rings", 0.5, 1.0, job.pieces, s->plane_count, ring_place_piece, &job);
 }

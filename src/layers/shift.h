@@ -52,11 +52,7 @@ bvx_status bvxi_disc_groups_open(const bvxi_stack *stack, bvxi_discs on[2], bvxi
 /* Signed distance of a group's discs on plane k, positive inside. */
 double bvxi_disc_group_distance(bvxi_discs on[2], const bvxi_disc_group *group, int k, double u, double v);
 
-/* ---- shift_between.c ---- */
-
-/* Add the loops of sections between two planes to a stack, whose sections count on from number. */
-bvx_status bvxi_shift_between(const bvxi_stack *stack, bvxi_discs on[2], bvxi_disc_groups *groups,
-                              uint32_t number, bvxi_mended *to);
+/* ---- shift.c ---- */
 
 /* ---- shift.c ---- */
 

@@ -58,7 +58,7 @@ static inline int bvxi_grid_bit(const bvxi_stack *s, const bvxi_plane *p, int32_
     return (int)(p->inside[(size_t)j * (size_t)s->words + (size_t)(i >> 6)] >> (i & 63) & 1);
 }
 
-/* ---- split_cell.c: cells as they are subdivided ---- */
+/* ---- slab.c: cells as they are subdivided ---- */
 
 typedef struct bvxi_split_cell {
     int32_t low[2], size, depth;
@@ -90,9 +90,6 @@ typedef struct bvxi_split_work {
     uint32_t odd_u[2], odd_v[2];
 } bvxi_split_work;
 
-/* Subdivide a cell of the grid where its contours require it: leaves, arcs and corners go to the slab. */
-bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j);
-
 /* ---- nesting.c: loops that lie in others, blended level by level ---- */
 
 bvx_status bvxi_nesting_open(bvxi_stack *stack);
@@ -100,13 +97,10 @@ bvx_status bvxi_nesting_open(bvxi_stack *stack);
 /* Which loops of neighbouring planes belong to which level: all but stack->nesting.plane. */
 bvx_status bvxi_nesting_find(bvxi_stack *stack);
 
-/* ---- nesting_planes.c: each level as a plane of its own, which shares its section's points, crossings and ring  */
-
+/* Each level as a plane of its own. */
 bvx_status bvxi_nesting_make(bvxi_stack *stack);
 /* What has changed in the section since: crossings, or the ring. */
 void bvxi_nesting_refresh(bvxi_plane *level);
-
-/* ---- nesting_cross.c ---- */
 
 /* Find levels of one slab that cross, and mark it to be blended as a whole: *found such slabs. */
 bvx_status bvxi_nesting_crossed(bvxi_stack *stack, const bvxi_slab *slabs, uint32_t count, uint32_t *found);

@@ -9,6 +9,310 @@
 
 #include "lattice/wide.h"
 
+/* ---- arrays ---- */
+
+enum { TRACE_FEW = 64 };
+
+static bvx_status trace_add_point(bvxi_trace *t, uint32_t vertex, uint32_t faces, uint32_t *point)
+{
+    BVXI_TRY(BVXI_SLAB_GROW(t->s, t->point, t->point_count, t->point_room, "the crossings of a cell"));
+    *point = t->point_count++;
+    bvxi_trace_point *const p = &t->point[*point];
+    p->vertex = vertex;
+    p->next = BVXI_NONE;
+    p->arc = BVXI_NONE;
+    p->faces = (uint8_t)faces;
+    p->link = BVXI_LINK_STRAIGHT;
+    p->seen = 0;
+    return BVX_OK;
+}
+
+/* In views of the stack nothing grows; the calling thread makes such a slab again afterwards. */
+static bvx_status trace_reserve(const bvxi_trace *t, void *array, uint64_t count, uint64_t *room, uint64_t item)
+{
+    if (BVXI_LIKELY(count <= *room)) return BVX_OK;
+    if (t->s->fixed) return BVX_ERR_BUDGET;
+    return bvxi_reserve(t->s->ctx, array, count + count / 2 + 64, room, item, "the loops of a cell");
+}
+
+static bvx_status trace_open_loop(bvxi_trace *t, uint64_t count)
+{
+    BVXI_TRY(trace_reserve(t, &t->faces, count, &t->loop_room[1], sizeof *t->faces));
+    BVXI_TRY(trace_reserve(t, (void *)&t->at, count, &t->loop_room[2], sizeof *t->at));
+    BVXI_TRY(trace_reserve(t, &t->next, count, &t->loop_room[3], sizeof *t->next));
+    BVXI_TRY(trace_reserve(t, &t->before, count, &t->loop_room[4], sizeof *t->before));
+    return trace_reserve(t, &t->vertex, count, &t->loop_room[0], sizeof *t->vertex);
+}
+
+bvx_status bvxi_trace_add_to_loop(bvxi_trace *t, uint32_t *count, uint32_t vertex, uint32_t faces)
+{
+    if (*count >= t->loop_room[0]) BVXI_TRY(trace_open_loop(t, (uint64_t)*count + 1));
+    t->vertex[*count] = vertex;
+    t->faces[(*count)++] = (uint8_t)faces;
+    return BVX_OK;
+}
+
+static bvx_status trace_open_rows(bvxi_trace *t, uint64_t ends, uint64_t nodes)
+{
+    for (int k = 0; k < 2; k++) {
+        BVXI_TRY(trace_reserve(t, &t->row[k], ends + 1, &t->row_room[k], sizeof *t->row[k]));
+        BVXI_TRY(trace_reserve(t, &t->cross[k], nodes + 1, &t->cross_room[k], sizeof *t->cross[k]));
+    }
+    return BVX_OK;
+}
+
+bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop)
+{
+    bvxi_stack *const s = t->s;
+    BVXI_TRY(BVXI_SLAB_GROW(s, t->node, 0, t->node_room, "the corners of a cell"));
+    BVXI_TRY(BVXI_SLAB_GROW(s, t->point, 0, t->point_room, "the crossings of a cell"));
+    BVXI_TRY(BVXI_SLAB_GROW(s, t->end, 0, t->end_room, "the crossings of a cell"));
+    BVXI_TRY(trace_open_rows(t, TRACE_FEW, TRACE_FEW));
+    BVXI_TRY(bvxi_map_reserve(s->ctx, &t->folds, 32));
+    return trace_open_loop(t, loop);
+}
+
+/* ---- corners ---- */
+
+/* The corner of finer cells at a place or, in the order of rows or of columns, first beyond it. */
+static uint32_t hanging_from(const bvxi_field *f, int by_column, const int32_t place[2])
+{
+    int const across = by_column ? 0 : 1, along = 1 - across;
+    const uint32_t *const start = (by_column ? f->hanging_column : f->hanging_row) +
+                                  (place[across] >> f->s->fine);
+    uint32_t low = start[0], high = start[1];
+    while (low < high) {
+        uint32_t const middle = low + (high - low) / 2;
+        const int32_t *const at = f->slab->hanging[by_column ? f->slab->by_u[middle] : middle].at;
+        if (at[across] < place[across] || (at[across] == place[across] && at[along] < place[along]))
+            low = middle + 1;
+        else high = middle;
+    }
+    return low;
+}
+
+/* Corners of finer cells between two corners of this one, counter-clockwise. */
+static bvx_status add_hanging_nodes(bvxi_trace *t, int side)
+{
+    const bvxi_slab *const slab = t->field->slab;
+    int const along = side & 1, across = 1 - along; /* sides 0 and 2 run along u */
+    int32_t const line = t->low[across] + (side == 1 || side == 2 ? t->size : 0);
+    int32_t const to = t->low[along] + t->size;
+    int32_t const after[2] = {along == 0 ? t->low[0] + 1 : line, along == 0 ? line : t->low[1] + 1};
+    uint32_t low, n;
+
+    if (slab->hanging_count == 0) return BVX_OK;
+    low = hanging_from(t->field, along, after);
+    for (n = 0; low + n < slab->hanging_count; n++) {
+        const int32_t *const at = slab->hanging[along == 0 ? low + n : slab->by_u[low + n]].at;
+        if (at[across] != line || at[along] >= to) break;
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        /* Sides 2 and 3 run towards lower coordinates. */
+        uint32_t const number = side >= 2 ? low + n - 1 - i : low + i;
+        const bvxi_hanging *const h = &slab->hanging[along == 0 ? number : slab->by_u[number]];
+        BVXI_TRY(BVXI_SLAB_GROW(t->s, t->node, t->node_count, t->node_room, "the corners of a cell"));
+        bvxi_trace_node *const node = &t->node[t->node_count++];
+        memcpy(node->at, h->at, sizeof node->at);
+        node->faces = (uint8_t)(BVXI_FACE_SIDE << side);
+        node->on[0] = h->inside[0];
+        node->on[1] = h->inside[1];
+        node->vertex = h->vertex;
+        node->inside[0] = h->layer;
+        node->inside[1] = 1; /* finished by level_nodes */
+    }
+    return BVX_OK;
+}
+
+/* What a corner is on the cell's own levels, from the planes and the layer of its crossing (in inside[0]). */
+static void level_node(bvxi_trace_node *n, int32_t layer)
+{
+    int32_t const crossed = n->inside[0];
+    if (n->on[0] == n->on[1]) {
+        n->inside[0] = n->inside[1] = n->on[0];
+        n->vertex = BVXI_NONE;
+        return;
+    }
+    n->inside[0] = layer <= crossed ? n->on[0] : n->on[1];
+    n->inside[1] = layer + 1 <= crossed ? n->on[0] : n->on[1];
+    if (layer != crossed) n->vertex = BVXI_NONE; /* The crossing belongs to one layer's cells. */
+}
+
+static bvx_status add_corner(bvxi_trace *t, int i)
+{
+    static const uint8_t faces[4] = {
+        BVXI_FACE_SIDE | BVXI_FACE_SIDE << 3, BVXI_FACE_SIDE | BVXI_FACE_SIDE << 1,
+        BVXI_FACE_SIDE << 1 | BVXI_FACE_SIDE << 2, BVXI_FACE_SIDE << 2 | BVXI_FACE_SIDE << 3};
+    const bvxi_slab *const slab = t->field->slab;
+    int32_t const fine = t->s->fine, part = (1 << fine) - 1;
+
+    BVXI_TRY(BVXI_SLAB_GROW(t->s, t->node, t->node_count, t->node_room, "the corners of a cell"));
+    bvxi_trace_node *const n = &t->node[t->node_count++];
+    n->at[0] = t->low[0] + (i == 1 || i == 2 ? t->size : 0);
+    n->at[1] = t->low[1] + (i >= 2 ? t->size : 0);
+    n->faces = faces[i];
+    n->inside[1] = 1;
+    if ((n->at[0] & part) == 0 && (n->at[1] & part) == 0) {
+        int32_t const x = n->at[0] >> fine, y = n->at[1] >> fine;
+        uint32_t const number = bvxi_line_number(t->field, x, y);
+        for (int k = 0; k < 2; k++) n->on[k] = (uint8_t)bvxi_grid_bit(t->s, slab->plane[k], x, y);
+        n->vertex = n->on[0] != n->on[1] ? t->field->first + number : BVXI_NONE;
+        n->inside[0] = t->field->layers > 1 && n->on[0] != n->on[1] ? t->field->layer[number] : 0;
+    } else {
+        uint32_t const low = hanging_from(t->field, 0, n->at);
+        n->on[0] = slab->hanging[low].inside[0];
+        n->on[1] = slab->hanging[low].inside[1];
+        n->vertex = slab->hanging[low].vertex;
+        n->inside[0] = slab->hanging[low].layer;
+    }
+    return BVX_OK;
+}
+
+/* Its nodes, counter-clockwise; corner: the places of its own four among them, and the count. */
+static bvx_status add_trace_nodes(bvxi_trace *t, uint32_t corner[5])
+{
+    t->node_count = 0;
+    for (int i = 0; i < 4; i++) {
+        corner[i] = t->node_count;
+        BVXI_TRY(add_corner(t, i));
+        if (t->beside_split) BVXI_TRY(add_hanging_nodes(t, i));
+    }
+    corner[4] = t->node_count;
+    for (uint32_t i = 0; i < t->node_count; i++) level_node(&t->node[i], t->layer);
+    return BVX_OK;
+}
+
+/* ---- one strip of a side ---- */
+
+/* Marching squares; with four crossings the field where the lines joining opposite ones meet decides. All of it
+ * depends on the strip only, corners in the order of their coordinates, so the cells beside it decide alike. More
+ * crossings of a level are joined in pairs over a vertex on the strip, until at most one is left. */
+
+static void link_points(bvxi_trace *t, uint32_t from, uint32_t to)
+{
+    t->point[from].next = to;
+    t->point[from].link = BVXI_LINK_STRAIGHT;
+}
+
+static const double *vertex_place(const bvxi_trace *t, uint32_t point)
+{
+    return bvxi_section_vertex(t->s, t->point[point].vertex);
+}
+
+static double share_of(double low, double high, double x)
+{
+    double const t = (x - low) / (high - low);
+    return t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t;
+}
+
+/* 1 when the inside is joined. Points: below, right, above, left. */
+static int strip_joins(bvxi_trace *t, const bvxi_trace_node *left, const bvxi_trace_node *right,
+                       const uint32_t p[4])
+{
+    bvxi_stack *const s = t->s;
+    int const axis = left->at[0] == right->at[0];
+    int const turned = left->at[axis] > right->at[axis];
+    const bvxi_trace_node *const a = turned ? right : left, *const b = turned ? left : right;
+    double const from = bvxi_fixed_u(s, axis, a->at[axis]), to = bvxi_fixed_u(s, axis, b->at[axis]);
+    double const below = share_of(from, to, bvxi_along_axis(s->axis[axis], vertex_place(t, p[0])));
+    double const above = share_of(from, to, bvxi_along_axis(s->axis[axis], vertex_place(t, p[2])));
+    double const low = share_of(t->low_w, t->high_w,
+                                bvxi_along_axis(s->axis[2], vertex_place(t, p[turned ? 1 : 3])));
+    double const high = share_of(t->low_w, t->high_w,
+                                 bvxi_along_axis(s->axis[2], vertex_place(t, p[turned ? 3 : 1])));
+    /* not 0 but where both lines run from corner to corner */
+    double const d = 1.0 - (above - below) * (high - low);
+    double const y = d > 0.0 ? (low + below * (high - low)) / d : 0.5, x = below + (above - below) * y;
+    double place[2], level = t->level[0].t + y * (t->level[1].t - t->level[0].t);
+
+    place[axis] = from + x * (to - from);
+    place[1 - axis] = bvxi_fixed_u(s, 1 - axis, a->at[1 - axis]);
+    return bvxi_field_at(t->field, place[0], place[1], level) > 0.0;
+}
+
+/* Two crossings of one level, in the order of the strip; the corner before them is inside or not. */
+static bvx_status join_pair(bvxi_trace *t, int k, uint32_t first, uint32_t second, int inside_before,
+                            int side)
+{
+    bvxi_stack *const s = t->s;
+    const double *const a = vertex_place(t, first), *const b = vertex_place(t, second);
+    double const height = t->high_w - t->low_w;
+    double const w = t->level[k].w + (k == 0 ? 0.125 : -0.125) * height;
+    uint32_t const va = t->point[first].vertex, vb = t->point[second].vertex;
+    double place[3], raise;
+    uint32_t *vertex, point, number;
+
+    for (int i = 0; i < 3; i++) place[i] = va < vb ? 0.5 * (a[i] + b[i]) : 0.5 * (b[i] + a[i]);
+    raise = w - bvxi_along_axis(s->axis[2], place);
+    for (int i = 0; i < 3; i++) place[i] += raise * s->axis[2][i];
+    BVXI_TRY(bvxi_stack_map_add(s, &t->folds, (uint64_t)(va < vb ? va : vb) << 1 | (uint64_t)k, &vertex));
+    if (*vertex == BVXI_NONE) {
+        BVXI_TRY(bvxi_section_add_vertex(s, place, &number));
+        *vertex = number;
+    }
+    BVXI_TRY(trace_add_point(t, *vertex, (uint32_t)BVXI_FACE_SIDE << side, &point));
+
+    /* counter-clockwise around the strip from P to Q inside: P to Q. The strip's order is that below. */
+    if ((k == 0) == !inside_before) {
+        link_points(t, first, point);
+        link_points(t, point, second);
+    } else {
+        link_points(t, second, point);
+        link_points(t, point, first);
+    }
+    return BVX_OK;
+}
+
+static bvx_status trace_strip(bvxi_trace *t, const bvxi_strip *strip)
+{
+    const bvxi_trace_node *const left = strip->left, *const right = strip->right;
+    uint32_t p[4] = {BVXI_NONE, BVXI_NONE, BVXI_NONE, BVXI_NONE}, found[4];
+    /* the corner behind each */
+    uint8_t const after[4] = {right->inside[0], right->inside[1], left->inside[1], left->inside[0]};
+    uint32_t n = 0;
+    uint8_t first_inside = 0;
+
+    /* pairs are taken from the end with lower coordinates, from whichever cell it is seen */
+    int const turned = left->at[0] > right->at[0] || left->at[1] > right->at[1];
+
+    for (int k = 0; k < 2; k++) {
+        const uint32_t *const row = strip->row[k];
+        uint32_t const count = strip->count[k];
+        uint32_t const skip = turned ? count & 1 : 0;
+        for (uint32_t i = skip; i + 1 < count; i += 2)
+            BVXI_TRY(join_pair(t, k, row[i], row[i + 1], left->inside[k] ^ (int)(i & 1), strip->side));
+        if ((count & 1) != 0) p[k == 0 ? 0 : 2] = row[turned ? 0 : count - 1];
+    }
+    p[1] = strip->right_point;
+    p[3] = strip->left_point;
+    for (uint32_t i = 0; i < 4; i++)
+        if (p[i] != BVXI_NONE) {
+            if (n == 0) first_inside = after[i];
+            found[n++] = p[i];
+        }
+    if (n == 2) {
+        if (first_inside) link_points(t, found[0], found[1]);
+        else link_points(t, found[1], found[0]);
+    } else if (n == 4) {
+        /* the corners behind crossings 0 and 2 are alike; cut off those, or the two others */
+        int const joins = strip_joins(t, left, right, p);
+        if (joins == !after[0]) { /* behind 0 and 2 is cut off */
+            for (uint32_t i = 0; i < 4; i += 2) {
+                if (after[0]) link_points(t, p[i], p[i + 1]);
+                else link_points(t, p[i + 1], p[i]);
+            }
+        } else {
+            for (uint32_t i = 1; i < 4; i += 2) {
+                if (after[1]) link_points(t, p[i], p[(i + 1) & 3]);
+                else link_points(t, p[(i + 1) & 3], p[i]);
+            }
+        }
+    }
+    return BVX_OK;
+}
+
+/* ---- the loops of a cell ---- */
+
 static bvx_status gather_ends(bvxi_trace *t)
 {
     t->end_count = 0;
@@ -27,10 +331,10 @@ static bvx_status gather_ends(bvxi_trace *t)
                 e->is_to = (uint8_t)to;
                 e->k = (uint8_t)k;
                 e->side = (uint8_t)bvxi_side_of(c, t->low);
-                BVXI_TRY(bvxi_trace_add_point(t, p->vertex + c->ring,
-                                              (k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE) |
-                                                  (uint32_t)BVXI_FACE_SIDE << e->side,
-                                              &e->point));
+                BVXI_TRY(trace_add_point(t, p->vertex + c->ring,
+                                         (k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE) |
+                                             (uint32_t)BVXI_FACE_SIDE << e->side,
+                                         &e->point));
             }
         }
     }
@@ -115,7 +419,7 @@ static bvx_status link_strip(bvxi_trace *t, side_walk *w, uint32_t a, uint32_t b
         } else if (t->level[k].kind == BVXI_PLANE_FIELD && left->inside[k] != right->inside[k]) {
             uint32_t vertex;
             BVXI_TRY(bvxi_trace_edge(t, k, left, right, &vertex));
-            BVXI_TRY(bvxi_trace_add_point(
+            BVXI_TRY(trace_add_point(
                 t, vertex, (k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE) | (uint32_t)BVXI_FACE_SIDE << w->side,
                 &crossing[k]));
             t->cross[k][t->cross_count[k]++] = crossing[k];
@@ -123,7 +427,7 @@ static bvx_status link_strip(bvxi_trace *t, side_walk *w, uint32_t a, uint32_t b
             strip.count[k] = 1;
         }
     }
-    return bvxi_trace_strip(t, &strip);
+    return trace_strip(t, &strip);
 }
 
 /* node: counter-clockwise, corner[i] the place of the i-th corner in it. */
@@ -132,7 +436,7 @@ static bvx_status link_sides(bvxi_trace *t, const uint32_t corner[5], uint32_t *
     for (uint32_t i = 0; i < t->node_count; i++) {
         const bvxi_trace_node *const n = &t->node[i];
         points[i] = BVXI_NONE;
-        if (n->vertex != BVXI_NONE) BVXI_TRY(bvxi_trace_add_point(t, n->vertex, n->faces, &points[i]));
+        if (n->vertex != BVXI_NONE) BVXI_TRY(trace_add_point(t, n->vertex, n->faces, &points[i]));
     }
     t->cross_count[0] = t->cross_count[1] = 0;
 
@@ -151,10 +455,10 @@ bvx_status bvxi_trace_slab_cell(bvxi_trace *t)
 {
     uint32_t corner[5];
     t->point_count = 0;
-    BVXI_TRY(bvxi_trace_nodes(t, corner));
+    BVXI_TRY(add_trace_nodes(t, corner));
     BVXI_TRY(gather_ends(t));
-    BVXI_TRY(bvxi_trace_open_rows(t));
-    BVXI_TRY(bvxi_trace_open_loop(t, (uint64_t)t->node_count + 16));
+    BVXI_TRY(trace_open_rows(t, t->end_count, t->node_count));
+    BVXI_TRY(trace_open_loop(t, (uint64_t)t->node_count + 16));
     /* the loop's scratch holds the nodes' points until loops are followed */
     BVXI_TRY(link_sides(t, corner, t->next));
 

@@ -60,9 +60,9 @@ typedef struct bvxi_trace {
     bvxi_trace_point *point;
     bvxi_trace_end *end;
     uint32_t *row[2]; /* crossings of one side in order, below and above */
-    uint32_t row_room;
     uint32_t *cross[2]; /* FIELD: crossings around the cell */
-    uint32_t cross_count[2], cross_room;
+    uint32_t cross_count[2];
+    uint64_t row_room[2], cross_room[2];
     struct bvxi_trace_insert {
         double along;
         uint32_t point;
@@ -74,7 +74,7 @@ typedef struct bvxi_trace {
     int strip;                   /* out: it became a strip from below to above */
     uint32_t loop_count, strips; /* so far in the cell */
     uint32_t choice;             /* how each is filled */
-    uint32_t loop_room;
+    uint64_t loop_room[5]; /* of the arrays below */
     uint32_t *vertex;
     uint8_t *faces;
     const double **at;
@@ -84,9 +84,6 @@ typedef struct bvxi_trace {
 /* Room for what most cells need, so that arrays seldom grow. loop: vertices
  * of the longest loop that is likely. */
 bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop);
-/* Room for a loop of count vertices; for the crossings of the cell. */
-bvx_status bvxi_trace_open_loop(bvxi_trace *t, uint64_t count);
-bvx_status bvxi_trace_open_rows(bvxi_trace *t);
 bvx_status bvxi_trace_loops(bvxi_trace *t);
 /* How much there was before a cell's loops were filled. */
 typedef struct bvxi_trace_made {
@@ -99,17 +96,10 @@ void bvxi_trace_begin_fill(bvxi_trace *t, uint32_t choice, bvxi_trace_made *made
 void bvxi_trace_undo_fill(bvxi_trace *t, const bvxi_trace_made *made);
 /* 1 when triangles of the cell cross. */
 int bvxi_trace_crosses(const bvxi_trace *t, const bvxi_trace_made *made);
-/* trace_loops.c: 1 when triangles from a number on cross. */
-int bvxi_cell_crosses(const bvxi_stack *s, uint64_t from);
-/* fill_loop.c: triangles inside the loop that vertex and faces hold, whose inner edges lie on no cell face; where there
- * are none, around a vertex inside the cell. */
-bvx_status bvxi_fill_loop(bvxi_trace *t);
 /* Such a loop of count vertices is one more of the cell. */
 bvx_status bvxi_trace_fill(bvxi_trace *t, uint32_t count);
 /* The surface in the cell whose fields above are set (low, size, number, beside_split, arc, arc_count). */
 bvx_status bvxi_trace_slab_cell(bvxi_trace *t);
-/* Its nodes, counter-clockwise; corner: the places of its own four among them, and the count. */
-bvx_status bvxi_trace_nodes(bvxi_trace *t, uint32_t corner[5]);
 /* A strip of a side between two nodes. */
 typedef struct bvxi_strip {
     const bvxi_trace_node *left, *right;
@@ -118,8 +108,6 @@ typedef struct bvxi_strip {
     uint32_t left_point, right_point;
     int side;
 } bvxi_strip;
-bvx_status bvxi_trace_strip(bvxi_trace *t, const bvxi_strip *strip);
-bvx_status bvxi_trace_add_point(bvxi_trace *t, uint32_t vertex, uint32_t faces, uint32_t *point);
 bvx_status bvxi_trace_add_to_loop(bvxi_trace *t, uint32_t *count, uint32_t vertex, uint32_t faces);
 /* Field levels: the crossing of an edge between two nodes, as a vertex. */
 bvx_status bvxi_trace_edge(bvxi_trace *t, int k, const bvxi_trace_node *a, const bvxi_trace_node *b,

@@ -207,18 +207,12 @@ uint32_t bvxi_knot_after(const bvxi_oblique *o, uint32_t plane, uint32_t segment
 
 #define BVXI_RASTER_STEP 2.0 /* cells */
 
-/* oblique_raster.c */
 bvx_status bvxi_oblique_raster(bvxi_oblique *o);
 /* The signed distance on a plane with contours to a curve through their points. hint: as of
  * bvxi_plane_distance. */
 double bvxi_oblique_curved(const bvxi_oblique *o, uint32_t plane, const double uv[2], uint32_t *hint);
 /* Each row of the rasters of all planes. */
 typedef void bvxi_row_fn(const bvxi_oblique *o, const bvxi_oblique_plane *plane, int32_t row);
-bvx_status bvxi_oblique_rows(const bvxi_oblique *o, bvxi_row_fn *row);
-/* What a raster of a plane has at a place's foot point. */
-double bvxi_oblique_raster_at(const bvxi_oblique_plane *p, const float *raster, const double at[3]);
-/* The distance of a place's foot point on a plane. */
-double bvxi_oblique_distance(const bvxi_oblique *o, uint32_t plane, const double at[3]);
 
 /* oblique_field.c: what the smooth number leaves of the distances, once it is made. */
 bvx_status bvxi_oblique_rest(bvxi_oblique *o);
@@ -307,12 +301,10 @@ void bvxi_oblique_middle(const bvxi_oblique *oblique, const uint32_t *v, int n, 
  * plain cell's. */
 bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t *settled);
 
-/* fans.c: how many of the vertices requested (asked) have triangles that are not one closed fan. */
+/* How many of the vertices requested (asked) have triangles that are not one closed fan. */
 bvx_status bvxi_fans_check(bvx_context *ctx, const uint32_t *triangle, uint64_t triangles, uint64_t vertices,
                            const uint8_t *asked, uint64_t *broken);
 
-/* oblique_parts.c: parts that end towards each other, counted and joined; those joined already are at their roots. */
-bvx_status bvxi_oblique_apart(bvxi_oblique *o, uint32_t *joined);
 /* oblique_surface.c */
 bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh);
 

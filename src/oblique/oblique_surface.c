@@ -10,6 +10,192 @@
 
 #include "mesh/mesh.h"
 
+/* ---- fans ---- */
+
+/* Where the triangles around every vertex are one fan the surface is closed, oriented, edge- and vertex-manifold. */
+
+/* Neighbours (from, to) of the vertices requested, in the order of these. */
+typedef struct fans_work {
+    uint64_t *first; /* [vertices + 1] */
+    uint32_t (*pair)[2];
+} fans_work;
+
+/* Few neighbours as a rule, so each is looked for among all. */
+static int is_one_fan(uint32_t (*pair)[2], uint64_t count)
+{
+    uint64_t steps = 0;
+
+    if (count < 3) return 0;
+    uint32_t at = pair[0][1];
+    for (; at != pair[0][0]; steps++) {
+        uint64_t found = count, i;
+        for (i = 1; i < count; i++)
+            if (pair[i][0] == at) {
+                /* two triangles leave the same edge: it has three or more, or they run against each other */
+                if (found != count) return 0;
+                found = i;
+            }
+        /* a neighbour that none follows, or the way begins to go in a circle without the first */
+        if (found == count || steps == count) return 0;
+        at = pair[found][1];
+    }
+    return steps + 1 == count;
+}
+
+bvx_status bvxi_fans_check(bvx_context *ctx, const uint32_t *triangle, uint64_t triangles, uint64_t vertices,
+                           const uint8_t *asked, uint64_t *broken)
+{
+    fans_work w = {NULL, NULL};
+    *broken = 0;
+    static const char what[] = "the surface's fans";
+    BVXI_TRY(BVXI_ZEROS(ctx, vertices + 2, what, w.first));
+    for (uint64_t c = 0; c < 3 * triangles; c++) w.first[triangle[c] + 2] += asked[triangle[c]];
+    for (uint64_t v = 0; v < vertices; v++) w.first[v + 2] += w.first[v + 1];
+    BVXI_TRY(BVXI_ARRAY(ctx, w.first[vertices + 1] + 1, what, w.pair));
+    /* first[v + 1] is where v's begin, and in the end where those of the next do */
+    for (uint64_t t = 0; t < triangles; t++)
+        for (int k = 0; k < 3; k++) {
+            const uint32_t *const c = triangle + 3 * t;
+            uint32_t *pair;
+            if (!asked[c[k]]) continue;
+            pair = w.pair[w.first[c[k] + 1]++];
+            pair[0] = c[(k + 1) % 3];
+            pair[1] = c[(k + 2) % 3];
+        }
+
+    for (uint64_t v = 0; v < vertices; v++)
+        if (w.first[v + 1] != w.first[v])
+            *broken += !is_one_fan(w.pair + w.first[v], w.first[v + 1] - w.first[v]);
+    return BVX_OK;
+}
+
+/* ---- parts that contours leave open ---- */
+
+/* Planes part space into cells, of which each contour point has one on either side. A part that comes into a cell
+ * through one plane alone ends there; no contour is between it and another part that is in the cell but not on that
+ * plane: tails and legs that few planes meet come off so. */
+
+enum { PARTS_IN_CELL = 64 };
+
+#define PARTS_ON_PLANE 1e-3 /* cells */
+
+typedef struct part_stretch {
+    uint32_t root, plane;
+    const double *at;
+} part_stretch;
+
+typedef struct part_work {
+    part_stretch *stretch;
+    uint64_t *key; /* cells, by the planes that they are above */
+    uint32_t *order, count;
+} part_work;
+
+static uint64_t plane_key(uint32_t plane)
+{
+    uint64_t const x = (plane + 1) * UINT64_C(0x9e3779b97f4a7c15);
+    return (x ^ x >> 29) * UINT64_C(0xbf58476d1ce4e5b9);
+}
+
+/* The cell below the plane at one of its points; 0 where another plane is too near to say. */
+static uint64_t cell_below(const bvxi_oblique *o, uint32_t plane, const double *world)
+{
+    double at[3];
+    uint64_t key = 1;
+    bvxi_oblique_in_cells(o, world, at);
+    for (uint32_t j = 0; j < o->plane_count; j++) {
+        double const height = bvxi_oblique_height(&o->plane[j], at);
+        if (j == plane) continue;
+        if (bvxi_absolute(height) < PARTS_ON_PLANE) return 0;
+        if (height > 0.0) key += plane_key(j);
+    }
+    return key;
+}
+
+static void add_stretches(const bvxi_oblique *o, const uint32_t *joined, uint32_t plane, uint32_t first,
+                          part_work *w)
+{
+    const bvxi_plane *const p = &o->plane[plane].plane;
+
+    for (uint32_t c = 0; c < p->contour_count; c++) {
+        uint64_t before = 0;
+        for (uint32_t n = p->contour[c].first; n < p->contour[c].first + p->contour[c].count; n++) {
+            const double *const at = o->given->points + 3 * (uint64_t)p->given[n];
+            uint32_t const v = o->point_vertex[first + n];
+            uint32_t const root = v == BVXI_NONE || o->output[v] == BVXI_NONE ? BVXI_NONE
+                                                                              : joined[o->output[v]];
+            uint64_t const below = root == BVXI_NONE || !o->kept[root] ? 0 : cell_below(o, plane, at);
+            if (below == 0 || below == before || p->contour[c].hole) continue;
+            before = below;
+            for (int side = 0; side < 2; side++) {
+                w->stretch[w->count] = (part_stretch){root, plane, at};
+                w->key[w->count] = below + (side != 0 ? plane_key(plane) : 0);
+                w->order[w->count] = w->count;
+                w->count++;
+            }
+        }
+    }
+}
+
+static int is_on_plane(const part_work *w, const uint32_t *cell, uint32_t count, uint32_t root,
+                       uint32_t plane)
+{
+    for (uint32_t i = 0; i < count; i++)
+        if (w->stretch[cell[i]].root == root && w->stretch[cell[i]].plane == plane) return 1;
+    return 0;
+}
+
+static int ends_in_cell(const part_work *w, const uint32_t *cell, uint32_t count, const part_stretch *a)
+{
+    for (uint32_t i = 0; i < count; i++)
+        if (w->stretch[cell[i]].root == a->root && w->stretch[cell[i]].plane != a->plane) return 0;
+    return 1;
+}
+
+/* Parts that end in a cell are joined to those that they end towards. */
+static void join_in_cell(bvxi_oblique *o, const part_work *w, const uint32_t *cell, uint32_t count,
+                         uint32_t *joined)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        const part_stretch *const a = &w->stretch[cell[i]];
+        if (!ends_in_cell(w, cell, count, a)) continue;
+        for (uint32_t j = 0; j < count; j++) {
+            const part_stretch *const b = &w->stretch[cell[j]];
+            if (bvxi_root(joined, a->root) == bvxi_root(joined, b->root) ||
+                is_on_plane(w, cell, count, b->root, a->plane))
+                continue;
+            if (o->apart++ == 0) memcpy(o->apart_at, a->at, 24);
+            bvxi_join(joined, a->root, b->root);
+        }
+    }
+}
+
+static bvx_status find_apart(bvxi_oblique *o, uint32_t *joined)
+{
+    uint64_t const most = 2 * (uint64_t)o->point_count;
+    uint32_t first = 0;
+    part_work w = {0};
+
+    BVXI_TRY(BVXI_ARRAY(o->ctx, most, "contours in cells", w.stretch));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, most, "contours in cells", w.key));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, most, "contours in cells", w.order));
+    for (uint32_t i = 0; i < o->plane_count; first += o->plane[i++].plane.point_count)
+        add_stretches(o, joined, i, first, &w);
+    BVXI_TRY(bvxi_radix_sort(o->ctx, w.key, w.order, w.count));
+    for (uint32_t i = 0, n; i < w.count; i += n) {
+        for (n = 1; i + n < w.count && w.key[i + n] == w.key[i];) n++;
+        join_in_cell(o, &w, w.order + i, n < PARTS_IN_CELL ? n : PARTS_IN_CELL, joined);
+    }
+    return BVX_OK;
+}
+
+/* oblique_parts.c: parts that end towards each other, counted and joined; those joined already are at their roots. */
+static bvx_status join_open_parts(bvxi_oblique *o, uint32_t *joined)
+{
+    return BVXI_SCOPE(o->ctx, find_apart(o, joined));
+}
+
+/* ---- the surface ---- */
+
 enum { HANDLE_ROUNDS = 3 };
 
 #define ONE_PLACE 1e-12 /* of the contours' longest side */
@@ -292,7 +478,7 @@ static bvx_status keep_bodies(bvxi_oblique *o, uint32_t *joined, uint64_t *verti
     for (uint64_t i = 0; i < o->position_count; i++) joined[i] = bvxi_root(joined, (uint32_t)i);
     memset(o->kept, 0, (size_t)o->position_count);
     mark_bodies(o, joined);
-    BVXI_TRY(bvxi_oblique_apart(o, joined));
+    BVXI_TRY(join_open_parts(o, joined));
 
     /* Triangles of the others go; the order of those that stay is as it was. */
     for (uint64_t t = 0; t < o->triangle_count; t++) {

@@ -15,7 +15,7 @@ mkdir -p "$work"
 # Reports that are none: TOOL CHECK FILE REASON. cppcheck does not follow values through pointers that a function fills. The two
 # analyzers follow one file and not what holds between numbers; what holds across files they are told in analyze_model.h.
 cat >"$work/known.txt" <<'END'
-cppcheck AssignmentIntegerToAddress src/layers/trace_loops.c an entry of the table is a row of two, which is an address
+cppcheck AssignmentIntegerToAddress src/layers/fill_loop.c an entry of the table is a row of two, which is an address
 cppcheck arrayIndexThenCheck src/simplify/corners.c two vertices are compared, not an index and its limit
 cppcheck ctuuninitvar src/nearest/closest.c a place for the result, set before it is read
 cppcheck ctuuninitvar src/nearest/closest_build.c a place for the tree, cleared first

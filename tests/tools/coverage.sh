@@ -50,7 +50,6 @@ src/layers/slab.c | larger > INT32_MAX | 2^31 crossings
 src/layers/all_slabs.c | vertices > UINT32_MAX - 1 | 2^32 vertices
 src/layers/all_slabs.c | triangles > INT32_MAX | 2^31 triangles
 src/contours/slice.c | list_count > INT32_MAX | 2^31 triangles
-src/layers/trace_room.c | room > INT32_MAX | 2^31 contour points
 src/surface/faces.c | face_count < UINT32_MAX / 2 | 2^31 faces
 src/surface/march.c | vertices >= UINT32_MAX | 2^32 vertices
 src/surface/sharp.c | >= UINT32_MAX | 2^32 vertices
