@@ -176,6 +176,8 @@ export interface SolidReport {
     thinVoxels: number;
     /** Lowest and highest of these voxels. */
     thinBox: number[];
+    /** 1 << code for each warning of the call. */
+    warnings: number;
 }
 
 export type When = 'auto' | 'never' | 'always';
@@ -295,6 +297,8 @@ export interface RepairReport {
     distance: DistanceReport;
     /** What volume the result should have, whatever was wrong with the input; 0: copied, or nothing encloses a centre. */
     crossingVolume: number;
+    /** 1 << code for each warning of the call. */
+    warnings: number;
 }
 
 /** [bvx_boolean_options] */
@@ -329,6 +333,8 @@ export interface BooleanReport {
     partsDropped: number;
     solidA: SolidReport;
     solidB: SolidReport;
+    /** 1 << code for each warning of the call. */
+    warnings: number;
 }
 /** [bvx_field_surface_report] */
 export type FieldSurfaceReport = Record<string, number>;
@@ -402,6 +408,8 @@ export interface HullReport {
     shelledTriangles: number;
     lids: number;
     partsDropped: number;
+    /** 1 << code for each warning of the call. */
+    warnings: number;
 }
 /** [bvx_level_report] */
 export interface LevelReport {
@@ -437,6 +445,8 @@ export interface LevelsReport {
     repair: RepairReport;
     resolution: number;
     plannedResolution: number;
+    /** 1 << code for each warning of the call. */
+    warnings: number;
 }
 
 /** [bvx_lod_options]; exactly one of resolutions (samples along the longest axis) and targetTriangles, one number a level. */

@@ -214,7 +214,7 @@ test('wrong arguments are refused before the library sees them', () => {
     };
     refused(
         () => bitvox.voxelize(tetrahedron, { resolutoin: 5 }),
-        /^voxelize: there is no option resolutoin; there are fill, window/,
+        /^voxelize: there is no option resolutoin; there are fill, hasBase, window/,
     );
     refused(
         () => bitvox.voxelize(tetrahedron, { fill: 'even' }),
