@@ -31,10 +31,11 @@
  *     the others, or a special meaning of these.
  *   Failure     Inputs are unchanged and nothing leaks. A zeroed result stays empty. The caller's arrays, and a result
  *     that was passed again, hold unspecified values: free it or pass it again. bvx_last_message says what was wrong.
- *   Outputs     Zero a result (a grid, mesh, field ...) before its first use. Later calls may receive it again without
+ *   Outputs     Zero a result, = {0} or in C++ = {}, before its first use. Later calls may receive it again without
  *     a free: the library reuses its arrays or makes others, so pointers into them end there. A grid or mesh may also
- *     bring arrays of the caller's, with their capacities: they are filled in place, or BVX_ERR_CAPACITY when too
- *     small. Other results refuse such arrays. A result overlaps no input, except where a comment says "in place".
+ *     bring arrays of the caller's, with their capacities, to be filled in place. Other results refuse such arrays. A
+ *     result overlaps no input, except where a comment says "in place". bvx_..._free frees what the library allocated
+ *     and zeroes the struct; NULL is allowed.
  *   Counting    An array of results may be NULL: then only the count is computed. The count is also set when an array
  *     was too small.
  *   Input       A coordinate that is not finite, an index beyond its array, a window beyond its lattice and more than
@@ -42,15 +43,19 @@
  *     BVX_ERR_EMPTY, as are triangles without area where surfaces are needed. Grids that share no lattice or window are
  *     BVX_ERR_LATTICE. Nothing inside is an empty result and BVX_OK. A target that cannot be met is BVX_OK with met 0
  *     in the report, unless strict is set.
- *   Options     Structs begin with their size; zero is the default of all else, and stands for what [Default:] says:
- *     bvx_repair_options o = {.struct_size = sizeof o}; is enough. BVX_NONE is the 0 itself, where [Limit:] has it.
- *     NULL means all defaults. What a shorter struct, of an older header, lacks has its default. Bytes of a longer one
- *     that the library does not know must be zero (BVX_ERR_VERSION). Reports are filled where options point to them.
- *   Types       position_type of options is BVX_POSITION_AUTO: f32 where it distinguishes positions, else f64. With
- *     local_frame 1 positions are relative to the mesh's frame, the low corner of the lattice.
- *   Reserved    Fields named reserved must be zero.
+ *   Options     bvx_repair_options o = {.struct_size = sizeof o}; has all defaults, as NULL has: each other field is 0,
+ *     which stands for what [Default:] says, if anything. C++ takes fields in order, and .fit = {.resolution = 99}.
+ *     BVX_NONE is the 0 itself, where [Limit:] has it. A comment that begins with "1:" is of a switch, 0 or 1. What the
+ *     shorter struct of an older header lacks is 0; unknown bytes of a longer one are 0, or it is BVX_ERR_VERSION.
+ *   Reports     report, reports and other pointers of options are filled when not NULL. Counts are of this call, within
+ *     its window. Bit 1 << BVX_WARN_... of warnings is set for each warning that the call gives.
+ *   Types       position_type of options is BVX_POSITION_AUTO, BVX_F32 or BVX_F64. AUTO is f32 where it distinguishes
+ *     positions, else f64. With local_frame 1 positions are relative to frame, the low corner of the lattice.
+ *   Arrays      Points are x y z each, rays six doubles: origin, direction of any length but 0 [Units: world]. Arrays
+ *     over a window have x fastest, then y, then z. Order (z, y, x) is that of the bits of grids.
+ *   Neighbours  connectivity is 6: across faces; 18: and edges; 26: and corners.
  *   Lists       The numbers of BVX_..._LIST are frozen; the texts are names in the program and the bindings.
- *   Memory      All memory comes from the context's allocator and counts against its limit.
+ *   Memory      All memory comes from the context's allocator and counts against its limit. Reserved fields are zero.
  *   Threads     One context is used by one thread at a time. Contexts share nothing; inputs are only read.
  *   Exactness   Same bits for any compiler, processor, thread count and window.
  *   Tags        [Size:] [Limit:] [Units:] [Default:] are fixed words, for people and for scripts. */
@@ -61,7 +66,10 @@
 #include <stdint.h>
 
 #ifdef __cplusplus
+#define BVX_NULL nullptr
 extern "C" {
+#else
+#define BVX_NULL NULL
 #endif
 
 #if defined(BVX_STATIC_API)
@@ -88,7 +96,6 @@ extern "C" {
 enum { BVX_NONE = -1 };
 
 /* ---- Status -------------------------------------------------------------------------------------------- */
-
 typedef int32_t bvx_status;
 
 /** Every status, its frozen value and its text. */
@@ -113,10 +120,8 @@ BVX_API const char *bvx_status_text(bvx_status status);
 /** Why a call failed, for programs: the reason, its frozen value and its text. */
 /* clang-format off */
 #define BVX_REASON_LIST(X) \
-    X(BVX_REASON_NONE, 0, "no call has failed") \
-    X(BVX_REASON_UNSPECIFIED, 1, "no failure has it any more") \
-    X(BVX_REASON_NULL, 2, "an argument is NULL") \
-    X(BVX_REASON_RESERVED, 3, "a reserved field is not 0") \
+    X(BVX_REASON_NONE, 0, "no call has failed") X(BVX_REASON_UNSPECIFIED, 1, "no failure has it any more") \
+    X(BVX_REASON_NULL, 2, "an argument is NULL") X(BVX_REASON_RESERVED, 3, "a reserved field is not 0") \
     X(BVX_REASON_OPTIONS, 4, "an option struct has no valid size or sets what the library does not know") \
     X(BVX_REASON_CHOICE, 5, "a number does not name one of the choices that there are") \
     X(BVX_REASON_MEMORY, 6, "the allocator returned nothing") \
@@ -152,7 +157,6 @@ enum { BVX_REASON_LIST(BVX_LIST_ENUM) BVX_REASON_COUNT = 32 };
 BVX_API int32_t bvx_version(void);
 
 /* ---- Context ------------------------------------------------------------------------------------------- */
-
 typedef struct bvx_context bvx_context;
 
 /** Returns size bytes aligned to align (a power of two up to 64), or NULL. */
@@ -172,65 +176,57 @@ enum { BVX_CPU_BEST = 0, BVX_CPU_PORTABLE = 1, BVX_CPU_AVX2 = 2 };
 
 /** Where memory comes from; user is the first argument of both. */
 typedef struct bvx_allocator {
-    bvx_alloc_fn *alloc; /**< set together with free [Default: NULL] */
-    bvx_free_fn *free; /**< [Default: NULL] */
-    void *user; /**< [Default: NULL] */
+    bvx_alloc_fn *alloc; /**< set together with free */
+    bvx_free_fn *free;
+    void *user;
 } bvx_allocator;
 
 /** Memory to live in: results at its low end, scratch at its high end. */
 typedef struct bvx_arena {
-    void *memory; /**< of any alignment: up to 63 bytes of it are skipped [Default: NULL] */
-    uint64_t size; /**< [Units: bytes] [Limit: any] [Default: 0] */
+    void *memory; /**< of any alignment: up to 63 bytes of it are skipped */
+    uint64_t size; /**< [Units: bytes] [Limit: any] */
 } bvx_arena;
 
+/** Callbacks; user is their first argument. */
 typedef struct bvx_parallel {
-    bvx_parallel_fn *call; /**< [Default: NULL] */
-    void *user; /**< its first argument [Default: NULL] */
+    bvx_parallel_fn *call;
+    void *user;
 } bvx_parallel;
-
 typedef struct bvx_progress {
-    bvx_progress_fn *call; /**< [Default: NULL] */
-    void *user; /**< its first argument [Default: NULL] */
+    bvx_progress_fn *call;
+    void *user;
 } bvx_progress;
 
 typedef struct bvx_context_options {
     size_t struct_size;
     bvx_allocator allocator; /**< [Default: the C library's heap; BVX_FREESTANDING: this or arena] */
-    bvx_arena arena; /**< in place of allocator [Default: all zero, none] */
+    bvx_arena arena; /**< in place of allocator */
     uint64_t memory_limit; /**< [Units: bytes] [Limit: any] [Default: 0, none] */
     bvx_parallel parallel; /**< the caller's own parallel-for [Default: the library's threads] */
-    bvx_progress progress; /**< [Default: all zero, never called] */
+    bvx_progress progress;
     int32_t threads; /**< workers [Limit: 0..1024] [Default: 0, see below; 1 with the caller's parallel] */
-    int32_t cpu; /**< fastest code that may run, BVX_CPU_... [Limit: 0..2] [Default: BVX_CPU_BEST] */
+    int32_t cpu; /**< fastest code that may run, BVX_CPU_... [Limit: 0..2] */
 } bvx_context_options;
-
-/** Create a context, through bvx_context_create. By default it has as many workers as the process may use processors:
- *  by affinity, the quota of its control group, OMP_NUM_THREADS and OMP_THREAD_LIMIT. A build without threads has one:
- *  bvx_context_threads. When threads run and end: docs/limits.md.
+/** Create a context. By default it has as many workers as the process may use processors: by affinity, the quota of its
+ *  control group, OMP_NUM_THREADS and OMP_THREAD_LIMIT. A build without threads has one. When threads run and end:
+ *  docs/limits.md.
  *  Returns BVX_ERR_VERSION (another major version, before 1.0 another minor one), BVX_ERR_UNSUPPORTED (arithmetic of
- *  this build or thread would change results), BVX_ERR_MEMORY (also an arena that is too small). bvx_context_fault has
- *  the message. */
+ *  this build or thread would change results), BVX_ERR_MEMORY (also an arena that is too small). */
 BVX_API bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_options *options,
                                               bvx_context **context);
-
 static inline bvx_status bvx_context_create(const bvx_context_options *options, bvx_context **context)
 {
     return bvx_context_create_version(BVX_VERSION, options, context);
 }
-
 /** Why bvx_context_create fails with these options and BVX_VERSION, in one line for people; NULL: it does not, where
  *  there is memory. Nothing is allocated or changed. */
 BVX_API const char *bvx_context_fault(int32_t header_version, const bvx_context_options *options);
-
-/** Free a context, also one in an arena; NULL is allowed. Results that it allocated may be freed through another
- *  context with the same allocator. */
+/** Free a context; NULL is allowed. Another context with the same allocator may free its results. */
 BVX_API void bvx_context_destroy(bvx_context *context);
-
-/** What went wrong in the last call that failed, in one line for people; "" when none did. The next call may change it.
- */
+/** What went wrong in the last call that failed, in one line for people, or "". The next call may change it. */
 BVX_API const char *bvx_last_message(const bvx_context *context);
 
-/** The last failure in parts, for programs. The library owns it and may append fields. */
+/** The last failure in parts, for programs. The library owns it, as a warning, and may append fields. */
 typedef struct bvx_error {
     bvx_status status; /**< BVX_OK: no call has failed */
     int32_t reason; /**< BVX_REASON_...; after a failure neither BVX_REASON_NONE nor _UNSPECIFIED */
@@ -238,97 +234,40 @@ typedef struct bvx_error {
     const char *message; /**< as bvx_last_message returns it */
     const char *text; /**< the message without the function's name in front */
     int64_t index; /**< of the vertex, triangle, level ... that the message names first, or -1 */
-    int32_t value_count; /**< [Limit: 0..8] */
-    int32_t reserved;
+    int32_t value_count, reserved; /**< [Limit: 0..8] */
     double value[8]; /**< the message's numbers in order, the index included, as doubles */
 } bvx_error;
-
-/** Why the last call that failed did so. Never NULL. The next call may change it. */
+/** Never NULL. The next call may change it. */
 BVX_API const bvx_error *bvx_last_error(const bvx_context *context);
 
-/** What a call that succeeded has cost, or could not do: a frozen number, and a text. %d, %g, %p (a share, as a
- *  percentage) stand for the warning's values in order, %b for its box. Words in braces are left out where the first
- *  value in them is 0. The program words those from BVX_WARN_UNJOINED on by itself. */
+/** What a call that succeeded has cost, or could not do. The program alone gives those from BVX_WARN_UNJOINED on. */
 /* clang-format off */
 #define BVX_WARN_LIST(X) \
-    X(BVX_WARN_NONE, 0, "nothing to warn of") \
-    X(BVX_WARN_THIN_LOST, 1, "walls thinner than 1.5 voxels are lost where no voxel's centre lies in them: %d " \
-      "voxel%s, in %b{; a resolution of %d keeps nine tenths of them}") \
-    X(BVX_WARN_THICKER, 2, "the result has a volume of %g, all parts of the input together %g (%p): what is " \
-      "thinner than a voxel, or less than one apart, became thicker{; a resolution of %d is nearer}{; so it was " \
-      "before edges collapsed to %d triangles}") \
-    X(BVX_WARN_VOLUME, 3, "the result has a volume of %g, the input about %g (%p){; a resolution of %d is " \
-      "nearer}{; so it was before edges collapsed to %d triangles}") \
-    X(BVX_WARN_AREA, 4, "the result has an area of %g, the input %g (%p), and no parts overlap{; a resolution of " \
-      "%d is nearer}{; so it was before edges collapsed to %d triangles}") \
-    X(BVX_WARN_PARTS, 5, "the result has %d parts, the input %d: what is thinner than a voxel came apart, or a gap " \
-      "closed around an empty space{; a resolution of %d may keep it}") \
-    X(BVX_WARN_JOINED, 6, "the result has %d part%s, the input %d: parts less than two voxels apart became one, or " \
-      "smaller ones are lost{; a resolution of %d may keep them}") \
-    X(BVX_WARN_HANDLES, 7, "the result has %d handle%s, the input %d: what is less than a voxel thick, or apart, " \
-      "has opened or met{; a resolution of %d may keep it}") \
-    X(BVX_WARN_SHELLS, 8, "%d triangle%s with %g of the area of %g enclose nothing and became hollow shells; shell " \
-      "sets their thickness") \
-    X(BVX_WARN_SHELLED_BODIES, 9, "%d triangle%s of bodies thinner than voxels became shells, which are thicker " \
-      "than these bodies{; a resolution of %d may keep them}") \
-    X(BVX_WARN_CRUMBS, 10, "dropped, since what is thinner than a voxel broke: %d small part%s that the input does " \
-      "not have{; a resolution of %d may keep it}") \
-    X(BVX_WARN_LEVEL_PARTS, 11, "{level %d: }%d piece%s, but %d before edges collapsed{; so it is for %d more " \
-      "levels}") \
-    X(BVX_WARN_LEVEL_VOLUME, 12, "{level %d: }a volume of %g, but %g before edges collapsed (%p); more triangles " \
-      "keep it nearer{; so it is for %d more levels}") \
-    X(BVX_WARN_TARGET, 13, "{level %d: }the target of %d triangles is missed: %d are the fewest that collapsing " \
-      "edges leaves sound{ with %d handle%s}; take a larger target{; %d more levels miss theirs}") \
-    X(BVX_WARN_ERROR, 14, "{level %d: }no mesh with the target error of %g was found; take a larger one{; %d more " \
-      "levels miss theirs}") \
-    X(BVX_WARN_CUT, 15, "cut: %d edge%s of three triangles and more, or whose triangles cannot agree, the first " \
-      "from %b; levels of the solid join what they part") \
-    X(BVX_WARN_LOWERED, 16, "the memory limit lowered the resolution from %d to %d voxels along the longest axis; " \
-      "a larger limit keeps more detail") \
-    X(BVX_WARN_DOUBLES, 17, "left out since others equal them: %d triangle%s") \
-    X(BVX_WARN_TURNED, 18, "{turned since they faced the other way than the rest of their patch: %d triangle%s}{the " \
-      "faces of the open mesh look inward, around a volume of %g, which became solid; where they are walls of a " \
-      "room, levels of the mesh as it is keep it open}") \
-    X(BVX_WARN_ROWS, 19, "%d row%s of centres do not balance, where the surface has holes or flipped triangles; a " \
-      "repair closes them, and the rule below fills under open terrain") \
-    X(BVX_WARN_NESTED, 20, "closed shells lie inside others, face the same way and do not cross: what lies in both " \
-      "is hollow; the rule nonzero has it solid") \
-    X(BVX_WARN_LEAKS, 21, "the flood came through a hole to %d voxels that are surely inside; a larger close_gaps " \
-      "may hold it, the rules vote and regions do without") \
-    X(BVX_WARN_MIXED, 22, "%d of %d regions are not on one side, since a hole joins them or the axes disagree: " \
-      "each of their %d voxels kept its own vote") \
-    X(BVX_WARN_VOXELS, 23, "the voxels have a volume of %g, the input about %g (%p){; a resolution of %d is within " \
-      "1 %%}") \
-    X(BVX_WARN_FEW, 24, "few or no voxels show this body{; a resolution of %d does}") \
-    X(BVX_WARN_FEW_RESULT, 25, "few voxels show the result{; a resolution of %d does}") \
-    X(BVX_WARN_APART, 26, "it does not reach the first body: nothing was taken away") \
-    X(BVX_WARN_CONTOURS, 27, "at %d points, %d edges and %d gaps where planes cross the surface does not follow " \
-      "the contours, which contradict each other") \
-    X(BVX_WARN_SPECKS, 28, "parts of one contour alone, smaller than a cell: %d; more cells, or leaving out those " \
-      "contours, may join them to the body") \
-    X(BVX_WARN_EXTRA_HANDLES, 29, "left, though no contour needs them: %d handle%s") \
-    X(BVX_WARN_CELLS, 30, "%d edges and %d loops are too fine for the cells: what joins them to the next section " \
-      "is a guess{; a subdivision of %d may help}") \
-    X(BVX_WARN_WINDOWS, 31, "between %d pairs of sections walls are too thin for the cells and may have windows; a " \
-      "finer grid closes them") \
-    X(BVX_WARN_REPEATED, 32, "left out: %d repeated point%s") \
-    X(BVX_WARN_LIDS, 33, "lids over %d hole%s are about %g %% of the surface, the longest rim is %g, in %b: nothing " \
-      "in the input says how the body went on there; close such holes first where that matters") \
-    X(BVX_WARN_OPEN_PARTS, 34, "parts that end towards another one with no plane between: %d, one at %b; whether " \
-      "they are one the contours leave open, and a section there, or more cells, decides it") \
-    X(BVX_WARN_UNJOINED, 35, "parts of sections share no area with the next section and do not join it") \
-    X(BVX_WARN_EMPTY, 36, "the result is empty, or has no inside") \
-    X(BVX_WARN_UNMET, 37, "a wish, an option or a level that is requested has no effect") \
-    X(BVX_WARN_ENDS, 38, "what was made reaches the sides of its grid and ends there") \
-    X(BVX_WARN_LOST, 39, "what the input has the file cannot hold: attributes, materials, names, the lattice") \
-    X(BVX_WARN_READ, 40, "something in a file was left out or mended") \
-    X(BVX_WARN_ROUNDED, 41, "the numbers of a file move vertices, or spoil triangles") \
-    X(BVX_WARN_FAR, 42, "a vertex far from all others leaves these few voxels") \
-    X(BVX_WARN_FILE, 43, "a file could not be removed")
+    X(BVX_WARN_NONE, 0) \
+    X(BVX_WARN_THIN_LOST, 1) /* walls thinner than 1.5 voxels are lost where no voxel's centre lies in them */ \
+    X(BVX_WARN_THICKER, 2) X(BVX_WARN_VOLUME, 3) X(BVX_WARN_AREA, 4) /* volume or area is not the input's */ \
+    X(BVX_WARN_PARTS, 5) X(BVX_WARN_JOINED, 6) X(BVX_WARN_HANDLES, 7) /* parts broke or joined; handles changed */ \
+    X(BVX_WARN_SHELLS, 8) X(BVX_WARN_SHELLED_BODIES, 9) /* sheets, and bodies thinner than voxels, are shells now */ \
+    X(BVX_WARN_CRUMBS, 10) /* small parts that the input does not have were dropped */ \
+    X(BVX_WARN_LEVEL_PARTS, 11) X(BVX_WARN_LEVEL_VOLUME, 12) /* not those before edges collapsed */ \
+    X(BVX_WARN_TARGET, 13) X(BVX_WARN_ERROR, 14) /* a target of triangles, or of error, is missed */ \
+    X(BVX_WARN_CUT, 15) /* edges of three triangles and more, or whose triangles cannot agree, were cut */ \
+    X(BVX_WARN_LOWERED, 16) /* the memory limit lowered the resolution */ \
+    X(BVX_WARN_DOUBLES, 17) X(BVX_WARN_TURNED, 18) /* triangles were left out, or turned; a room is filled */ \
+    X(BVX_WARN_ROWS, 19) X(BVX_WARN_LEAKS, 21) X(BVX_WARN_MIXED, 22) /* holes: the solid may be wrong near them */ \
+    X(BVX_WARN_NESTED, 20) /* what lies in two shells is hollow; the rule nonzero has it solid */ \
+    X(BVX_WARN_VOXELS, 23) X(BVX_WARN_FEW, 24) X(BVX_WARN_FEW_RESULT, 25) /* the lattice is coarse for it */ \
+    X(BVX_WARN_APART, 26) /* bodies do not meet: nothing was taken away */ \
+    X(BVX_WARN_CONTOURS, 27) X(BVX_WARN_CELLS, 30) X(BVX_WARN_WINDOWS, 31) /* contours are not kept everywhere */ \
+    X(BVX_WARN_SPECKS, 28) X(BVX_WARN_EXTRA_HANDLES, 29) X(BVX_WARN_OPEN_PARTS, 34) /* sections leave it open */ \
+    X(BVX_WARN_REPEATED, 32) /* repeated points were left out */ \
+    X(BVX_WARN_LIDS, 33) /* lids over holes are a large share of the surface */ \
+    X(BVX_WARN_UNJOINED, 35) X(BVX_WARN_EMPTY, 36) X(BVX_WARN_UNMET, 37) X(BVX_WARN_ENDS, 38) X(BVX_WARN_LOST, 39) \
+    X(BVX_WARN_READ, 40) X(BVX_WARN_ROUNDED, 41) X(BVX_WARN_FAR, 42) X(BVX_WARN_FILE, 43)
 /* clang-format on */
-enum { BVX_WARN_LIST(BVX_LIST_ENUM) BVX_WARN_COUNT = 44 };
+#define BVX_WARN_ENUM(name, value) name = value,
+enum { BVX_WARN_LIST(BVX_WARN_ENUM) BVX_WARN_COUNT = 44 };
 
-/** One warning. The library owns it and may append fields. */
 typedef struct bvx_warning {
     int32_t code; /**< BVX_WARN_... */
     int32_t input; /**< 0 or 1: the mesh of several that it is about; -1: the result, or the only mesh */
@@ -339,11 +278,8 @@ typedef struct bvx_warning {
     const char *name; /**< "BVX_WARN_..." */
     const char *text; /**< one line for people; valid until the next call with this context */
 } bvx_warning;
-
-/** The next warning of the last call, which succeeded; NULL: no more. A report makes calls measure what they warn of.
- */
+/** The next warning of the last call, which succeeded; NULL: no more. With a report calls measure more. */
 BVX_API const bvx_warning *bvx_next_warning(bvx_context *context);
-
 /** Bytes that are held now, results included; and the maximum since creation or the last reset. In an arena that is
  *  the size of one that is enough for the same calls: with the context, and what lies unused between blocks. */
 BVX_API uint64_t bvx_memory_used(const bvx_context *context);
@@ -353,33 +289,32 @@ BVX_API void bvx_memory_reset_peak(bvx_context *context);
 BVX_API int32_t bvx_context_threads(const bvx_context *context);
 
 /* ---- Meshes -------------------------------------------------------------------------------------------- */
-
 /** Types of positions and values. BVX_POSITION_AUTO, for options, is BVX_F32 where its steps at the largest coordinate
- *  are at most 1/256 of a voxel, else BVX_F64; the result's position_type says which. Without voxels the mesh's type
- *  stays, and sections give f64. Arrays that the caller provides must be of the type that comes out. */
+ *  are at most 1/256 of a voxel, else BVX_F64. Without voxels the mesh's type stays, and sections give f64. Arrays that
+ *  the caller provides must be of the type that comes out. */
 #define BVX_REAL_LIST(X) X(BVX_F32, 1, "f32") X(BVX_F64, 2, "f64")
 enum { BVX_POSITION_AUTO = 0, BVX_REAL_LIST(BVX_LIST_ENUM) };
 enum { BVX_U16 = 1, BVX_U32 = 2, BVX_U64 = 3 };
 
-/** A mesh that goes in: pointers to arrays that the caller owns. */
+/** A mesh that goes in: pointers to arrays that the caller owns. What is optional is NULL or 0. */
 typedef struct bvx_mesh_view {
     const void *positions; /**< x, y, z of each vertex [Size: vertex_count] */
     const void *indices; /**< three vertex indices a triangle; NULL: triangle t has vertices 3t, 3t+1, 3t+2 */
     uint64_t vertex_count; /**< [Limit: < 2^32] */
     uint64_t triangle_count; /**< [Limit: < 2^31] */
     uint32_t position_type; /**< BVX_F32 or BVX_F64 */
-    uint32_t position_stride; /**< from vertex to vertex [Units: bytes] [Default: 0, packed] */
+    uint32_t position_stride; /**< from vertex to vertex; 0: packed [Units: bytes] */
     uint32_t index_type; /**< BVX_U16, BVX_U32 or BVX_U64; ignored without indices */
-    uint32_t index_stride; /**< from triangle to triangle [Units: bytes] [Default: 0, packed] */
-    const uint8_t *colours; /**< red, green, blue, alpha of each vertex, packed [Default: NULL] */
-    const float *normals; /**< x, y, z of each vertex, packed [Default: NULL] */
-    const float *uvs; /**< texture coordinates u, v: of each vertex, or by uv_indices [Default: NULL] */
+    uint32_t index_stride; /**< from triangle to triangle; 0: packed [Units: bytes] */
+    const uint8_t *colours; /**< optional: red, green, blue, alpha of each vertex, packed */
+    const float *normals; /**< optional: x, y, z of each vertex, packed */
+    const float *uvs; /**< optional: texture coordinates u, v of each vertex, or by uv_indices */
     const uint32_t *uv_indices; /**< three indices into uvs a triangle; NULL: each vertex has its own */
     uint64_t uv_count; /**< of uvs, with uv_indices */
-    const float *uvs2; /**< second texture coordinates of each vertex [Default: NULL] */
-    const uint32_t *materials; /**< index of each triangle's material [Default: NULL] */
-    const double *transform; /**< three rows of four, applied to positions in doubles as ((m0 x + m1 y) + m2 z) + m3.
-                                  Normals stay, and a mirror turns triangles inside out [Size: 12] [Default: NULL] */
+    const float *uvs2; /**< optional: second texture coordinates of each vertex */
+    const uint32_t *materials; /**< optional: index of each triangle's material */
+    const double *transform; /**< optional: three rows of four, applied to positions in doubles as ((m0 x + m1 y) +
+                                  m2 z) + m3. Normals stay, and a mirror turns triangles inside out [Size: 12] */
     uint64_t reserved;
 } bvx_mesh_view;
 
@@ -387,55 +322,42 @@ typedef struct bvx_mesh_view {
 static inline bvx_mesh_view bvx_mesh_view_packed(const float *positions, uint64_t vertex_count,
                                                  const uint32_t *triangles, uint64_t triangle_count)
 {
-#ifdef __cplusplus
-    bvx_mesh_view view = {};
-#else
-    bvx_mesh_view view = {0};
-#endif
-
-    view.positions = positions;
-    view.indices = triangles;
-    view.vertex_count = vertex_count;
-    view.triangle_count = triangle_count;
-    view.position_type = BVX_F32;
-    view.index_type = BVX_U32;
+    bvx_mesh_view const view = {positions, triangles, vertex_count, triangle_count, BVX_F32,  0,
+                                BVX_U32,   0,         BVX_NULL,     BVX_NULL,       BVX_NULL, BVX_NULL,
+                                0,         BVX_NULL,  BVX_NULL,     BVX_NULL,       0};
     return view;
 }
 
 /** Materials, textures and images as a file had them; a mesh that owns its arrays owns them too. */
 typedef struct bvx_assets bvx_assets;
 
-/** A mesh that comes out: indexed triangles, counter-clockwise seen from outside. See Outputs above. Where attributes
- *  have a seam, vertices of equal positions have one side's each. */
+/** A mesh that comes out: indexed triangles, counter-clockwise seen from outside. What it does not have is NULL. Where
+ *  attributes have a seam, vertices of equal positions have one side's each. */
 typedef struct bvx_mesh {
     void *positions; /**< float or double [Size: vertex_count * 3] [Units: world, less frame] */
     uint32_t *triangles; /**< [Size: triangle_count * 3] */
-    uint64_t *vertex_keys; /**< identifies each vertex across windows; NULL without keys */
-    uint64_t *triangle_keys; /**< identifies each triangle's cell across windows; NULL without keys */
+    uint64_t *vertex_keys, *triangle_keys; /**< identify each vertex, and each triangle's cell, across windows */
     uint64_t vertex_count, triangle_count;
     uint64_t vertex_capacity, triangle_capacity; /**< what the arrays hold */
     double frame[3]; /**< add it to positions to get world coordinates; zero without the option local_frame */
     int32_t position_type; /**< BVX_F32 or BVX_F64 */
     int32_t owned; /**< 1 when bvx_mesh_free frees the arrays */
-    uint8_t *colours; /**< red, green, blue, alpha of each vertex, or NULL [Size: vertex_capacity * 4] */
-    float *uvs; /**< texture coordinates u, v, or NULL [Size: uv_count * 2] */
+    uint8_t *colours; /**< red, green, blue, alpha of each vertex [Size: vertex_capacity * 4] */
+    float *uvs; /**< texture coordinates u, v [Size: uv_count * 2] */
     uint32_t *uv_triangles; /**< three indices into uvs a triangle; NULL: one a vertex [Size: triangle_capacity * 3] */
     uint64_t uv_count;
-    float *normals; /**< x, y, z of each vertex, or NULL [Size: vertex_capacity * 3] */
-    float *uvs2; /**< second texture coordinates of each vertex, or NULL [Size: vertex_capacity * 2] */
-    uint32_t *materials; /**< index of each triangle's material, or NULL [Size: triangle_capacity] */
-    bvx_assets *assets; /**< materials, textures and images of a glTF or 3MF file, or NULL: passed on to a .glb */
+    float *normals; /**< x, y, z of each vertex [Size: vertex_capacity * 3] */
+    float *uvs2; /**< second texture coordinates of each vertex [Size: vertex_capacity * 2] */
+    uint32_t *materials; /**< index of each triangle's material [Size: triangle_capacity] */
+    bvx_assets *assets; /**< materials, textures and images of a glTF or 3MF file: passed on to a .glb */
     uint64_t reserved[2];
 } bvx_mesh;
 
-/** Free what the library allocated and zero the struct. So do all bvx_..._free. */
 BVX_API void bvx_mesh_free(bvx_context *context, bvx_mesh *mesh);
 /** A view of a mesh. The frame is not part of it. */
 BVX_API void bvx_mesh_view_of(const bvx_mesh *mesh, bvx_mesh_view *view);
-
 /** Remove vertices with a coordinate that is not finite, and the triangles that use them, in place. What remains keeps
- *  its order, keys and attributes. dropped, out, is the number of triangles removed. After a failure the mesh is
- *  unchanged. */
+ *  its order, keys and attributes. dropped, out, counts triangles. After a failure the mesh is unchanged. */
 BVX_API bvx_status bvx_mesh_drop_nonfinite(bvx_context *context, bvx_mesh *mesh, uint64_t *dropped);
 /** Hash of type, counts, frame, positions and triangles, the same on every machine. */
 BVX_API bvx_status bvx_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint64_t *hash);
@@ -445,8 +367,7 @@ BVX_API uint64_t bvx_hash(const void *bytes, size_t size, uint64_t seed);
 typedef struct bvx_box {
     double low[3], high[3];
 } bvx_box;
-
-/** What a mesh is. With weld 1, vertices at equal positions count as one (for files without indices). */
+/** What a mesh is. With weld 1 vertices at equal positions count as one. [Limit: (2^32 - 1) / 3 triangles] */
 typedef struct bvx_certificate {
     int32_t closed; /**< 1: every edge has two or more triangles, none is a boundary */
     int32_t edge_manifold; /**< 1: no edge has more than two triangles */
@@ -459,8 +380,7 @@ typedef struct bvx_certificate {
     uint64_t collapsed; /**< triangles with two equal vertices, not counted in anything that follows */
     uint64_t degenerate; /**< triangles that count but have no area, computed in doubles */
     uint64_t duplicates; /**< triangles with the three vertices of an earlier one, in any order */
-    uint64_t boundary_edges; /**< edges with one triangle */
-    uint64_t nonmanifold_edges; /**< edges with three or more */
+    uint64_t boundary_edges, nonmanifold_edges; /**< edges with one triangle; with three or more */
     uint64_t flipped_edges; /**< edges with two triangles that run along it in the same direction */
     uint64_t nonmanifold_vertices;
     uint64_t components; /**< connected through edges */
@@ -470,19 +390,14 @@ typedef struct bvx_certificate {
     bvx_box box; /**< bounds of the used vertices [Units: world] */
     uint64_t reserved[4];
 } bvx_certificate;
-
-/** Check a mesh. weld 1 identifies vertices with equal positions (-0 equals 0). Of a mesh without triangles all but
- *  unused_vertices is zero. [Limit: (2^32 - 1) / 3 triangles] */
 BVX_API bvx_status bvx_mesh_check(bvx_context *context, const bvx_mesh_view *mesh, int32_t weld,
                                   bvx_certificate *certificate);
-
-/** Find pairs of triangles that cross: that share a point which is neither a common vertex nor on a common edge.
- *  Touching is crossing, as is an overlap in one plane, a fold flat on its neighbour and a triangle that is there
- *  twice. Vertices at equal positions are one (-0 equals 0); triangles without area are left out.
+/** Find pairs of triangles that cross: that share a point which is neither a common vertex nor on a common edge. That
+ *  includes touching, an overlap in one plane, a fold flat on its neighbour and a triangle that is there twice.
+ *  Vertices at equal positions are one; triangles without area are left out.
  *  pairs  two indices a pair, the lower one first; pairs ascend [Size: capacity * 2] [Limit: < 2^32 pairs] */
 BVX_API bvx_status bvx_mesh_crossings(bvx_context *context, const bvx_mesh_view *mesh, uint64_t *count, uint32_t *pairs,
                                       uint64_t capacity);
-
 /** Compute normals of length 1, three floats each; 0, 0, 1 where there is none. Either array may be NULL.
  *  vertex_normals  [Size: vertex_count * 3] the sum of the facets' normals, weighted by area
  *  facet_normals   [Size: triangle_count * 3] averaged 0: of each facet; 1: the mean of its vertices' normals */
@@ -497,7 +412,6 @@ typedef struct bvx_distance_report {
     double mean, max; /**< of both directions: the mean of the means, the greater maximum [Units: world] */
     double normal_a_to_b, normal_b_to_a; /**< mean of 1 - cos of the angle between the facets' normals */
 } bvx_distance_report;
-
 /** Sample each mesh uniformly by area, from seed, and measure the distance of each sample to the other mesh. Samples
  *  whose nearest triangle has no area are left out of the normals' means. The order of triangles, corners and vertices
  *  does not change a bit. samples  [Limit: 1..2^31-1] */
@@ -505,7 +419,6 @@ BVX_API bvx_status bvx_mesh_distance(bvx_context *context, const bvx_mesh_view *
                                      uint64_t samples, uint64_t seed, bvx_distance_report *report);
 
 /* ---- Lattices ------------------------------------------------------------------------------------------ */
-
 /** Voxel (i,j,k) is the half-open box [origin + ijk*spacing, origin + (ijk+1)*spacing). Samples lie at its centre. All
  *  four fields are the lattice's identity. */
 typedef struct bvx_lattice {
@@ -526,10 +439,8 @@ typedef struct bvx_lattice_options {
     int32_t resolution; /**< voxels along the longest axis, cubic ones [Limit: 0..2^25] [Default: 0, unset] */
     int32_t axis_resolution[3]; /**< voxels along each axis, stretched ones [Limit: 0..2^25] [Default: 0, unset] */
     double spacing[3]; /**< edges of a voxel [Units: world] [Limit: >= 0] [Default: 0, unset] */
-    int32_t padding; /**< empty voxels added on every side [Limit: 0..65536] [Default: 0] */
-    int32_t reserved;
+    int32_t padding, reserved; /**< empty voxels added on every side [Limit: 0..65536] */
 } bvx_lattice_options;
-
 /** A lattice of cubic voxels around a mesh, with resolution voxels along its longest axis. Its low corner is that of
  *  the bounds of the vertices that triangles use; dims is the smallest count that covers them. Without triangles all
  *  vertices count: those of a cloud of points, or two opposite corners of a box.
@@ -544,10 +455,8 @@ BVX_API bvx_status bvx_lattice_make(bvx_context *context, const double origin[3]
                                     const int32_t dims[3], bvx_lattice *lattice);
 
 /* ---- Grids --------------------------------------------------------------------------------------------- */
-
 /** A set of voxels, one bit each. Voxel (x,y,z) of the window is bit (x & 63) of words[(z * size[1] + y) *
- *  words_per_row + (x >> 6)]; bits at or past size[0] are always 0. Where a caller sets one, results are wrong or
- *  BVX_ERR_ARGUMENT, but memory stays safe. */
+ *  words_per_row + (x >> 6)]. Bits at or past size[0] are always 0: set by a caller, they spoil results, not memory. */
 typedef struct bvx_grid {
     uint64_t *words; /**< [Size: bvx_grid_bound] 64-byte aligned when the library made it */
     uint64_t word_capacity; /**< words that the array holds; set by a caller who provides it */
@@ -555,29 +464,24 @@ typedef struct bvx_grid {
     int32_t low[3]; /**< window: lattice index of voxel (0,0,0) [Units: voxels] */
     int32_t size[3]; /**< window: voxels along each axis [Units: voxels] */
     int32_t words_per_row; /**< (size[0] + 63) / 64 */
-    int32_t owned; /**< 1 when bvx_grid_free frees words */
-    int32_t reserved[4];
+    int32_t owned, reserved[4]; /**< 1 when bvx_grid_free frees words */
 } bvx_grid;
-
 /** Words that the grid of a window needs; 0 when the window is not inside the lattice. NULL: the whole lattice. */
 BVX_API uint64_t bvx_grid_bound(const bvx_lattice *lattice, const bvx_window *window);
 /** An empty grid of a window (NULL: the whole lattice). */
 BVX_API bvx_status bvx_grid_create(bvx_context *context, const bvx_lattice *lattice, const bvx_window *window,
                                    bvx_grid *grid);
 BVX_API void bvx_grid_free(bvx_context *context, bvx_grid *grid);
-/** Count the set voxels. */
 BVX_API bvx_status bvx_grid_count(bvx_context *context, const bvx_grid *grid, uint64_t *count);
 /** Hash of size, low, lattice and bits, the same on every machine. */
 BVX_API bvx_status bvx_grid_hash(bvx_context *context, const bvx_grid *grid, uint64_t *hash);
 
-/** 1 when voxel (x,y,z) of the window is set. The range is not checked. */
+/** Whether voxel (x,y,z) of the window is set: 0 or 1; and set or clear it. The range is not checked. */
 static inline int bvx_grid_get(const bvx_grid *grid, int32_t x, int32_t y, int32_t z)
 {
     size_t const row = (size_t)z * (size_t)grid->size[1] + (size_t)y;
     return (int)(grid->words[row * (size_t)grid->words_per_row + (size_t)(x >> 6)] >> (x & 63) & 1);
 }
-
-/** Set (value 1) or clear (value 0) voxel (x,y,z) of the window. The range is not checked. */
 static inline void bvx_grid_set(bvx_grid *grid, int32_t x, int32_t y, int32_t z, int value)
 {
     size_t const row = (size_t)z * (size_t)grid->size[1] + (size_t)y;
@@ -587,28 +491,24 @@ static inline void bvx_grid_set(bvx_grid *grid, int32_t x, int32_t y, int32_t z,
 }
 
 /* ---- Solids -------------------------------------------------------------------------------------------- */
-
-/** What decides that a centre is inside, for solids, fields, repair and booleans. docs/rules.md has each rule in full,
- *  docs/guide.md says which to take. AUTO takes what suits the mesh, flipped triangles turned first: PARITY where
- *  closed shells do not cross, NONZERO where they do, WINDING where there are holes, VOTE where triangles cannot be
- *  oriented; repair takes WINDING in place of the first two. A rule that a call does not take is BVX_ERR_ARGUMENT. */
-/* clang-format off */
+/** What decides that a centre is inside, for solids, fields, repair and booleans: docs/rules.md, and docs/guide.md says
+ *  which to take. AUTO takes what suits the mesh, flipped triangles turned first: PARITY where closed shells do not
+ *  cross, NONZERO where they do, WINDING where there are holes, VOTE where triangles cannot be oriented. Repair takes
+ *  WINDING in place of the first two. A rule that a call does not take is BVX_ERR_ARGUMENT. */
 #define BVX_FILL_LIST(X) \
     X(BVX_FILL_AUTO, 0, "auto") \
-    X(BVX_FILL_PARITY, 1, "parity")   /* an odd number of crossings along x: nested shells are cavities */ \
+    X(BVX_FILL_PARITY, 1, "parity") /* an odd number of crossings along x: nested shells are cavities */ \
     X(BVX_FILL_NONZERO, 2, "nonzero") /* a winding number along x: overlapping, inverted shells are one */ \
-    X(BVX_FILL_VOTE, 3, "vote")       /* the majority of directions: closes holes, flipped triangles do no harm */ \
-    X(BVX_FILL_FLOOD, 4, "flood")     /* what a flood from outside cannot reach: fills cavities */ \
+    X(BVX_FILL_VOTE, 3, "vote") /* the majority of directions: closes holes, flipped triangles do no harm */ \
+    X(BVX_FILL_FLOOD, 4, "flood") /* what a flood from outside cannot reach: fills cavities */ \
     X(BVX_FILL_REGIONS, 5, "regions") /* each region of the surface as a whole: keeps cavities */ \
-    X(BVX_FILL_BELOW, 6, "below")     /* all that lies under a terrain, or between two */ \
+    X(BVX_FILL_BELOW, 6, "below") /* all that lies under a terrain, or between two */ \
     X(BVX_FILL_WINDING, 7, "winding") /* a generalized winding number above a half: closes holes smoothly */ \
-    X(BVX_FILL_NORMAL, 8, "normal")   /* the closest triangle's side (the paper's): wrong near edges */ \
+    X(BVX_FILL_NORMAL, 8, "normal") /* the closest triangle's side (the paper's): wrong near edges */ \
     X(BVX_FILL_PSEUDONORMAL, 9, "pseudonormal") /* the closest feature's side: for closed, oriented meshes */ \
-    X(BVX_FILL_NONE, 10, "none")      /* no side: distances are not negative */
-/* clang-format on */
+    X(BVX_FILL_NONE, 10, "none") /* no side: distances are not negative */
 enum {
-    BVX_FILL_LIST(BVX_LIST_ENUM) BVX_FILL_COUNT = 11,
-    /** Rules that solids, booleans, repair and levels, and fields take: bit 1 << rule */
+    BVX_FILL_LIST(BVX_LIST_ENUM) BVX_FILL_COUNT = 11, /* and the rules that calls take, as bits 1 << rule */
     BVX_FILLS_OF_SOLID = 255,
     BVX_FILLS_OF_BOOLEAN = 1 << BVX_FILL_PARITY | 1 << BVX_FILL_NONZERO | 1 << BVX_FILL_VOTE | 1 << BVX_FILL_WINDING |
                            1 << BVX_FILL_AUTO,
@@ -630,54 +530,44 @@ enum {
 /** What is up for BVX_FILL_BELOW: towards the high end of this axis. */
 #define BVX_UP_LIST(X) X(BVX_UP_Z, 0, "z") X(BVX_UP_X, 1, "x") X(BVX_UP_Y, 2, "y")
 enum { BVX_UP_LIST(BVX_LIST_ENUM) };
-
-/** When walls that the voxels lose are searched: AUTO in a whole lattice with a report, as far as the memory limit
- *  allows; ALWAYS is not for below. */
+/** When walls that voxels lose are searched. AUTO: in a whole lattice with a report, as far as memory allows. */
 #define BVX_CHECK_LIST(X) X(BVX_CHECK_AUTO, 0, "auto") X(BVX_CHECK_NEVER, 1, "never") X(BVX_CHECK_ALWAYS, 2, "always")
 enum { BVX_CHECK_LIST(BVX_LIST_ENUM) };
 
-/** Counts of one call, for its window; those of other rules are 0. */
+/** Counts of other rules are 0. */
 typedef struct bvx_solid_report {
     int32_t fill; /**< BVX_FILL_...: the rule that filled; AUTO reports its choice */
     int32_t fill_reason; /**< BVX_FILL_REASON_... */
     uint64_t crossings; /**< of rows with the surface, also outside the window along the row */
-    uint64_t unbalanced_rows; /**< rows whose crossings do not balance: there is a hole. winding: along x, or where
-                                   these balance about as many along y and z as lids stand in */
+    uint64_t unbalanced_rows; /**< rows whose crossings do not balance: there is a hole (winding: docs/rules.md) */
     uint64_t leaks; /**< flood: voxels off the surface that it reached although they are surely inside */
     uint64_t regions; /**< regions: how many there are */
-    uint64_t mixed_regions; /**< regions: those that hold sure centres of both sides, or none */
-    uint64_t mixed_voxels; /**< regions: voxels of these; each kept its own vote */
-    uint64_t cut_voxels; /**< below, with a second mesh: voxels where mesh lies above second */
-    uint64_t fill_voxels; /**< below, with a second mesh: voxels where second lies above mesh */
+    uint64_t mixed_regions, mixed_voxels; /**< regions: with sure centres of both sides, or none; their voxels */
+    uint64_t cut_voxels, fill_voxels; /**< below: voxels where mesh lies above second; second above mesh */
     uint64_t turned; /**< auto: triangles that were turned first */
     double volume; /**< of the voxels set [Units: world] */
     double mesh_volume; /**< that the mesh encloses, as a float; 0 where it is not comparable [Units: world] */
-    double crossing_volume; /**< with thin_checked: what volume would be if the solid ended at the mesh along lines of
-                                 centres, as a float; 0 with add_shell [Units: world] */
+    double crossing_volume; /**< thin_checked: of the solid that ends at the mesh along rows; else 0 [Units: world] */
     int32_t volume_resolution; /**< at which volume is within 1 % of these; 0: it is, or none is */
     int32_t thin_checked; /**< 1: walls that the voxels lose were searched (check_thin) */
     uint64_t thin_voxels; /**< voxels at walls thinner than 1.5 voxels that are lost, or have gaps */
     int32_t thin_resolution; /**< at which nine tenths of them have a wall of 1.5 voxels; 0: none, or none needed */
-    int32_t thin_box[2][3]; /**< lowest and highest of these voxels, inclusive [Units: lattice's voxels] */
-    int32_t reserved;
-    uint64_t warnings; /**< 1 << BVX_WARN_... for each that the call gives; not in bvx_boolean_report */
+    int32_t thin_box[2][3], reserved; /**< lowest and highest of these voxels, inclusive [Units: lattice's voxels] */
+    uint64_t warnings; /**< not in bvx_boolean_report */
 } bvx_solid_report;
-
 typedef struct bvx_voxelize_options {
     size_t struct_size;
-    int32_t fill; /**< BVX_FILL_... [Limit: 0..7] [Default: BVX_FILL_AUTO] */
-    int32_t has_base; /**< below: 1: columns begin at base, 0: at the lattice's end [Limit: 0..1] [Default: 0] */
-    bvx_window window; /**< flood, regions: the whole lattice only [Default: all zero, the whole lattice] */
-    bvx_solid_report *report; /**< receives counts when not NULL [Default: NULL] */
-    int32_t close_gaps; /**< flood: voxels that no empty cube of close_gaps + 1 voxels a side holds are walls
-                             [Units: voxels] [Limit: 0..65535] [Default: 0] */
-    int32_t add_shell; /**< 1: set the conservative surface's voxels too; not for below [Limit: 0..1] [Default: 0] */
-    int32_t check_thin; /**< for thin_... of the report, BVX_CHECK_... [Default: BVX_CHECK_AUTO] */
-    int32_t up; /**< below: BVX_UP_... [Default: BVX_UP_Z] */
-    double base; /**< below, with has_base: height where columns begin [Units: world] [Limit: any] [Default: 0] */
-    const bvx_mesh_view *second; /**< below: fill between the mesh and this, where both exist [Default: NULL] */
+    int32_t fill; /**< BVX_FILL_... [Limit: 0..7] */
+    int32_t has_base; /**< 1: below: columns begin at base, not at the lattice's end */
+    bvx_window window; /**< flood, regions: the whole lattice only */
+    bvx_solid_report *report;
+    int32_t close_gaps; /**< flood: gaps of so many voxels stop it (docs/rules.md) [Units: voxels] [Limit: 0..65535] */
+    int32_t add_shell; /**< 1: set the conservative surface's voxels too; not for below */
+    int32_t check_thin; /**< for thin_... of the report, BVX_CHECK_...; not ALWAYS for below */
+    int32_t up; /**< below: BVX_UP_... */
+    double base; /**< below, with has_base: height where columns begin [Units: world] [Limit: any] */
+    const bvx_mesh_view *second; /**< below: fill between the mesh and this, where both exist */
 } bvx_voxelize_options;
-
 /** Set the voxels whose centres lie inside a mesh. Vertices are snapped to the lattice's fixed point; from there every
  *  decision is exact, with one rule for ties: solids that share faces share no voxel and leave none between them.
  *  Vertices that no triangle uses may be anything.
@@ -688,15 +578,14 @@ BVX_API bvx_status bvx_voxelize_solid(bvx_context *context, const bvx_mesh_view 
                                       const bvx_voxelize_options *options, bvx_grid *solid);
 
 /* ---- Surface voxels ------------------------------------------------------------------------------------ */
-
 /** Which voxels are the surface.
  *  CONSERVATIVE  those whose closed box meets a triangle: no path leaks through, of whatever connectivity
  *  THIN          those whose axis cross (three unit segments through the centre) meets one: no 6-connected path leaks
  *  SAMPLED       those with a point of its subdivision into parts shorter than a voxel: a flood may leak through */
-/* clang-format off */
 #define BVX_SURFACE_LIST(X) \
-    X(BVX_SURFACE_CONSERVATIVE, 0, "conservative") X(BVX_SURFACE_THIN, 1, "thin") X(BVX_SURFACE_SAMPLED, 2, "sampled")
-/* clang-format on */
+    X(BVX_SURFACE_CONSERVATIVE, 0, "conservative") \
+    X(BVX_SURFACE_THIN, 1, "thin") \
+    X(BVX_SURFACE_SAMPLED, 2, "sampled")
 enum { BVX_SURFACE_LIST(BVX_LIST_ENUM) };
 
 /** The triangles that touch each set voxel. Set voxel r, counted in the order of the grid's bits (z, y, x), has
@@ -705,36 +594,27 @@ typedef struct bvx_attached {
     uint64_t *offsets; /**< [Size: voxel_count + 1] */
     uint32_t *triangles; /**< [Size: triangle_count] */
     uint64_t voxel_count; /**< set voxels of the grid */
-    uint64_t triangle_count; /**< offsets[voxel_count] */
-    uint64_t reserved[2];
+    uint64_t triangle_count, reserved[2]; /**< offsets[voxel_count] */
 } bvx_attached;
-
 BVX_API void bvx_attached_free(bvx_context *context, bvx_attached *attached);
 
 typedef struct bvx_surface_report {
-    uint64_t triangles; /**< sampled (other modes count 0): triangles whose first corner is in the window */
-    uint64_t samples; /**< sampled: points of their subdivision */
-    uint64_t parts; /**< sampled: sum of the parts of the triangles' longest edges, for the paper's mean coefficient */
-    uint64_t reserved[4];
+    uint64_t triangles; /**< sampled (other modes count 0): those whose first corner is in the window */
+    uint64_t samples, parts, reserved[4]; /**< points of their subdivision; parts of their longest edges */
 } bvx_surface_report;
-
 typedef struct bvx_surface_options {
     size_t struct_size;
-    int32_t mode; /**< BVX_SURFACE_... [Default: BVX_SURFACE_CONSERVATIVE] */
-    int32_t reserved;
-    bvx_window window; /**< [Default: all zero, the whole lattice] */
-    bvx_attached *attached; /**< receives the triangles of each voxel when not NULL [Default: NULL] */
-    bvx_surface_report *report; /**< receives counts when not NULL [Default: NULL] */
+    int32_t mode, reserved; /**< BVX_SURFACE_... */
+    bvx_window window;
+    bvx_attached *attached; /**< receives the triangles of each voxel */
+    bvx_surface_report *report;
 } bvx_surface_options;
-
-/** Set the voxels that a mesh's surface touches, exactly. Vertices are snapped to the lattice's fixed point. Closed
- *  sets touch when they share a point; triangles without area count as segments or points (thin: they have no
- *  crossing). Returns as bvx_voxelize_solid. */
+/** Set the voxels that a mesh's surface touches, exactly, vertices snapped to the lattice's fixed point. Triangles
+ *  without area count as segments or points (thin: not at all). Returns as bvx_voxelize_solid. */
 BVX_API bvx_status bvx_voxelize_surface(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
                                         const bvx_surface_options *options, bvx_grid *surface);
 
 /* ---- Surfaces of grids --------------------------------------------------------------------------------- */
-
 /** What happens on a cell face whose two diagonals differ: SEPARATE keeps set corners apart (the solid is 6-connected),
  *  JOIN joins them (18-connected on faces). */
 #define BVX_FACE_LIST(X) X(BVX_FACE_SEPARATE, 0, "separate") X(BVX_FACE_JOIN, 1, "join")
@@ -742,137 +622,106 @@ enum { BVX_FACE_LIST(BVX_LIST_ENUM) };
 
 /** The lattice that a call works on: given, or fitted to what the call takes. */
 typedef struct bvx_fit {
-    const bvx_lattice *lattice; /**< to work on [Default: NULL, fitted by resolution] */
-    int32_t resolution; /**< along the longest axis [Limit: 1..2^24] [Default: 256; of bvx_build_levels by its finest
-                             target] */
-    int32_t reserved;
+    const bvx_lattice *lattice; /**< to work on; NULL: fitted by resolution */
+    int32_t resolution, reserved; /**< along the longest axis [Limit: 1..2^24] [Default: 256; of levels by targets] */
 } bvx_fit;
 
 /** Where the vertices of a surface between voxels lie, and their type. */
 typedef struct bvx_placing {
-    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
-    int32_t local_frame; /**< 1: positions relative to frame, the lattice's origin [Limit: 0..1] [Default: 0] */
-    int32_t face_rule; /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t interpolation; /**< BVX_EDGE_... [Default: BVX_EDGE_TANGENT] */
-    int32_t sharp; /**< sharp edges and corners get vertices: BVX_SHARP_... [Default: BVX_SHARP_AUTO] */
-    int32_t reserved;
+    int32_t position_type, local_frame; /**< see Types */
+    int32_t face_rule; /**< BVX_FACE_... */
+    int32_t interpolation; /**< BVX_EDGE_... */
+    int32_t sharp, reserved; /**< sharp edges and corners get vertices: BVX_SHARP_... */
 } bvx_placing;
 
 /** Which parts of a solid are kept, in voxels that join through faces. */
 typedef struct bvx_parts {
-    uint64_t least_part; /**< parts of fewer voxels are dropped [Limit: any] [Default: 0] */
-    uint64_t keep_largest; /**< so many of the largest parts are kept [Limit: any] [Default: 0, all] */
-    uint64_t least_cavity; /**< cavities of fewer voxels are filled; 0 in booleans [Limit: any] [Default: 0] */
-    int32_t keep_crumbs; /**< 1: keep small parts and pockets that are not in the mesh [Limit: 0..1] [Default: 0] */
-    int32_t reserved;
+    uint64_t least_part; /**< parts of fewer voxels are dropped [Limit: any] */
+    uint64_t keep_largest; /**< so many of the largest parts are kept; 0: all [Limit: any] */
+    uint64_t least_cavity; /**< cavities of fewer voxels are filled; 0 in booleans [Limit: any] */
+    int32_t keep_crumbs, reserved; /**< 1: keep small parts and pockets that are not in the mesh */
 } bvx_parts;
 
 /** What simplified levels have: triangles or an error each, and with neither half the triangles of the one before. */
 typedef struct bvx_targets {
-    const uint64_t *triangles; /**< at most so many in a level [Size: level_count] [Default: NULL] */
-    const double *errors; /**< largest of each level [Units: world] [Limit: > 0] [Size: level_count] [Default: NULL] */
-    int32_t error_kind; /**< of errors, BVX_ERROR_... [Limit: 0..1] [Default: BVX_ERROR_MEAN] */
-    int32_t strict; /**< 1: a target that cannot be met is BVX_ERR_RANGE; 0: met is 0 [Limit: 0..1] [Default: 0] */
-    uint64_t samples; /**< points a side for reports' distances [Limit: 0..2^31-1] [Default: 0, not measured; by errors
-                           20000] */
+    const uint64_t *triangles; /**< at most so many in a level [Size: level_count] */
+    const double *errors; /**< largest of each level [Units: world] [Limit: > 0] [Size: level_count] */
+    int32_t error_kind; /**< of errors, BVX_ERROR_... [Limit: 0..1] */
+    int32_t strict; /**< 1: a target that cannot be met is BVX_ERR_RANGE */
+    uint64_t samples; /**< points a side for reports' distances; 0: not measured, by errors 20000 [Limit: 0..2^31-1] */
     double even; /**< pull towards triangles of even size on flat parts [Limit: BVX_NONE, or 0..1] [Default: 1e-9] */
 } bvx_targets;
 
-/** Sides of the window that are left open (bits of open_sides). */
+/** Sides of the window that are left open, as bits. */
+/* clang-format off */
 #define BVX_SIDE_LIST(X) \
-    X(BVX_OPEN_X_LOW, 1, "x-low") \
-    X(BVX_OPEN_X_HIGH, 2, "x-high") \
-    X(BVX_OPEN_Y_LOW, 4, "y-low") \
-    X(BVX_OPEN_Y_HIGH, 8, "y-high") \
-    X(BVX_OPEN_Z_LOW, 16, "z-low") \
-    X(BVX_OPEN_Z_HIGH, 32, "z-high")
+    X(BVX_OPEN_X_LOW, 1, "x-low") X(BVX_OPEN_X_HIGH, 2, "x-high") X(BVX_OPEN_Y_LOW, 4, "y-low") \
+    X(BVX_OPEN_Y_HIGH, 8, "y-high") X(BVX_OPEN_Z_LOW, 16, "z-low") X(BVX_OPEN_Z_HIGH, 32, "z-high")
+/* clang-format on */
 enum { BVX_SIDE_LIST(BVX_LIST_ENUM) };
-
 typedef struct bvx_extract_options {
     size_t struct_size;
-    int32_t face_rule; /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
-    int32_t open_sides; /**< BVX_OPEN_... [Limit: 0..63] [Default: 0, beyond the window is empty] */
-    int32_t keys; /**< 1: fill vertex_keys and triangle_keys [Limit: 0..1; dims below 2^20] [Default: 0] */
-    int32_t local_frame; /**< 1: positions relative to frame [Limit: 0..1] [Default: 0] */
-    int32_t reserved;
+    int32_t face_rule; /**< BVX_FACE_... */
+    int32_t position_type; /**< see Types */
+    int32_t open_sides; /**< BVX_OPEN_...: beyond the window is empty, but at these sides [Limit: 0..63] */
+    int32_t keys; /**< 1: fill vertex_keys and triangle_keys [Limit: 0..1; dims below 2^20] */
+    int32_t local_frame, reserved; /**< see Types */
 } bvx_extract_options;
-
 /** The exact size of what bvx_extract_surface or bvx_extract_scalar makes: for arrays of one's own. */
 BVX_API bvx_status bvx_extract_count(bvx_context *context, const bvx_grid *grid, const bvx_extract_options *options,
                                      uint64_t *vertex_count, uint64_t *triangle_count);
-
 /** The surface between set and empty voxel centres by marching cubes, with vertices at the middle of lattice edges.
  *  Closed, outwards, edge- and vertex-manifold, without duplicate triangles and triangles without area; an open side
  *  has a boundary. Windows that overlap by one layer of voxels, with open sides there, tile the whole: bvx_mesh_merge.
- *  Orders of vertices and triangles: docs/rules.md. Returns BVX_ERR_RANGE (also positions too coarse for their type;
- *  2^32 vertices). */
+ *  Their orders: docs/rules.md. Returns BVX_ERR_RANGE (also positions too coarse for their type; 2^32 vertices). */
 BVX_API bvx_status bvx_extract_surface(bvx_context *context, const bvx_grid *grid, const bvx_extract_options *options,
                                        bvx_mesh *mesh);
 
 typedef struct bvx_faces_options {
     size_t struct_size;
-    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
-    int32_t local_frame; /**< 1: as in bvx_extract_options [Limit: 0..1] [Default: 0] */
-    int32_t merged; /**< 1: faces of one plane and side become rectangles [Limit: 0..1] [Default: 0] */
-    int32_t reserved;
+    int32_t position_type, local_frame; /**< see Types */
+    int32_t merged, reserved; /**< 1: faces of one plane and side become rectangles */
 } bvx_faces_options;
-
 /** The voxels themselves as a mesh: two outward triangles for each face between a set and an empty voxel. Not manifold
- *  where voxels touch only along an edge or at a corner. merged: a corner of one rectangle may lie on an edge of
- *  another, so bvx_mesh_check finds the mesh open, but it has no crack. Returns as bvx_extract_surface. */
+ *  where voxels touch only along an edge or at a corner. merged: corners lie on edges of others, without a crack, so
+ *  bvx_mesh_check finds the mesh open. Returns as bvx_extract_surface. */
 BVX_API bvx_status bvx_extract_faces(bvx_context *context, const bvx_grid *grid, const bvx_faces_options *options,
                                      bvx_mesh *mesh);
-
 /** Join meshes with keys, of windows of one lattice: the result has the bytes of the whole extracted at once, keys
- *  included. Whether the windows overlap is not checked. Returns BVX_ERR_ARGUMENT (no keys; types or frames that
- *  differ). */
+ *  included. Windows may not overlap, unchecked. Returns BVX_ERR_ARGUMENT (no keys; types or frames that differ). */
 BVX_API bvx_status bvx_mesh_merge(bvx_context *context, const bvx_mesh *parts, uint64_t part_count, bvx_mesh *whole);
 
-/** Where the surface cuts a lattice edge whose ends lie on either side: always strictly inside the edge
- *  (docs/rules.md). */
-/* clang-format off */
+/** Where the surface cuts a lattice edge between two sides: always strictly inside the edge (docs/rules.md). */
 #define BVX_EDGE_LIST(X) \
     X(BVX_EDGE_TANGENT, 0, "tangent") /* where planes through the closest points cut it; else VECTOR */ \
-    X(BVX_EDGE_VECTOR, 1, "vector")   /* nearest to the line through the closest points; else SCALAR */ \
-    X(BVX_EDGE_SCALAR, 2, "scalar")   /* where the signed distance, taken as linear, is 0 */ \
-    X(BVX_EDGE_MIDDLE, 3, "middle")   /* in the middle */ \
-    X(BVX_EDGE_PAPER, 4, "paper")     /* VECTOR with the paper's clamps to the ends in place of SCALAR */
-/* clang-format on */
+    X(BVX_EDGE_VECTOR, 1, "vector") /* nearest to the line through the closest points; else SCALAR */ \
+    X(BVX_EDGE_SCALAR, 2, "scalar") /* where the signed distance, taken as linear, is 0 */ \
+    X(BVX_EDGE_MIDDLE, 3, "middle") /* in the middle */ \
+    X(BVX_EDGE_PAPER, 4, "paper") /* VECTOR with the paper's clamps to the ends in place of SCALAR */
 enum { BVX_EDGE_LIST(BVX_LIST_ENUM) };
-
 typedef struct bvx_field_surface_report {
     uint64_t edges; /**< crossings placed */
-    uint64_t scalar; /**< of these: placed by the signed distance (PAPER: by a clamp) */
-    uint64_t middle; /**< placed in the middle: no values at one of the ends */
-    uint64_t sharp_cells; /**< sharp: parts of the surface in a cell that got a vertex of their own */
-    uint64_t sharp_taken_back; /**< sharp: such vertices removed, since they might have crossed a triangle */
+    uint64_t scalar, middle; /**< of these: by the signed distance (PAPER: by a clamp); in the middle, without values */
+    uint64_t sharp_cells, sharp_taken_back; /**< sharp: vertices on edges and corners; those removed, lest they cross */
     uint64_t flipped_edges; /**< sharp: edges between such cells, flipped to join their vertices */
     uint64_t lids; /**< bvx_repair: placed by the winding number, no surface is near: lids over holes */
     uint64_t sharp; /**< 1: edges and corners were kept sharp */
-    uint64_t own; /**< grid: crossings that are not the field's, placed by offset or in the middle */
-    uint64_t reserved[1];
+    uint64_t own, reserved[1]; /**< grid: crossings that are not the field's, placed by offset or in the middle */
 } bvx_field_surface_report;
 
 /* ---- Fewer triangles ----------------------------------------------------------------------------------- */
-
 /** What a level's error is: the mean distance (of both directions the mean), or the largest (of both the greater). */
 #define BVX_ERROR_LIST(X) X(BVX_ERROR_MEAN, 0, "mean") X(BVX_ERROR_MAX, 1, "max")
 enum { BVX_ERROR_LIST(BVX_LIST_ENUM) };
-
-/** Which vertices levels have.
- *  PLACED  new ones, where they lie nearest to the mesh; bvx_closest_find of the mesh gives weights for values at
- *          corners
- *  KEPT    the mesh's own, all of them in their order, so that what is stored by vertex follows. Vertices of equal
- *          positions and attributes stay apart, unless the mesh has three for each triangle */
+/** Which vertices levels have: PLACED, new ones, nearest to the mesh (bvx_closest_find gives weights for values at its
+ *  corners); KEPT, the mesh's own, all of them in their order, so that what is stored by vertex follows. Those of equal
+ *  positions and attributes stay apart, unless the mesh has three for each triangle. */
 #define BVX_VERTICES_LIST(X) X(BVX_VERTICES_PLACED, 0, "placed") X(BVX_VERTICES_KEPT, 1, "kept")
 enum { BVX_VERTICES_LIST(BVX_LIST_ENUM) };
-
 /** What becomes of handles and holes: KEEP, they stay; SIMPLIFY, those at most three mean edges of the level around are
  *  cut and filled, the smallest first. No part goes or becomes two; those at seams or locked vertices stay. */
 #define BVX_TOPOLOGY_LIST(X) X(BVX_TOPOLOGY_KEEP, 0, "keep") X(BVX_TOPOLOGY_SIMPLIFY, 1, "simplify")
 enum { BVX_TOPOLOGY_LIST(BVX_LIST_ENUM) };
-
 typedef struct bvx_level_report {
     uint64_t vertices, triangles;
     uint64_t target; /**< triangles wanted of this level, halves too, or 0 */
@@ -891,81 +740,61 @@ typedef struct bvx_level_report {
 
 /** How edges collapse, and what stays. */
 typedef struct bvx_collapse {
-    double attribute_weight; /**< of attributes beside the shape. 1: texture coordinates by 0.3 of their length on the
-                                  surface, a difference of 1 in normals and colours by 1/100 of the mesh's longest side.
-                                  BVX_NONE: they follow the shape and cost nothing [Limit: BVX_NONE, or 0..1000]
-                                  [Default: 1] */
-    const uint8_t *locked; /**< vertices with a value other than 0 stay bit for bit [Size: vertex_count] [Default:
-                                NULL] */
-    int32_t position_type; /**< AUTO: the mesh's; of a measured surface as everywhere [Limit: 0..2] [Default:
-                                BVX_POSITION_AUTO] */
-    int32_t lock_border; /**< 1: vertices on borders stay, so that tiles join [Limit: 0..1] [Default: 0] */
-    int32_t vertices; /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
-    int32_t topology; /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
+    double attribute_weight; /**< of attributes beside the shape (docs/rules.md); BVX_NONE: they follow it and cost
+                                  nothing [Limit: BVX_NONE, or 0..1000] [Default: 1] */
+    const uint8_t *locked; /**< vertices with a value other than 0 stay bit for bit [Size: vertex_count] */
+    int32_t position_type; /**< see Types; AUTO: the mesh's, of a measured surface as everywhere */
+    int32_t lock_border; /**< 1: vertices on borders stay, so that tiles join */
+    int32_t vertices; /**< BVX_VERTICES_... [Limit: 0..1] */
+    int32_t topology; /**< BVX_TOPOLOGY_... [Limit: 0..1] */
 } bvx_collapse;
-
 typedef struct bvx_simplify_options {
     size_t struct_size;
-    bvx_targets targets; /**< what each level has [Default: half the triangles of the one before] */
-    bvx_collapse collapse; /**< [Default: all zero] */
-    bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
+    bvx_targets targets;
+    bvx_collapse collapse;
+    bvx_level_report *reports; /**< [Size: level_count] */
 } bvx_simplify_options;
-
 /** Fewer triangles for a mesh as it is: a chain of levels, each made from the one before by collapsing the edges that
  *  cost least. Parts, handles (topology), borders, sides and own crossings stay. What is closed, manifold, oriented and
  *  free of crossings stays so; any other mesh gets no new fault. A small target is not always met: docs/rules.md.
  *  mesh    any mesh with area. Vertices at one position count as one; triangles without area and exact copies are
  *          dropped, flipped ones turned, edges of three triangles and more parted by sides, or cut
- *  levels  [Size: level_count] their arrays are not the mesh's. After a failure none is to be read. Those that the
- *          library allocates have the mesh's attributes; arrays of the caller's get positions and triangles alone
- *  Returns BVX_ERR_RANGE (also a mesh that spans less than 1e-30 or more than 1e31; strict: a level that cannot be
- *  made). */
+ *  levels  [Size: level_count] After a failure none is to be read. Those that the library allocates have the mesh's
+ *          attributes; arrays of the caller's get positions and triangles alone
+ *  Returns BVX_ERR_RANGE (also a mesh that spans less than 1e-30 or more than 1e31; strict). */
 BVX_API bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh,
                                      const bvx_simplify_options *options, uint64_t level_count, bvx_mesh *levels);
 
 /* ---- Smoothing ----------------------------------------------------------------------------------------- */
-
-/* SINC: no wave is swollen, and the pass band ends sharply; TAUBIN: two steps an iteration. */
+/** SINC: no wave is swollen, and the pass band ends sharply; TAUBIN: two steps an iteration. */
 enum { BVX_SMOOTH_SINC = 0, BVX_SMOOTH_TAUBIN = 1 };
-
 typedef struct bvx_smooth_report {
-    double volume_before; /**< of a closed mesh [Units: world^3] */
-    double volume_after; /**< likewise */
+    double volume_before, volume_after; /**< of a closed mesh [Units: world^3] */
     double largest_move; /**< of a vertex [Units: world] */
     uint64_t held; /**< positions that do not move */
-    uint64_t undone; /**< positions that went back because of crossings */
-    uint64_t reserved[3];
+    uint64_t undone, reserved[3]; /**< positions that went back because of crossings */
 } bvx_smooth_report;
-
 typedef struct bvx_smooth_options {
     size_t struct_size;
-    int32_t method; /**< BVX_SMOOTH_... [Limit: 0..1] [Default: BVX_SMOOTH_SINC] */
+    int32_t method; /**< BVX_SMOOTH_... [Limit: 0..1] */
     int32_t iterations; /**< the more, the sharper the pass band ends [Limit: 1..1000] [Default: 20] */
-    double pass_band; /**< what varies more slowly is kept: eigenvalues of the Laplacian, 0 to 2; 0.1 are waves of
-                           about 14 edges [Limit: 0.001..1] [Default: 0.1] */
-    double sharp_angle; /**< vertices of edges whose triangles turn by more stay; 0: none
-                             [Limit: 0..180] [Units: degrees] [Default: 0] */
-    int32_t hold_border; /**< 1: vertices of borders stay, else they are smoothed along these
-                              [Limit: 0..1] [Default: 0] */
-    int32_t no_crossings; /**< 1: moves are undone where triangles would cross that did not
-                               [Limit: 0..1] [Default: 0] */
-    bvx_smooth_report *report; /**< filled when not NULL [Default: NULL] */
+    double pass_band; /**< what varies more slowly is kept: eigenvalues of the Laplacian; 0.1 are waves of about 14
+                           edges [Limit: 0.001..1] [Default: 0.1] */
+    double sharp_angle; /**< vertices of edges that turn by more stay; 0: none [Limit: 0..180] [Units: degrees] */
+    int32_t hold_border; /**< 1: vertices of borders stay, else they are smoothed along these */
+    int32_t no_crossings; /**< 1: moves are undone where triangles would cross that did not */
+    bvx_smooth_report *report;
     uint64_t reserved[2];
 } bvx_smooth_options;
-
 /** Smooth the positions of any mesh; its triangles and attributes stay. Vertices at one position move as one. On
  *  borders and on edges of three triangles and more, vertices have the neighbours along these alone; where other than
  *  two such edges meet they stay, bit for bit. What is slower than the pass band keeps its size, volumes to about 1 %
- *  (TAUBIN: 3 %); report says by how much.
- *  positions  out, of the view's type, doubles where it has a transform [Size: vertex_count * 3]
- *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (also more than (2^32 - 1) / 3 triangles).
- *  Source: Taubin. A Signal Processing Approach to Fair Surface Design. 1995. Taubin, Zhang, Golub. Optimal Surface
- *  Smoothing as Filter Design. 1996. */
+ *  (TAUBIN: 3 %). positions, out, are of the view's type, doubles where it has a transform [Size: vertex_count * 3].
+ *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (also more than (2^32 - 1) / 3 triangles). */
 BVX_API bvx_status bvx_mesh_smooth(bvx_context *context, const bvx_mesh_view *mesh, const bvx_smooth_options *options,
                                    void *positions);
 
 /* ---- Repair -------------------------------------------------------------------------------------------- */
-
 /** Why a mesh needs a repair: the first of these that holds. */
 enum {
     BVX_NEEDS_NOTHING = 0, /**< it is closed, manifold, oriented and outwards, and crosses itself nowhere */
@@ -980,13 +809,10 @@ enum {
 /** Sharp edges and corners: AUTO on meshes like machine parts of up to 500,000 triangles (docs/rules.md). */
 #define BVX_SHARP_LIST(X) X(BVX_SHARP_AUTO, 0, "auto") X(BVX_SHARP_NEVER, 1, "never") X(BVX_SHARP_ALWAYS, 2, "always")
 enum { BVX_SHARP_LIST(BVX_LIST_ENUM) };
-
-/** Walls thinner than 1.5 voxels that the lattice would lose: KEEP, they are kept, closed and about as thick as they
- *  are; DROP, they are lost; SHELL, parts that the solid misses become shells, as sheets do. What is lost is reported.
- */
+/** Walls thinner than 1.5 voxels: KEEP, they are kept, closed and about as thick as they are; DROP, the lattice loses
+ *  them; SHELL, parts that the solid misses become shells, as sheets do. What is lost is reported. */
 #define BVX_THIN_LIST(X) X(BVX_THIN_KEEP, 0, "keep") X(BVX_THIN_DROP, 1, "drop") X(BVX_THIN_SHELL, 2, "shell")
 enum { BVX_THIN_LIST(BVX_LIST_ENUM) };
-
 typedef struct bvx_repair_report {
     bvx_certificate before; /**< of the input; vertices at equal positions count as one */
     bvx_certificate after; /**< of the result */
@@ -1002,126 +828,100 @@ typedef struct bvx_repair_report {
     uint64_t turned; /**< AUTO: triangles turned: flipped ones, and bodies inside out beside others */
     uint64_t crossings; /**< pairs of triangles of the input that cross, where they were counted */
     uint64_t shelled_triangles; /**< triangles of the input that became shells */
-    uint64_t parts_dropped; /**< connected parts of the solid: least_part, keep_largest, crumbs */
-    uint64_t cavities_dropped;
+    uint64_t parts_dropped, cavities_dropped; /**< connected parts of the solid, and its cavities */
     uint64_t crumbs; /**< small parts and pockets that are not in the mesh, counted above too */
     bvx_distance_report distance; /**< with samples: a is the input, b the result */
-    double crossing_volume; /**< what volume the result should have (docs/rules.md), as a float; 0: unknown, or copied
-                                 [Units: world] */
-    uint64_t warnings; /**< 1 << BVX_WARN_... for each that the call gives */
+    double crossing_volume; /**< the volume that it should have, as a float; 0: unknown, or copied [Units: world] */
+    uint64_t warnings;
 } bvx_repair_report;
-
 typedef struct bvx_repair_options {
     size_t struct_size;
     bvx_fit fit; /**< [Default: 256 voxels, padded by 2 voxels and half a shell] */
-    int32_t sign; /**< BVX_FILL_...: the rule for inside [Limit: BVX_FILLS_OF_REPAIR] [Default: BVX_FILL_AUTO] */
-    int32_t thin; /**< walls that the lattice would lose, BVX_THIN_... [Default: BVX_THIN_KEEP] */
-    bvx_placing placing; /**< of the surface [Default: all zero] */
-    double shell; /**< thickness that open sheets get; BVX_NONE: they get none [Units: largest spacings] [Limit:
-                       BVX_NONE, or 0, or 1.5..10^6] [Default: 2] */
-    bvx_parts parts; /**< that are kept [Default: all zero] */
-    uint64_t target_triangles; /**< at most so many: the largest resolution that a bisection finds [Limit: any]
-                                    [Default: 0, none] */
-    uint64_t samples; /**< points a side for the report's distances [Limit: 0..2^31-1] [Default: 0, not measured] */
-    bvx_repair_report *report; /**< receives what was found and done when not NULL [Default: NULL] */
-    int32_t if_needed; /**< 1: copy a mesh that needs nothing, by its own position_type [Limit: 0..1] [Default: 0] */
-    int32_t reserved;
+    int32_t sign; /**< BVX_FILL_...: the rule for inside [Limit: BVX_FILLS_OF_REPAIR] */
+    int32_t thin; /**< BVX_THIN_... */
+    bvx_placing placing;
+    double shell; /**< thickness that open sheets get, BVX_NONE: none [Units: largest spacings]
+                       [Limit: BVX_NONE, or 0, or 1.5..10^6] [Default: 2] */
+    bvx_parts parts;
+    uint64_t target_triangles; /**< at most so many, by the largest resolution that does it; 0: any [Limit: any] */
+    uint64_t samples; /**< points a side for the report's distances; 0: not measured [Limit: 0..2^31-1] */
+    bvx_repair_report *report;
+    int32_t if_needed, reserved; /**< 1: copy a mesh that needs nothing, by its own position_type */
 } bvx_repair_options;
-
 /** Make a closed, manifold, oriented mesh without crossing triangles from any mesh. Holes get smooth lids, overlapping
- *  parts become one, sheets become shells, and walls too thin for the lattice are kept (thin). Round bars from 2 voxels
- *  on keep their volume within 3 %. Details smaller than a voxel are lost. The steps, and what counts as a sheet:
- *  docs/rules.md. The arrays of repaired are not the mesh's.
- *  Returns BVX_ERR_EMPTY (no triangle of area; nothing remains), BVX_ERR_RANGE (also target_triangles that no
- *  resolution meets). */
+ *  parts become one, sheets become shells, and walls too thin for the lattice are kept (thin). Details smaller than a
+ *  voxel are lost. The steps, and what counts as a sheet: docs/rules.md.
+ *  Returns BVX_ERR_EMPTY (also where nothing remains), BVX_ERR_RANGE (also target_triangles that cannot be met). */
 BVX_API bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx_repair_options *options,
                               bvx_mesh *repaired);
 
 /* ---- Levels of detail ---------------------------------------------------------------------------------- */
-
 typedef struct bvx_levels_report {
-    int32_t solid; /**< 1: the levels were made from the measured surface */
-    int32_t reserved0;
+    int32_t solid, reserved0; /**< 1: the levels were made from the measured surface */
     bvx_certificate before; /**< of the input; vertices at equal positions count as one */
     uint64_t triangles; /**< of the surface before edges collapsed */
-    uint64_t collapsed; /**< triangles without area or with equal corners, dropped */
-    uint64_t doubles; /**< exact copies of triangles, dropped */
+    uint64_t collapsed, doubles; /**< dropped triangles: without area or with equal corners; copies of others */
     uint64_t turned; /**< triangles turned to agree with the others of their patch */
-    uint64_t split; /**< vertices where fans met, now one for each fan */
-    uint64_t parted; /**< edges of three triangles and more, parted by sides */
+    uint64_t split, parted; /**< vertices, one for each fan now; edges of three triangles and more, by sides */
     uint64_t cut; /**< edges that became borders, since no pairing of their triangles does it */
     double cut_edge[2][3]; /**< ends of the first of them [Units: world] */
     uint64_t crumbs; /**< solid: small parts that the input does not have, dropped */
     bvx_repair_report repair; /**< solid: what was found and done */
     int32_t resolution; /**< solid without a lattice: as in the options; else 0 */
     int32_t planned_resolution; /**< more than resolution where the memory limit did not allow it */
-    uint64_t warnings; /**< 1 << BVX_WARN_... for each that the call gives */
-    uint64_t reserved[3];
+    uint64_t warnings, reserved[3];
 } bvx_levels_report;
-
 typedef struct bvx_levels_options {
     size_t struct_size;
-    bvx_targets targets; /**< halving starts from the input [Default: half the triangles of the one before] */
-    bvx_collapse collapse; /**< with solid: position_type and topology; the others are refused [Default: all zero] */
+    bvx_targets targets; /**< halving starts from the input */
+    bvx_collapse collapse; /**< with solid: position_type and topology; the others are refused */
     int32_t solid; /**< 1: simplify the surface that bvx_repair measures: closed, manifold, oriented, without crossings
-                        [Limit: 0..1] [Default: 0; 1 where an option marked "solid:" differs from its default] */
-    bvx_fit fit; /**< solid: [Default: all zero] */
-    int32_t sign; /**< solid: as in bvx_repair_options [Limit: BVX_FILLS_OF_REPAIR] [Default: BVX_FILL_AUTO] */
-    int32_t sharp; /**< solid: BVX_SHARP_... [Default: BVX_SHARP_AUTO] */
+                        [Default: 0; 1 where an option marked "solid:" differs from its default] */
+    bvx_fit fit; /**< solid: */
+    int32_t sign; /**< solid: as in bvx_repair_options [Limit: BVX_FILLS_OF_REPAIR] */
+    int32_t sharp; /**< solid: BVX_SHARP_... */
     double shell; /**< solid: as in bvx_repair_options [Limit: BVX_NONE, or 0, or 1.5..10^6] [Default: 2] */
-    bvx_parts parts; /**< solid: that are kept; least_cavity of UINT64_MAX: the outer hull [Default: all zero] */
-    bvx_levels_report *report; /**< receives what was found and done when not NULL [Default: NULL] */
-    bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
+    bvx_parts parts; /**< solid: least_cavity of UINT64_MAX: the outer hull */
+    bvx_levels_report *report;
+    bvx_level_report *reports; /**< [Size: level_count] */
 } bvx_levels_options;
-
-/** Levels of detail from any mesh: the main job. The mesh is simplified as it is, by bvx_mesh_simplify. With solid its
- *  surface is measured first, by bvx_repair; levels have no attributes then, but bvx_mesh_carry gives them some. What
- *  is tried under a memory limit: docs/rules.md. levels as for bvx_mesh_simplify.
- *  Returns as bvx_mesh_simplify; BVX_ERR_ARGUMENT also for lock_border, locked, BVX_VERTICES_KEPT or attribute_weight
- *  with solid, BVX_ERR_BUDGET (names a limit that suffices). */
+/** Levels of detail from any mesh: the main job. The mesh is simplified as it is, as by bvx_mesh_simplify. With solid
+ *  its surface is measured first, as by bvx_repair; attributes are then for bvx_mesh_carry.
+*  Returns as bvx_mesh_simplify; BVX_ERR_ARGUMENT (also what solid refuses), BVX_ERR_BUDGET (names what suffices). */
 BVX_API bvx_status bvx_build_levels(bvx_context *context, const bvx_mesh_view *mesh, const bvx_levels_options *options,
                                     uint64_t level_count, bvx_mesh *levels);
 
 /* ---- Hulls --------------------------------------------------------------------------------------------- */
-
 typedef struct bvx_hull_report {
     bvx_lattice lattice; /**< that the hull was made on */
     uint64_t triangles; /**< of the hull before edges collapse */
-    uint64_t outer_triangles; /**< of the input, on which the hull lies */
-    uint64_t shelled_triangles; /**< of the input, with outside on both sides: they became shells */
+    uint64_t outer_triangles, shelled_triangles; /**< of the input: on which the hull lies; that became shells */
     uint64_t lids; /**< crossings of lattice edges where an opening was closed */
     uint64_t parts_dropped; /**< connected parts of the body: least_part, keep_largest */
-    uint64_t warnings; /**< 1 << BVX_WARN_... for each that the call gives */
-    uint64_t reserved[3];
+    uint64_t warnings, reserved[3];
 } bvx_hull_report;
-
 typedef struct bvx_hull_options {
     size_t struct_size;
     bvx_fit fit; /**< [Default: 256 voxels, padded by 2 voxels and half a shell] */
-    bvx_placing placing; /**< of the surface [Default: all zero] */
-    bvx_targets targets; /**< what each level has; errors are measured from the hull [Default: the first level is the
-                              hull itself, each further one has half the triangles of the one before] */
-    bvx_parts parts; /**< that are kept: least_part and keep_largest; every cavity is filled [Default: all zero] */
-    double shell; /**< thickness that walls with outside on both sides get where no centre lies in them; BVX_NONE: they
-                       are lost [Units: largest spacings] [Limit: BVX_NONE, or 0, or 1.5..10^6] [Default: 2] */
-    int32_t close_gaps; /**< openings of up to this many voxels are closed, larger ones stay [Units: voxels]
-                             [Limit: 0..65535] [Default: 0: those that no empty voxel leads through] */
-    int32_t reserved;
-    bvx_hull_report *report; /**< receives what was found and done when not NULL [Default: NULL] */
-    bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
+    bvx_placing placing;
+    bvx_targets targets; /**< errors are measured from the hull [Default: the first level is the hull itself] */
+    bvx_parts parts; /**< least_part and keep_largest; every cavity is filled */
+    double shell; /**< thickness of walls with outside on both sides and no centre in them; BVX_NONE: they are lost
+                       [Units: largest spacings] [Limit: BVX_NONE, or 0, or 1.5..10^6] [Default: 2] */
+    int32_t close_gaps, reserved; /**< openings of up to this many voxels are closed; 0: those that no empty voxel leads
+                                       through [Units: voxels] [Limit: 0..65535] */
+    bvx_hull_report *report;
+    bvx_level_report *reports; /**< [Size: level_count] */
 } bvx_hull_options;
-
 /** What of a mesh can be reached from outside, as closed levels: inner walls, shells and parts are gone, and the
  *  surface lies on the outer of double walls. The mesh may be anything: walls doubled, welded through holes, crossing,
- *  flipped, loose parts inside. Every level is closed, manifold, oriented and free of crossings; it has no attributes,
- *  but bvx_mesh_carry gives it some. How openings are closed: docs/rules.md.
- *  levels  [Size: level_count] as for bvx_mesh_simplify
+ *  flipped, loose parts inside. Levels are closed, manifold, oriented, free of crossings and without attributes, which
+ *  bvx_mesh_carry gives. How openings are closed: docs/rules.md. levels as for bvx_mesh_simplify.
  *  Returns as bvx_build_levels; BVX_ERR_EMPTY also where the mesh encloses no centre and shell is BVX_NONE. */
 BVX_API bvx_status bvx_hull(bvx_context *context, const bvx_mesh_view *mesh, const bvx_hull_options *options,
                             uint64_t level_count, bvx_mesh *levels);
 
 /* ---- Booleans of meshes -------------------------------------------------------------------------------- */
-
 /** What two bodies become: what lies in a or in b; in both; in a and not in b; in only one of them. */
 #define BVX_BOOLEAN_LIST(X) \
     X(BVX_BOOLEAN_UNION, 0, "union") \
@@ -1129,109 +929,84 @@ BVX_API bvx_status bvx_hull(bvx_context *context, const bvx_mesh_view *mesh, con
     X(BVX_BOOLEAN_DIFFERENCE, 2, "difference") \
     X(BVX_BOOLEAN_XOR, 3, "xor")
 enum { BVX_BOOLEAN_LIST(BVX_LIST_ENUM) };
-
+/** Meshes of which thin walls were kept; and what has few voxels: fewer than 6 along its longest axis, or none. */
+enum { BVX_KEPT_A = 1, BVX_KEPT_B = 2 };
+enum { BVX_FEW_A = 1, BVX_FEW_B = 2, BVX_FEW_RESULT = 4 };
 typedef struct bvx_boolean_report {
     bvx_lattice lattice; /**< that the result was made on */
-    uint64_t voxels_a, voxels_b; /**< centres inside each */
-    uint64_t voxels; /**< inside the result */
+    uint64_t voxels_a, voxels_b, voxels; /**< centres inside each, and inside the result */
     bvx_field_surface_report surface; /**< how the vertices were placed */
     int32_t sharp; /**< 1: vertices were put on sharp edges and corners */
     int32_t few; /**< BVX_FEW_... that the lattice is too coarse for, or 0 */
     int32_t advised_resolution; /**< where few is not 0: the resolution to take */
     int32_t thin_kept; /**< BVX_KEPT_... of the meshes whose thin walls were kept; others' are lost */
-    uint64_t crumbs; /**< small parts and pockets that neither mesh has: dropped and filled */
-    uint64_t parts_dropped; /**< by least_part and keep_largest */
+    uint64_t crumbs, parts_dropped; /**< small parts that neither mesh has; by least_part and keep_largest */
     bvx_solid_report solid_a, solid_b; /**< how each was filled, before walls are kept */
-    uint64_t warnings; /**< 1 << BVX_WARN_... for each that the call gives */
+    uint64_t warnings;
 } bvx_boolean_report;
-
-/** Meshes of which thin walls were kept. */
-enum { BVX_KEPT_A = 1, BVX_KEPT_B = 2 };
-
-/** What has few voxels: fewer than 6 along its longest axis as far as it lies on the lattice, or none. */
-enum { BVX_FEW_A = 1, BVX_FEW_B = 2, BVX_FEW_RESULT = 4 };
-
 typedef struct bvx_boolean_options {
     size_t struct_size;
-    bvx_fit fit; /**< [Default: 256 voxels, padded by 1: of a difference to a, of an intersection to the box that both
-                      share (to a where there is none), else to both] */
-    int32_t fill; /**< BVX_FILL_...: the rule for inside [Limit: BVX_FILLS_OF_BOOLEAN] [Default: BVX_FILL_AUTO] */
-    int32_t thin; /**< walls that the lattice would lose: BVX_THIN_KEEP (of b in a difference: slots) or
-                       BVX_THIN_DROP [Limit: 0..1] [Default: BVX_THIN_KEEP] */
-    bvx_placing placing; /**< of the surface; sharp AUTO: where one of the meshes has sharp edges [Default: all zero] */
-    bvx_parts parts; /**< that are kept; crumbs are parts that neither mesh has [Default: all zero] */
-    bvx_boolean_report *report; /**< receives what was done when not NULL [Default: NULL] */
+    bvx_fit fit; /**< [Default: 256 voxels, padded by 1, around both; of a difference around a, of an intersection
+                      around the box that both share] */
+    int32_t fill; /**< BVX_FILL_...: the rule for inside [Limit: BVX_FILLS_OF_BOOLEAN] */
+    int32_t thin; /**< BVX_THIN_KEEP (of b in a difference: slots) or BVX_THIN_DROP [Limit: 0..1] */
+    bvx_placing placing; /**< sharp AUTO: where one of the meshes has sharp edges */
+    bvx_parts parts; /**< crumbs are parts that neither mesh has */
+    bvx_boolean_report *report;
 } bvx_boolean_options;
-
-/** The union, intersection, difference or symmetric difference of two bodies as a mesh, as exact as the lattice is
- *  fine. Each vertex lies where the mesh whose side changes there cuts its edge. The guarantee is that of
- *  bvx_extract_field_surface, whatever the meshes are. What the operation itself makes thinner than a voxel may be
- *  lost.
- *  operation  BVX_BOOLEAN_...
- *  result     its arrays are not those of a or b. Empty, and no error, where no centre lies inside
+/** Two bodies by a BVX_BOOLEAN_... as a mesh, as exact as the lattice is fine. Each vertex lies where the mesh whose
+ *  side changes there cuts its edge. The guarantee is that of bvx_extract_field_surface, whatever the meshes are. What
+ *  the operation itself makes thinner than a voxel may be lost. result is empty where no centre lies inside.
  *  Returns BVX_ERR_EMPTY (a mesh without a triangle of area, or with no centre inside although it lies on the lattice),
  *  BVX_ERR_RANGE (as bvx_voxelize_solid and bvx_extract_surface). */
 BVX_API bvx_status bvx_boolean(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b, int32_t operation,
                                const bvx_boolean_options *options, bvx_mesh *result);
 
 /* ---- Levels by samples --------------------------------------------------------------------------------- */
-
 /** How levels are sampled: EDGE_RATIO, the paper's: samples of the extended voxel function, first change along an edge;
  *  COVERAGE, the share of set voxels in the sample's box, linear positions. */
 #define BVX_LOD_LIST(X) X(BVX_LOD_EDGE_RATIO, 0, "edge-ratio") X(BVX_LOD_COVERAGE, 1, "coverage")
 enum { BVX_LOD_LIST(BVX_LIST_ENUM) };
-
 typedef struct bvx_lod_report {
-    int32_t resolution[3]; /**< samples along each axis */
-    int32_t reserved;
+    int32_t resolution[3], reserved; /**< samples along each axis */
     double ratio[3]; /**< voxels a sample along each axis */
     uint64_t vertices, triangles;
     uint64_t searched; /**< resolutions that the search for a triangle count tried */
 } bvx_lod_report;
 
-/** How a level's samples are taken. */
 typedef struct bvx_sampling {
-    int32_t method; /**< BVX_LOD_... [Default: BVX_LOD_EDGE_RATIO, nearer to the original where measured] */
-    int32_t edge_samples; /**< edge ratio: steps along an edge [Limit: 0..65536] [Default: 0, by the ratio] */
+    int32_t method; /**< BVX_LOD_...; EDGE_RATIO is nearer to the original where measured */
+    int32_t edge_samples; /**< edge ratio: steps along an edge; 0: by the ratio [Limit: 0..65536] */
     double threshold; /**< inside means above it [Limit: > 0, < 1; kept to 2^-16] [Default: 0.5] */
 } bvx_sampling;
-
 typedef struct bvx_lod_options {
     size_t struct_size;
-    bvx_sampling sampling; /**< [Default: all zero] */
-    const int32_t *resolutions; /**< samples along the longest axis [Size: level_count] [Default: NULL] */
-    const int32_t *axis_resolutions; /**< samples along x, y, z [Size: level_count * 3] [Default: NULL] */
-    const uint64_t *target_triangles; /**< at most so many in a level [Size: level_count] [Default: NULL] */
-    int32_t face_rule; /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
-    int32_t local_frame; /**< 1: positions relative to frame [Limit: 0..1] [Default: 0] */
-    int32_t first_level; /**< index of levels[0] in messages [Limit: >= 0] [Default: 0] */
-    double collapse; /**< target_triangles: make up to this many times the target, then collapse edges [Limit: 0, or
-                          1..64] [Default: 0] */
-    bvx_lod_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
+    bvx_sampling sampling;
+    const int32_t *resolutions; /**< samples along the longest axis [Size: level_count] */
+    const int32_t *axis_resolutions; /**< samples along x, y, z [Size: level_count * 3] */
+    const uint64_t *target_triangles; /**< at most so many in a level [Size: level_count] */
+    int32_t face_rule; /**< BVX_FACE_... */
+    int32_t position_type, local_frame; /**< see Types */
+    int32_t first_level; /**< index of levels[0] in messages [Limit: >= 0] */
+    double collapse; /**< target_triangles: make up to this many times the target, then collapse edges: 2 to 4 is nearer
+                          to the original, but less even and slower [Limit: 0, or 1..64] */
+    bvx_lod_report *reports; /**< [Size: level_count] */
 } bvx_lod_options;
-
-/** The resolution of the solid from which bvx_build_lods should make these levels: eight times the samples of the
- *  finest level, less where memory is short (docs/rules.md). options count by their sizes, targets and collapse.
- *  padding is in voxels on every side. limited, out, may be NULL: 1 when memory decided. */
+/** The resolution of the solid for bvx_build_lods: eight times the samples of the finest level, less where memory is
+ *  short. padding is in voxels on every side. limited, out, may be NULL: 1 when memory decided. */
 BVX_API bvx_status bvx_plan_lods(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lod_options *options,
                                  uint64_t level_count, int32_t padding, int32_t *resolution, int32_t *limited);
-
 /** Closed, manifold meshes of several sizes from one solid. Each level lays a coarser lattice over the grid, n voxels
  *  to r samples along an axis (any ratio n/r >= 1), such that nothing shifts or shrinks: docs/rules.md. Exactly one of
- *  resolutions, axis_resolutions and target_triangles is given. collapse 2 to 4 is nearer to the original, but less
- *  even and slower. After a failure no level is to be read.
- *  Returns BVX_ERR_RANGE (a resolution above the grid's; a target below the triangles of the coarsest level),
- *  BVX_ERR_EMPTY (a level that keeps nothing, named). */
+ *  resolutions, axis_resolutions and target_triangles is given. After a failure no level is to be read.
+ *  Returns BVX_ERR_RANGE (resolutions above the grid's; too small a target), BVX_ERR_EMPTY (a level without any). */
 BVX_API bvx_status bvx_build_lods(bvx_context *context, const bvx_grid *solid, const bvx_lod_options *options,
                                   uint64_t level_count, bvx_mesh *levels);
 
 /* ---- Closest points ------------------------------------------------------------------------------------ */
-
 /** A mesh prepared for closest points, rays and winding numbers. It keeps what it needs: the view may be freed. */
 typedef struct bvx_closest bvx_closest;
 
-/** The closest point of a mesh to a point. */
 typedef struct bvx_closest_point {
     double position[3]; /**< [Units: world] */
     double distance; /**< [Units: world] */
@@ -1239,16 +1014,17 @@ typedef struct bvx_closest_point {
     uint32_t triangle; /**< the lowest index among the triangles at that distance; all else is of it */
     int32_t feature; /**< 0: inside the triangle; 1, 2, 3: on edge 0-1, 1-2, 2-0; 4, 5, 6: on corner 0, 1, 2 */
 } bvx_closest_point;
-
 /** Prepare a mesh. A handle that is passed again is overwritten: free it first. */
 BVX_API bvx_status bvx_closest_create(bvx_context *context, const bvx_mesh_view *mesh, bvx_closest **closest);
-
-/** Find the closest points to count points, x y z each [Units: world]. A distance beyond the largest double is
- *  infinity. */
+BVX_API void bvx_closest_free(bvx_context *context, bvx_closest *closest);
+/** The closest points to count points. A distance beyond the largest double is infinity. */
 BVX_API bvx_status bvx_closest_find(bvx_context *context, const bvx_closest *closest, const double *points,
                                     uint64_t count, bvx_closest_point *found);
+/** How often the mesh goes around each of count points; exact. Of a closed, oriented mesh 0 outside and 1 inside; of an
+ *  open one the signed number of triangles ahead along x. On the surface the tie rule of voxel centres decides. */
+BVX_API bvx_status bvx_closest_winding(bvx_context *context, const bvx_closest *closest, const double *points,
+                                       uint64_t count, int64_t *turns);
 
-/** Where a ray meets a mesh. */
 typedef struct bvx_mesh_hit {
     double t; /**< position = origin + t * direction */
     double position[3]; /**< [Units: world] */
@@ -1256,41 +1032,24 @@ typedef struct bvx_mesh_hit {
     uint32_t triangle;
     int32_t side; /**< 1: that of the normal by the right hand; -1: the other; 0: none is met, all else is zero */
 } bvx_mesh_hit;
-
-/** Cast count rays at the mesh, six doubles each: origin, direction (any length but 0) [Units: world]. Hits have 0 <= t
- *  <= t_max; of equal t the lowest index is the nearest. A ray passes between no two triangles with a common edge, and
- *  through an edge or a corner it meets one of the triangles there. A triangle seen from its edge is not met. hits are
- *  the nearest of each ray [Size: count].
- *  Returns BVX_ERR_ARGUMENT (a direction of 0, t_max below 0 or NaN), BVX_ERR_RANGE (also a start 2^200 times the
- *  mesh's size away). */
+/** The nearest hit of each of count rays, with 0 <= t <= t_max; of equal t the lowest index. A ray passes between no
+ *  two triangles with a common edge, and through an edge or a corner it meets one of the triangles there. A triangle
+ *  seen from its edge is not met.
+ *  Returns BVX_ERR_ARGUMENT (a direction of 0, t_max below 0), BVX_ERR_RANGE (also a start 2^200 mesh sizes away). */
 BVX_API bvx_status bvx_closest_cast(bvx_context *context, const bvx_closest *closest, const double *rays,
                                     uint64_t count, double t_max, bvx_mesh_hit *hits);
-
 /** All hits of each ray, by t, then by index of the triangle. Those of ray r are hits[offsets[r]] .. hits[offsets[r +
- *  1] - 1]. Returns as bvx_closest_cast; after BVX_ERR_CAPACITY offsets are valid.
- *  offsets  [Size: count + 1]
- *  hits     NULL: only offsets are written [Size: capacity] */
+ *  1] - 1]. hits NULL: only offsets [Size: count + 1] are written; after BVX_ERR_CAPACITY they are valid. */
 BVX_API bvx_status bvx_closest_crossings(bvx_context *context, const bvx_closest *closest, const double *rays,
                                          uint64_t count, double t_max, uint64_t *offsets, bvx_mesh_hit *hits,
                                          uint64_t capacity);
-
-/** How often the mesh goes around each of count points, x y z each [Units: world]; exact. Of a closed, oriented mesh 0
- *  outside and 1 inside; of an open one the signed number of triangles ahead along x. Points on the surface are on one
- *  side, by the tie rule of voxel centres. */
-BVX_API bvx_status bvx_closest_winding(bvx_context *context, const bvx_closest *closest, const double *points,
-                                       uint64_t count, int64_t *turns);
-/** Free what bvx_closest_create allocated; NULL is allowed. */
-BVX_API void bvx_closest_free(bvx_context *context, bvx_closest *closest);
-
 /** Give the vertices of a mesh the colours and texture coordinates of the source's closest points. What the source does
- *  not have stays as it was. The target's arrays are the library's (owned). A triangle over a seam of the texture
- *  stretches across it. */
+ *  not have stays. The target's arrays are the library's. A triangle over a seam of the texture stretches across it. */
 BVX_API bvx_status bvx_mesh_carry(bvx_context *context, const bvx_mesh *source, bvx_mesh *target);
 
 /* ---- Distance fields ----------------------------------------------------------------------------------- */
-
 /** Values at centres of voxels: where the closest point of a mesh lies, and on which side. Value n is that of set voxel
- *  n of band, counted in the order of its bits (z, y, x). Centres beyond the band have a side only. */
+ *  n of band, in order (z, y, x). Centres beyond the band have a side only. */
 typedef struct bvx_field {
     bvx_grid band; /**< set: centres that have a value */
     bvx_grid inside; /**< set: centres inside, in all of the window (docs/rules.md); without words for BVX_FILL_NONE */
@@ -1305,76 +1064,64 @@ typedef struct bvx_field {
     double half_width; /**< of the band; infinity: every centre has a value [Units: world] */
     uint64_t reserved[4];
 } bvx_field;
-
 BVX_API void bvx_field_free(bvx_context *context, bvx_field *field);
 
 typedef struct bvx_field_options {
     size_t struct_size;
     double half_width; /**< of the band [Units: largest spacings] [Limit: > 0; infinity: all] [Default: 3] */
-    int32_t sign; /**< BVX_FILL_...: the rule for inside [Limit: BVX_FILLS_OF_FIELD] [Default: BVX_FILL_AUTO] */
+    int32_t sign; /**< BVX_FILL_...: the rule for inside [Limit: BVX_FILLS_OF_FIELD] */
     int32_t value_type; /**< BVX_F32 (spacings 2^-100 to 2^100) or BVX_F64 [Limit: 1..2] [Default: BVX_F32] */
-    bvx_window window; /**< [Default: all zero, the whole lattice] */
-    int32_t no_vectors; /**< 1: vectors stay NULL [Limit: 0..1] [Default: 0] */
-    int32_t features; /**< 1: fill triangles and features [Limit: 0..1] [Default: 0] */
+    bvx_window window;
+    int32_t no_vectors; /**< 1: vectors stay NULL */
+    int32_t features; /**< 1: fill triangles and features */
     uint64_t reserved[2];
 } bvx_field_options;
-
 /** Measure the distance from centres of voxels to a mesh. On closed meshes all signs but NORMAL agree, up to the
- *  lattice's fixed point; how each decides at edges, vertices and holes: docs/rules.md. mesh is counter-clockwise seen
- *  from outside for NORMAL and PSEUDONORMAL [Limit: (2^32 - 1) / 3 triangles for AUTO and PSEUDONORMAL].
- *  Returns BVX_ERR_ARGUMENT (also a field with arrays of the caller's), BVX_ERR_RANGE (as bvx_voxelize_solid; voxels or
- *  distances that floats do not hold: take BVX_F64). */
+ *  lattice's fixed point: docs/rules.md. NORMAL and PSEUDONORMAL take meshes that are counter-clockwise seen from
+ *  outside. [Limit: (2^32 - 1) / 3 triangles for AUTO and PSEUDONORMAL]
+ *  Returns BVX_ERR_RANGE (as bvx_voxelize_solid; voxels or distances that floats do not hold: take BVX_F64). */
 BVX_API bvx_status bvx_measure_field(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
                                      const bvx_field_options *options, bvx_field *field);
 /** Index of the value at voxel (x,y,z) of the window; UINT64_MAX where it has none. */
 BVX_API uint64_t bvx_field_value(const bvx_field *field, int32_t x, int32_t y, int32_t z);
 
-/** What a dense field holds where the band has no value. */
-enum {
-    BVX_FAR_CONSTANT = 0, /**< half_width, negative inside; vectors 0 */
-    BVX_FAR_PROPAGATED = 1 /**< from neighbours: the exact distance to a triangle closest to the band */
-};
+/** What a dense field holds where the band has no value: half_width, negative inside (vectors 0); or the exact distance
+ *  to a triangle that neighbours are close to, never too small. */
+enum { BVX_FAR_CONSTANT = 0, BVX_FAR_PROPAGATED = 1 };
 
-/** A field as one value for every centre of the window, x fastest, then y, then z.
- *  far_rule  BVX_FAR_...: PROPAGATED needs the mesh, and features in the field; its distances are never too small
- *  vectors   0: signed distances; 1: vectors, three floats each
- *  values    [Size: size[0] * size[1] * size[2], times 3 for vectors] infinite beyond the largest float */
+/** A field as one value for every centre of the window: signed distances, or with vectors 1 vectors. far_rule
+ *  PROPAGATED needs the mesh, and features in the field. Beyond the largest float values are infinite.
+ *  values  [Size: size[0] * size[1] * size[2], times 3 for vectors] */
 BVX_API bvx_status bvx_field_dense(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh,
                                    int32_t far_rule, int32_t vectors, float *values);
 
 typedef struct bvx_field_surface_options {
     size_t struct_size;
-    bvx_placing placing; /**< sharp: cells on sharp edges and corners get a vertex there; AUTO: never without vectors or
-                              the mesh [Default: all zero] */
+    bvx_placing placing; /**< sharp AUTO: never without vectors or the mesh */
     double sharp_angle; /**< sharp: facets that meet at less are smooth [Units: cosine of the angle between their
                              normals; not 0, but as near as wanted] [Limit: -1..1] [Default: 0.8] */
-    bvx_field_surface_report *report; /**< receives counts when not NULL [Default: NULL] */
-    const bvx_grid *grid; /**< compute the surface of other voxels in the field's window, made from its inside. Where it
-                               is that of inside, vertices are the field's; elsewhere those of offset, or in the middle
-                               of edges [Default: NULL, inside] */
-    double offset; /**< grid: vertices lie where the distance to the mesh, negative inside, is this: for bodies made
-                        thicker, thinner or hollow; 0: no such surface [Units: world] [Limit: any] [Default: 0] */
+    bvx_field_surface_report *report;
+    const bvx_grid *grid; /**< the surface of other voxels in the field's window, made from its inside. Where it is that
+                               of inside, vertices are the field's; elsewhere those of offset, or in the middle */
+    double offset; /**< grid: vertices lie at this distance to the mesh, negative inside: for bodies made thicker,
+                        thinner or hollow; 0: no such surface [Units: world] [Limit: any] */
 } bvx_field_surface_options;
-
 /** The surface between inside and outside centres of a field, by marching cubes with vertices where the field has the
  *  surface. Closed, outwards, edge- and vertex-manifold, without crossing triangles, for every field. Beyond the window
- *  is outside. Order as in bvx_extract_surface; sharp: vertices of cells follow, in order of their cells.
- *  mesh  that the field was measured from, or NULL: only sharp uses it, with field->triangles
+ *  is outside. Order as in bvx_extract_surface; vertices of sharp cells follow, in order of their cells. mesh may be
+ *  NULL: only sharp uses it, with field->triangles.
  *  Returns as bvx_extract_surface; BVX_ERR_ARGUMENT also for a field of BVX_FILL_NONE, or without vectors where they
- *  are needed; BVX_ERR_RANGE also for triangles that the mesh does not have, and for f64 whose steps exceed 1/512 of a
- *  voxel; BVX_ERR_LATTICE (band, inside or options.grid differ). */
+ *  are needed; BVX_ERR_RANGE also for f64 whose steps exceed 1/512 of a voxel. */
 BVX_API bvx_status bvx_extract_field_surface(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh,
                                              const bvx_field_surface_options *options, bvx_mesh *surface);
 
 /* ---- Set algebra --------------------------------------------------------------------------------------- */
-
 /** Combine two grids of one lattice and window by a BVX_BOOLEAN_..., in place where the result is one of them. After
  *  BVX_CANCELLED its bits are then unspecified. */
 BVX_API bvx_status bvx_grid_combine(bvx_context *context, const bvx_grid *a, const bvx_grid *b, int32_t operation,
                                     bvx_grid *result);
 /** The voxels of the window that are not set. As bvx_grid_combine, also in place. */
 BVX_API bvx_status bvx_grid_complement(bvx_context *context, const bvx_grid *grid, bvx_grid *result);
-
 /** The same set on another lattice, or a window of it (NULL: all): a voxel is set when its centre lies in a set voxel
  *  of grid (a centre on a face belongs to the upper voxel). For integer factors take bvx_grid_downsample. */
 BVX_API bvx_status bvx_grid_resample(bvx_context *context, const bvx_grid *grid, const bvx_lattice *lattice,
@@ -1390,114 +1137,84 @@ enum { BVX_REDUCE_LIST(BVX_LIST_ENUM) };
  *  factor  [Limit: 1..2^25 each, and fewer than 2^32 voxels of the lattice in a block] */
 BVX_API bvx_status bvx_grid_downsample(bvx_context *context, const bvx_grid *grid, const int32_t factor[3],
                                        int32_t rule, bvx_grid *result);
-
-/** The number of set voxels in each of these blocks, x fastest, then y, then z. count is the number of voxels of
- *  bvx_grid_downsample's result. */
+/** The set voxels in each of these blocks. count, out, is that of bvx_grid_downsample's voxels. */
 BVX_API bvx_status bvx_grid_coverage(bvx_context *context, const bvx_grid *grid, const int32_t factor[3],
                                      uint32_t *counts, uint64_t capacity, uint64_t *count);
-
-/** The same lattice through another window (NULL: all of it), which may reach beyond the grid's own, where all is
- *  empty. */
+/** The same lattice through another window (NULL: all of it). Beyond the grid's own all is empty. */
 BVX_API bvx_status bvx_grid_crop(bvx_context *context, const bvx_grid *grid, const bvx_window *window,
                                  bvx_grid *result);
-
 /** Extend lattice and window by low empty voxels before the first ones along each axis, and high after the last ones.
  *  Nothing moves in the world. [Limit: 0 and more, dims up to 2^25] */
 BVX_API bvx_status bvx_grid_pad(bvx_context *context, const bvx_grid *grid, const int32_t low[3], const int32_t high[3],
                                 bvx_grid *result);
-
 /** Axis a of the result is axis axes[a] of the grid (0, 1, 2 in any order), reversed where flips[a] is 1 (NULL: none).
  *  Origin, spacing, dims and window are permuted too; a flip mirrors the lattice's box in itself. */
 BVX_API bvx_status bvx_grid_permute(bvx_context *context, const bvx_grid *grid, const int32_t axes[3],
                                     const int32_t flips[3], bvx_grid *result);
 
 /* ---- Morphology and distances -------------------------------------------------------------------------- */
-
 /** What a neighbourhood (steps times) or a ball does to a set of voxels. */
-/* clang-format off */
 #define BVX_MORPH_LIST(X) \
     X(BVX_MORPH_DILATE, 0, "dilate") /* voxels with a set one within it */ \
-    X(BVX_MORPH_ERODE, 1, "erode")   /* voxels with no empty one there */ \
-    X(BVX_MORPH_OPEN, 2, "open")     /* eroded, then dilated: what cannot hold it goes */ \
-    X(BVX_MORPH_CLOSE, 3, "close")   /* dilated, then eroded: gaps that cannot hold it are filled */
-/* clang-format on */
+    X(BVX_MORPH_ERODE, 1, "erode") /* voxels with no empty one there */ \
+    X(BVX_MORPH_OPEN, 2, "open") /* eroded, then dilated: what cannot hold it goes */ \
+    X(BVX_MORPH_CLOSE, 3, "close") /* dilated, then eroded: gaps that cannot hold it are filled */
 enum { BVX_MORPH_LIST(BVX_LIST_ENUM) };
 
-/** A ball of a radius in place of neighbours. */
 enum { BVX_BALL = 1 };
-
 typedef struct bvx_morph_options {
     size_t struct_size;
-    int32_t neighbourhood; /**< 6: voxels across faces, 18: and edges, 26: and corners; BVX_BALL
-                                [Limit: BVX_BALL, or 6, or 18, or 26] [Default: 6] */
+    int32_t neighbourhood; /**< as connectivity, or BVX_BALL [Limit: BVX_BALL, or 6, or 18, or 26] [Default: 6] */
     int32_t steps; /**< times that it is applied; a ball takes 1 [Limit: 1..65536] [Default: 1] */
-    double radius; /**< of the ball, with 2^-40 of it to spare [Units: world]
-                        [Limit: >= 0; 0 unless neighbourhood is BVX_BALL] [Default: 0] */
-    int32_t beyond; /**< beyond the window are 0 empty, 1 set voxels [Limit: 0..1] [Default: 0] */
-    int32_t reserved;
+    double radius; /**< of BVX_BALL alone, with 2^-40 of it to spare [Units: world] [Limit: >= 0] */
+    int32_t beyond, reserved; /**< beyond the window are 0 empty, 1 set voxels [Limit: 0..1] */
 } bvx_morph_options;
-
 /** Grow or shrink a set of voxels by its neighbours or by a ball, by a BVX_MORPH_..., as in unbounded space with beyond
- *  outside the window. Only the end is cut to the window. Returns BVX_ERR_RANGE (a ball: spacings beyond 2^-400 ..
- *  2^400). */
+ *  outside the window. Returns BVX_ERR_RANGE (a ball: spacings beyond 2^-400 .. 2^400). */
 BVX_API bvx_status bvx_grid_morph(bvx_context *context, const bvx_grid *grid, int32_t operation,
                                   const bvx_morph_options *options, bvx_grid *result);
 
 typedef struct bvx_hollow_report {
-    uint64_t hollowed; /**< voxels that became empty inside */
-    uint64_t drained; /**< voxels that the drain hole took */
+    uint64_t hollowed, drained; /**< voxels that became empty inside; that the drain hole took */
     double drain[3]; /**< centre of the voxel where the hole meets the hollow; 0 without one [Units: world] */
     uint64_t reserved[4];
 } bvx_hollow_report;
-
 typedef struct bvx_hollow_options {
     size_t struct_size;
-    double thickness; /**< of the shell that stays, with 2^-40 to spare [Units: world]
-                           [Limit: any; a voxel or more along every axis] [Default: 0, must be set] */
-    double drain_radius; /**< of a round hole; 0: none [Units: world] [Limit: >= 0] [Default: 0] */
-    int32_t drain_side; /**< the side it comes from, BVX_OPEN_... [Limit: 1, or 2, or 4, or 8, or 16, or 32]
-                             [Default: BVX_OPEN_Z_LOW] */
-    int32_t drain_placed; /**< 1: the hole's axis goes through drain_at; 0: through the middle of the hollow
-                               [Limit: 0..1] [Default: 0] */
-    double drain_at[2]; /**< the two other coordinates, in order [Units: world] [Limit: any] [Default: 0] */
-    int32_t beyond; /**< beyond the window are 0 empty, 1 set voxels [Limit: 0..1] [Default: 0] */
-    int32_t reserved;
-    bvx_hollow_report *report; /**< receives counts when not NULL [Default: NULL] */
+    double thickness; /**< of the shell that stays, a voxel or more along every axis, with 2^-40 to spare
+                           [Units: world] [Limit: any] [Default: 0, must be set] */
+    double drain_radius; /**< of a round hole; 0: none [Units: world] [Limit: >= 0] */
+    int32_t drain_side; /**< from BVX_OPEN_... [Limit: 1, or 2, or 4, or 8, or 16, or 32] [Default: BVX_OPEN_Z_LOW] */
+    int32_t drain_placed; /**< 1: the hole's axis goes through drain_at, not through the middle of the hollow */
+    double drain_at[2]; /**< the two other coordinates, in order [Units: world] [Limit: any] */
+    int32_t beyond, reserved; /**< beyond the window are 0 empty, 1 set voxels [Limit: 0..1] */
+    bvx_hollow_report *report;
 } bvx_hollow_options;
-
-/** Make a body hollow: voxels deeper than thickness become empty. The drain hole takes set voxels whose centre lies
- *  within drain_radius of its axis, from its side to where the axis first meets the hollow. Where nothing is deep
- *  enough the result is the grid itself.
- *  Returns BVX_ERR_ARGUMENT (also a drain_at whose axis misses the hollow), BVX_ERR_RANGE (a thickness below a voxel).
- */
+/** Make a body hollow: voxels deeper than thickness become empty, if any. The drain hole takes set voxels whose centre
+ *  lies within drain_radius of its axis, from its side to where the axis first meets the hollow.
+*  Returns BVX_ERR_ARGUMENT (also an axis that misses the hollow), BVX_ERR_RANGE (a thickness below a voxel). */
 BVX_API bvx_status bvx_grid_hollow(bvx_context *context, const bvx_grid *grid, const bvx_hollow_options *options,
                                    bvx_grid *result);
 
-/** Distances of every centre: OUTSIDE, to the nearest set one; INSIDE, to the nearest empty one; SIGNED, outside less
- *  inside. */
+/** Distances of centres: OUTSIDE, to the nearest set one; INSIDE, to the nearest empty one; SIGNED, both. */
 #define BVX_DISTANCE_LIST(X) \
     X(BVX_DISTANCE_OUTSIDE, 0, "outside") X(BVX_DISTANCE_INSIDE, 1, "inside") X(BVX_DISTANCE_SIGNED, 2, "signed")
 enum { BVX_DISTANCE_LIST(BVX_LIST_ENUM) };
-
 /** What lies beyond the window: no voxels at all, empty ones, or set ones. */
 #define BVX_BEYOND_LIST(X) \
     X(BVX_BEYOND_NOTHING, 0, "nothing") X(BVX_BEYOND_EMPTY, 1, "empty") X(BVX_BEYOND_SET, 2, "set")
 enum { BVX_BEYOND_LIST(BVX_LIST_ENUM) };
 
-/** A third type of values, beside BVX_F32 and BVX_F64. */
 enum { BVX_SQUARES = 3 };
-
 typedef struct bvx_distance_options {
     size_t struct_size;
-    int32_t side; /**< BVX_DISTANCE_... [Default: BVX_DISTANCE_OUTSIDE] */
-    int32_t beyond; /**< BVX_BEYOND_... [Default: BVX_BEYOND_NOTHING] */
-    uint64_t *nearest; /**< index x + nx * (y + ny * z) in the window of the voxel that the distance is to, the lowest
-                            of equally near ones; UINT64_MAX for none [Size: nx * ny * nz] [Default: NULL] */
+    int32_t side; /**< BVX_DISTANCE_... */
+    int32_t beyond; /**< BVX_BEYOND_... */
+    uint64_t *nearest; /**< index in the window of the voxel that the distance is to, the lowest of equally near ones;
+                            UINT64_MAX for none [Size: nx * ny * nz] */
     uint64_t reserved[2];
 } bvx_distance_options;
-
-/** The exact Euclidean distance between centres of voxels, for every voxel of the window, x fastest, then y, then z.
- *  Where there is no such voxel it is infinity.
+/** The exact Euclidean distance between centres of voxels, for every voxel of the window; infinity where there is none.
  *  value_type  BVX_F32 or BVX_F64: the last rounding; BVX_SQUARES: whole squares as uint32_t, of cubic voxels, OUTSIDE
  *              or INSIDE [Units: voxels^2], UINT32_MAX where there is no such voxel
  *  values      [Size: nx * ny * nz] [Units: world]
@@ -1507,52 +1224,38 @@ BVX_API bvx_status bvx_grid_distance(bvx_context *context, const bvx_grid *grid,
                                      int32_t value_type, void *values, uint64_t capacity);
 
 /* ---- Components ---------------------------------------------------------------------------------------- */
-
 /** A connected component of a grid's set voxels, in voxels of the grid's window. */
 typedef struct bvx_component {
-    uint64_t first; /**< its first voxel: x + size[0] * (y + size[1] * z) */
-    uint64_t voxels; /**< how many it has */
-    int32_t low[3]; /**< box of its voxels: the lowest index along each axis [Units: voxels] */
-    int32_t size[3]; /**< and how many it spans [Units: voxels] */
+    uint64_t first, voxels; /**< its first voxel: x + size[0] * (y + size[1] * z); how many it has */
+    int32_t low[3], size[3]; /**< box of its voxels: the lowest index along each axis, and how many [Units: voxels] */
     uint64_t reserved;
 } bvx_component;
-
-/** The connected components of a grid, in the order of their first voxels (z, y, x). connectivity is 6: across faces;
- *  18: and edges; 26: and corners. Returns BVX_ERR_RANGE (2^32 - 1 runs of voxels along x or more). */
+/** The components of a grid, in order (z, y, x) of their first voxels. [Limit: < 2^32 - 1 runs of voxels along x] */
 BVX_API bvx_status bvx_grid_components(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
                                        bvx_component *parts, uint64_t capacity, uint64_t *count);
-
-/** Label the voxels of a window by their component, x fastest: 0 for empty ones, 1 for the first of
- *  bvx_grid_components, and so on. capacity is size[0] * size[1] * size[2] at least; count may be NULL. */
+/** Label the voxels of a window by their component: 0 for empty ones, 1 for the first of bvx_grid_components, and so
+ *  on. capacity is size[0] * size[1] * size[2] at least; count may be NULL. */
 BVX_API bvx_status bvx_grid_label(bvx_context *context, const bvx_grid *grid, int32_t connectivity, uint32_t *labels,
                                   uint64_t capacity, uint64_t *count);
 
 typedef struct bvx_keep_report {
     uint64_t kept, dropped; /**< parts */
-    uint64_t voxels_kept, voxels_dropped;
-    uint64_t reserved[4];
+    uint64_t voxels_kept, voxels_dropped, reserved[4];
 } bvx_keep_report;
-
 typedef struct bvx_keep_options {
     size_t struct_size;
-    int32_t connectivity; /**< 6, 18 or 26 [Limit: 6, or 18, or 26] [Default: 6] */
-    int32_t reserved;
-    uint64_t at_least; /**< components of fewer voxels are dropped [Limit: any] [Default: 0, none is] */
-    const int32_t *seeds; /**< x y z each: components that hold none of them are dropped [Size: seed_count * 3]
-                               [Default: NULL] */
-    uint64_t seed_count; /**< [Limit: any] [Default: 0, seeds are ignored] */
-    uint64_t largest; /**< of what remains so many of the largest are kept [Limit: any] [Default: 0, all] */
-    bvx_keep_report *report; /**< receives counts when not NULL [Default: NULL] */
+    int32_t connectivity, reserved; /**< see Neighbours [Limit: 6, or 18, or 26] [Default: 6] */
+    uint64_t at_least; /**< components of fewer voxels are dropped [Limit: any] */
+    const int32_t *seeds; /**< x y z each: components that hold none of them are dropped [Size: seed_count * 3] */
+    uint64_t seed_count; /**< 0: seeds are ignored [Limit: any] */
+    uint64_t largest; /**< of what remains so many of the largest are kept; 0: all [Limit: any] */
+    bvx_keep_report *report;
 } bvx_keep_options;
-
 /** Keep some of a grid's components, also in place. A seed outside the window is BVX_ERR_ARGUMENT. */
 BVX_API bvx_status bvx_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_keep_options *options,
                                  bvx_grid *result);
-
-/** Fill the cavities of a grid, also in place: components of its empty voxels that do not touch a side of its window.
- *  connectivity  6, 18 or 26, of the empty voxels: with 6 a cavity ends where only edges or corners lead on
- *  at_most       larger cavities stay [Units: voxels] [Default: 0, all are filled]
- *  filled        out, may be NULL: voxels that were set */
+/** Fill cavities, also in place: components of empty voxels that do not touch a side of the window. Those of more than
+ *  at_most voxels stay; 0: all are filled. filled, out, may be NULL: voxels that were set. */
 BVX_API bvx_status bvx_grid_fill_cavities(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
                                           uint64_t at_most, bvx_grid *result, uint64_t *filled);
 
@@ -1565,64 +1268,48 @@ typedef struct bvx_topology {
     int64_t euler; /**< vertices - edges + faces - voxels: 1 for a ball, 2 for a hollow one, 0 for a ring */
     uint64_t reserved[4];
 } bvx_topology;
-
 /** Count components, cavities and tunnels. connectivity 26: set voxels are closed boxes, and empty ones connect only
  *  across faces; 6: set voxels connect only across faces, and empty ones across edges and corners too. */
 BVX_API bvx_status bvx_grid_topology(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
                                      bvx_topology *topology);
 
 /* ---- Seeds and filling --------------------------------------------------------------------------------- */
-
 /** A voxel found inside a surface, and what the search took. */
 typedef struct bvx_seed {
     int32_t voxel[3]; /**< of the surface's window; all zero when none was found */
     int32_t found; /**< 1: voxel is empty and hidden by surface voxels in all six directions */
-    int32_t verified; /**< 1: a mesh was given, and the voxel's centre is inside it by the rule vote */
-    int32_t reserved;
+    int32_t verified, reserved; /**< 1: a mesh was given, and the voxel's centre is inside it by the rule vote */
     uint64_t scans[3]; /**< lines scanned along x, y and z: the paper's counts i, j and k */
-    uint64_t starts; /**< rows that the search began at */
-    uint64_t refused; /**< hidden voxels that the mesh has outside */
-    uint64_t reserved2[2];
+    uint64_t starts, refused, reserved2[2]; /**< rows that it began at; hidden voxels that the mesh has outside */
 } bvx_seed;
-
-/** Find one voxel inside a surface (voxels by any rule of bvx_voxelize_surface) by scanning lines of voxels: one that
- *  is hidden in all six directions and, with a mesh, inside it by the rule vote. Hidden is not always inside: think of
- *  a bottle. limit is the maximum number of lines to scan [Default: 0, all]. found 0 is no error. */
+/** Find one voxel inside a surface (of bvx_voxelize_surface) by scanning lines of voxels: one that is hidden in all six
+ *  directions and, with a mesh, inside it by the rule vote. Hidden is not always inside: think of a bottle. limit is
+ *  the maximum number of lines to scan; 0: all. found 0 is no error. */
 BVX_API bvx_status bvx_find_seed(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh,
                                  uint64_t limit, bvx_seed *seed);
-
-/** The first voxel (z, y, x) of each component of the empty voxels inside a surface, connected through faces. With a
- *  mesh that is one whose first voxel the rule vote has inside; else one that does not touch the window's sides.
- *  seeds  x y z each, of the surface's window [Size: capacity * 3] */
+/** The first voxel (z, y, x) of each 6-connected component of empty voxels inside a surface: with a mesh by the rule
+ *  vote, else those that do not touch the window's sides. seeds are x y z each, of the window [Size: capacity * 3]. */
 BVX_API bvx_status bvx_find_pockets(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh,
                                     int32_t *seeds, uint64_t capacity, uint64_t *count);
-
-/** Set all voxels that are connected with a seed through empty voxels of a grid; connectivity 6, 18 or 26. Set voxels
- *  of the grid are walls and stay out of the result. seeds are x y z each, of the grid's window [Size: seed_count * 3].
- *  Returns BVX_ERR_ARGUMENT (a seed on a set voxel or outside the window, with its index). */
+/** Set all voxels that are connected with a seed through empty voxels of a grid, whose set voxels are walls. seeds are
+ *  x y z each, of its window [Size: seed_count * 3]; one on a set voxel or outside is BVX_ERR_ARGUMENT. */
 BVX_API bvx_status bvx_grid_fill(bvx_context *context, const bvx_grid *walls, const int32_t *seeds, uint64_t seed_count,
                                  int32_t connectivity, bvx_grid *filled);
 
 /* ---- Queries of grids ---------------------------------------------------------------------------------- */
-
-/** Where a ray first meets a set voxel. */
 typedef struct bvx_ray_hit {
     double t; /**< position = origin + t * direction */
     double position[3]; /**< [Units: world] */
     int32_t voxel[3]; /**< counted from the low corner of the grid's window */
     int32_t axis; /**< of the face that is crossed: 0, 1, 2; -1 when the ray starts in the voxel */
-    int32_t hit; /**< 1; or 0: the ray meets none, and the other fields are zero */
-    int32_t reserved;
+    int32_t hit, reserved; /**< 1; or 0: the ray meets none, and the other fields are zero */
 } bvx_ray_hit;
-
-/** Cast count rays, six doubles each: origin, direction (any length but 0) [Units: world]. Hits have 0 <= t <= t_max.
- *  Boxes are closed: the hit is the lowest (t, z, y, x) of all voxels that the ray touches. Returns BVX_ERR_ARGUMENT (a
- *  direction of 0, t_max below 0 or NaN). */
+/** Cast count rays. Hits have 0 <= t <= t_max. Boxes are closed: the hit is the lowest (t, z, y, x) of all voxels that
+ *  the ray touches. Returns BVX_ERR_ARGUMENT (a direction of 0, t_max below 0 or NaN). */
 BVX_API bvx_status bvx_grid_cast(bvx_context *context, const bvx_grid *grid, const double *rays, uint64_t count,
                                  double t_max, bvx_ray_hit *hits);
-
-/** Trilinear samples at count points, x y z each [Units: world]: 1 at centres of set voxels, 0 at those of others and
- *  beyond the window. gradients (three doubles a point, [Units: 1 / world]) may be NULL. */
+/** Trilinear samples at count points: 1 at centres of set voxels, 0 at those of others and beyond the window. gradients
+ *  (three doubles a point, [Units: 1 / world]) may be NULL. */
 BVX_API bvx_status bvx_grid_sample(bvx_context *context, const bvx_grid *grid, const double *points, uint64_t count,
                                    double *values, double *gradients);
 
@@ -1635,20 +1322,15 @@ typedef struct bvx_grid_difference {
     int32_t low[3], size[3]; /**< box of all voxels that differ, in the window; all zero for none */
     uint64_t reserved[4];
 } bvx_grid_difference;
-
-/** Compare two grids. */
 BVX_API bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, const bvx_grid *b,
                                     bvx_grid_difference *difference);
 
 /* ---- Mass ---------------------------------------------------------------------------------------------- */
-
 typedef struct bvx_measure_options {
     size_t struct_size;
     double density; /**< mass of a unit of volume [Limit: > 0] [Default: 1] */
-    int32_t resolution; /**< voxels along each axis of what has to be counted [Limit: 1..2048] [Default: 128] */
-    int32_t reserved;
+    int32_t resolution, reserved; /**< voxels along each axis that are counted [Limit: 1..2048] [Default: 128] */
 } bvx_measure_options;
-
 /** The body that a mesh encloses. Errors are bounds: the body's own values are at most this far off. */
 typedef struct bvx_measure_report {
     double volume; /**< [Units: world^3] */
@@ -1656,117 +1338,91 @@ typedef struct bvx_measure_report {
     double mass; /**< density times volume */
     double center[3]; /**< of mass; that of the bounds where nothing is enclosed [Units: world] */
     double inertia[6]; /**< tensor about center: xx, yy, zz, xy, xz, yz [Units: mass * world^2] */
-    double volume_error; /**< of volume; density times this is that of mass [Units: world^3] */
-    double center_error; /**< distance from center [Units: world] */
-    double inertia_error; /**< of each element [Units: mass * world^2] */
+    double volume_error, center_error, inertia_error; /**< the last of each element [Units: as those] */
     int32_t resolution; /**< voxels along each axis that were counted; 0: triangles were summed up */
     int32_t fill; /**< BVX_FILL_...: the rule that says what is inside */
-    int32_t fill_reason; /**< BVX_FILL_REASON_... */
-    int32_t reserved;
+    int32_t fill_reason, reserved; /**< BVX_FILL_REASON_... */
     uint64_t turned; /**< triangles that were turned first */
 } bvx_measure_report;
-
 /** Volume, area, centre of mass and inertia of the body that a mesh encloses, with bounds of their errors. What is
  *  inside is what BVX_FILL_AUTO fills; over a hole the body ends where its winding number passes a half. Of one sound
- *  closed shell the moments of triangles are summed up: the errors are those of rounding. Of other meshes voxels of
- *  1/resolution of the bounds along each axis are counted: the bounds are what all voxels at the surface can make.
- *  Returns BVX_ERR_EMPTY also where there is one position only. */
+ *  closed shell triangles are summed up, with errors of rounding. Of other meshes voxels of 1/resolution of the bounds
+ *  along each axis are counted, with what all voxels at the surface can make. BVX_ERR_EMPTY also for one position. */
 BVX_API bvx_status bvx_measure(bvx_context *context, const bvx_mesh_view *mesh, const bvx_measure_options *options,
                                bvx_measure_report *report);
 
 /* ---- Points -------------------------------------------------------------------------------------------- */
-
-/** Counts of one call, for its window. */
 typedef struct bvx_points_report {
     uint64_t inside, outside; /**< points in the window, and beyond it */
-    uint64_t occupied; /**< voxels that hold enough points */
-    uint64_t filled; /**< body: voxels that it has beside these */
-    uint64_t pockets; /**< body: places that the flood did not reach; 0: gaps let it in everywhere */
-    uint64_t reserved[3];
+    uint64_t occupied, filled; /**< voxels that hold enough points; body: those that it has beside these */
+    uint64_t pockets, reserved[3]; /**< body: places that the flood did not reach; 0: gaps let it in everywhere */
 } bvx_points_report;
-
 typedef struct bvx_points_options {
     size_t struct_size;
     int32_t minimum; /**< points that a voxel needs to be set [Limit: 1..2^31-1] [Default: 1] */
-    int32_t body; /**< 1: what a flood from outside cannot reach is set too; no window [Limit: 0..1] [Default: 0] */
-    int32_t close_gaps; /**< body: gaps of so many voxels stop the flood [Units: voxels] [Limit: 0..65535] [Default:
-                             0] */
-    int32_t reserved;
-    bvx_window window; /**< [Default: all zero, the whole lattice] */
-    bvx_points_report *report; /**< receives counts when not NULL [Default: NULL] */
+    int32_t body; /**< 1: what a flood from outside cannot reach is set too; no window */
+    int32_t close_gaps, reserved; /**< body: gaps of so many voxels stop the flood [Units: voxels] [Limit: 0..65535] */
+    bvx_window window;
+    bvx_points_report *report;
 } bvx_points_options;
-
 /** Set the voxels that hold points of a cloud: the vertices of a view, whose triangles are ignored. Points are snapped
- *  to the lattice's fixed point and belong to one voxel each. Returns BVX_ERR_ARGUMENT also for a window with body. */
+ *  to the lattice's fixed point and belong to one voxel each. */
 BVX_API bvx_status bvx_voxelize_points(bvx_context *context, const bvx_mesh_view *points, const bvx_lattice *lattice,
                                        const bvx_points_options *options, bvx_grid *grid);
 
 /* ---- Volumes ------------------------------------------------------------------------------------------- */
-
 /** Types of samples, in this machine's byte order. */
+/* clang-format off */
 #define BVX_SAMPLE_LIST(X) \
-    X(BVX_SAMPLE_U8, 1, "u8") \
-    X(BVX_SAMPLE_I8, 2, "i8") \
-    X(BVX_SAMPLE_U16, 3, "u16") \
-    X(BVX_SAMPLE_I16, 4, "i16") \
-    X(BVX_SAMPLE_U32, 5, "u32") \
-    X(BVX_SAMPLE_I32, 6, "i32") \
-    X(BVX_SAMPLE_U64, 7, "u64") \
-    X(BVX_SAMPLE_I64, 8, "i64") \
-    X(BVX_SAMPLE_F32, 9, "f32") \
-    X(BVX_SAMPLE_F64, 10, "f64")
+    X(BVX_SAMPLE_U8, 1, "u8") X(BVX_SAMPLE_I8, 2, "i8") X(BVX_SAMPLE_U16, 3, "u16") X(BVX_SAMPLE_I16, 4, "i16") \
+    X(BVX_SAMPLE_U32, 5, "u32") X(BVX_SAMPLE_I32, 6, "i32") X(BVX_SAMPLE_U64, 7, "u64") X(BVX_SAMPLE_I64, 8, "i64") \
+    X(BVX_SAMPLE_F32, 9, "f32") X(BVX_SAMPLE_F64, 10, "f64")
+/* clang-format on */
 enum { BVX_SAMPLE_LIST(BVX_LIST_ENUM) };
 
 /** Samples that the caller owns, one at the centre of each voxel of a window. Sample (i,j,k) is at (const char
  *  *)samples + i * strides[0] + j * strides[1] + k * strides[2]; no alignment is required. */
 typedef struct bvx_volume_view {
     const void *samples;
-    int32_t sample_type; /**< BVX_SAMPLE_... */
-    int32_t reserved0;
+    int32_t sample_type, reserved0; /**< BVX_SAMPLE_... */
     int32_t low[3]; /**< window: lattice index of sample (0,0,0) [Units: voxels] */
     int32_t size[3]; /**< window: samples along each axis [Units: voxels] */
     int64_t strides[3]; /**< of either sign [Units: bytes] [Default: all 0, packed with x fastest] */
     bvx_lattice lattice;
     uint64_t reserved[4];
 } bvx_volume_view;
-
 /** What a volume's window holds. */
 typedef struct bvx_volume_report {
-    uint64_t nan; /**< samples that are NaN */
-    uint64_t infinite; /**< samples that are infinite, of either sign */
+    uint64_t nan, infinite; /**< samples that are NaN; infinite, of either sign */
     uint64_t inside; /**< samples that became set voxels */
     double least; /**< of the finite samples; 64-bit integers as doubles; 0 for none */
     double greatest;
     uint64_t reserved[3];
 } bvx_volume_report;
-
 /** Set the voxels whose sample lies in a range: low <= sample <= high. NaN and infinite samples are never set.
  *  -infinity and infinity leave a side open. report may be NULL. */
 BVX_API bvx_status bvx_threshold(bvx_context *context, const bvx_volume_view *volume, double low, double high,
                                  bvx_volume_report *report, bvx_grid *grid);
-
-/** bvx_threshold of integers between integers (u64: their bits), for 64-bit samples beyond 2^53 too. Labels are such.
- *  Returns BVX_ERR_UNSUPPORTED (samples that are floats). */
+/** The same between integers (u64: their bits), for 64-bit samples beyond 2^53 too. Labels are such. Samples that are
+ *  floats are BVX_ERR_UNSUPPORTED. */
 BVX_API bvx_status bvx_threshold_whole(bvx_context *context, const bvx_volume_view *volume, int64_t low, int64_t high,
                                        bvx_volume_report *report, bvx_grid *grid);
 
 typedef struct bvx_scalar_options {
     size_t struct_size;
-    double level; /**< value of the surface [Limit: any; not NaN] [Default: 0] */
-    int32_t below; /**< inside is where 0: sample >= level, 1: sample <= level [Limit: 0..1] [Default: 0] */
-    int32_t face_rule; /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
-    int32_t open_sides; /**< BVX_OPEN_... [Limit: 0..63] [Default: 0, beyond the window is outside] */
-    int32_t keys; /**< 1: fill vertex_keys and triangle_keys [Limit: 0..1; dims below 2^20] [Default: 0] */
-    int32_t local_frame; /**< 1: positions relative to frame [Limit: 0..1] [Default: 0] */
-    bvx_volume_report *report; /**< receives counts when not NULL [Default: NULL] */
+    double level; /**< value of the surface [Limit: any; not NaN] */
+    int32_t below; /**< 1: inside is where sample <= level, not sample >= level */
+    int32_t face_rule; /**< BVX_FACE_... */
+    int32_t position_type; /**< see Types */
+    int32_t open_sides; /**< BVX_OPEN_...: beyond the window is outside, but at these sides [Limit: 0..63] */
+    int32_t keys; /**< 1: fill vertex_keys and triangle_keys [Limit: 0..1; dims below 2^20] */
+    int32_t local_frame; /**< see Types */
+    bvx_volume_report *report;
     uint64_t reserved[2];
 } bvx_scalar_options;
-
-/** The surface of a level in a volume, by marching cubes with linear positions between samples. A sample is inside when
- *  it is finite and level <= sample (below: sample <= level). The mesh is what bvx_extract_surface promises; a body
- *  that the volume's sides cut ends on them. bvx_extract_count of bvx_threshold(level, infinity) computes its exact
- *  size. Returns as bvx_extract_surface. */
+/** The surface of a level in a volume, by marching cubes with linear positions between samples. Samples that are not
+ *  finite are outside. The mesh is what bvx_extract_surface promises; a body that the volume's sides cut ends on them.
+ *  bvx_extract_count of bvx_threshold(level, infinity) computes its exact size. Returns as bvx_extract_surface. */
 BVX_API bvx_status bvx_extract_scalar(bvx_context *context, const bvx_volume_view *volume,
                                       const bvx_scalar_options *options, bvx_mesh *mesh);
 
@@ -1777,28 +1433,22 @@ typedef struct bvx_label {
     int32_t low[3]; /**< box of its voxels, in the window [Units: voxels] */
     int32_t size[3];
 } bvx_label;
-
-/** The values other than 0 of a volume of integers, ascending. Returns BVX_ERR_UNSUPPORTED (samples that are floats).
- */
+/** The values other than 0 of a volume of integers, ascending. Floats are BVX_ERR_UNSUPPORTED. */
 BVX_API bvx_status bvx_list_labels(bvx_context *context, const bvx_volume_view *volume, bvx_label *labels,
                                    uint64_t capacity, uint64_t *count);
 
 /* ---- Section contours ---------------------------------------------------------------------------------- */
-
 /** A closed loop of a section: a polygon whose last point is joined to its first, in either direction. */
 typedef struct bvx_section_loop {
     uint64_t first_point; /**< index of its first point */
     uint32_t point_count; /**< [Limit: 3 or more different points] */
     uint32_t section; /**< index of its section */
-    int32_t label; /**< the body that it belongs to */
-    int32_t reserved;
+    int32_t label, reserved; /**< the body that it belongs to */
 } bvx_section_loop;
-
 /** Contours on planes, read by the library or filled by a caller with arrays of its own (owned 0). Loops and sections
  *  may be in any order. Loops inside loops are holes, in these islands, and so on. */
 typedef struct bvx_sections {
-    double *points; /**< x, y, z [Size: point_count * 3] [Units: world] [Limit: 1e75 to build, the widest loop at least
-                         1e-70] */
+    double *points; /**< x, y, z [Size: point_count * 3] [Units: world] [Limit: 1e75; the widest loop at least 1e-70] */
     bvx_section_loop *loops; /**< [Size: loop_count] */
     double *positions; /**< of each plane: point . normal / |normal| [Size: section_count] */
     uint64_t point_count; /**< [Limit: < 2^31] */
@@ -1806,51 +1456,39 @@ typedef struct bvx_sections {
     uint64_t section_count; /**< with those that hold no loop: there is no body there */
     uint64_t point_capacity, loop_capacity, section_capacity; /**< what the arrays hold */
     double normal[3]; /**< of all planes, any length but 0 */
-    int32_t owned; /**< 1 when bvx_sections_free frees the arrays */
-    int32_t reserved;
+    int32_t owned, reserved; /**< 1 when bvx_sections_free frees the arrays */
     double *normals; /**< of each plane, in place of normal; NULL: planes are parallel [Size: section_count * 3] */
     uint64_t reserved2[3];
 } bvx_sections;
-
 BVX_API void bvx_sections_free(bvx_context *context, bvx_sections *sections);
 
 /** How a body ends at its first and last section: FLAT, on its plane; TAPER, each part narrows to a ridge half a
- *  spacing beyond, also those that share no area with the next section; OPEN, not at all: the mesh has boundary edges
- *  there. */
+ *  spacing beyond, also those that share no area with the next section; OPEN, with boundary edges. */
 #define BVX_CAPS_LIST(X) X(BVX_CAPS_FLAT, 0, "flat") X(BVX_CAPS_TAPER, 1, "taper") X(BVX_CAPS_OPEN, 2, "open")
 enum { BVX_CAPS_LIST(BVX_LIST_ENUM) };
-
 /** Where the surface meets the grid's edges on a section plane: EXACT, where the contour does, all of which is in the
- *  mesh; PAPER, by interpolated distances, with contour points put into the lines that join them; CLASSIC, by distances
- *  only. */
+ *  mesh; PAPER, by interpolated distances, with contour points on the lines that join them; CLASSIC, without these. */
 #define BVX_CROSSINGS_LIST(X) \
     X(BVX_CROSSINGS_EXACT, 0, "exact") X(BVX_CROSSINGS_PAPER, 1, "paper") X(BVX_CROSSINGS_CLASSIC, 2, "classic")
 enum { BVX_CROSSINGS_LIST(BVX_LIST_ENUM) };
-
-/** How distances go from section to section: LINEAR, straight: the surface has a kink at every section; CUBIC, the
- *  monotone cubic over four sections. AUTO: CUBIC from five sections on; LINEAR for fewer, and with crossings PAPER and
- *  CLASSIC. */
+/** How distances go from section to section: LINEAR, straight, with a kink at every section; CUBIC, the monotone cubic
+ *  over four sections. AUTO: CUBIC from five sections on, with crossings EXACT. */
 #define BVX_BLEND_LIST(X) X(BVX_BLEND_AUTO, 0, "auto") X(BVX_BLEND_LINEAR, 1, "linear") X(BVX_BLEND_CUBIC, 2, "cubic")
 enum { BVX_BLEND_LIST(BVX_LIST_ENUM) };
 
-enum { BVX_SECTIONS_LOCATED = 16 };
-
 /** The label 0 in options, where 0 stands for the default. No loop has this number. */
 enum { BVX_LABEL_ZERO = -2147483647 - 1 };
+enum { BVX_SECTIONS_LOCATED = 16 };
 
-/** What was found and done. */
 typedef struct bvx_sections_report {
     double cell[2]; /**< sides of a grid cell [Units: world] */
     int32_t grid[2]; /**< cells along the plane's two axes */
     uint64_t sections; /**< that hold the label; the body ends half way to those between them that do not */
     uint64_t loops, holes; /**< holes: loops with outside on their inner side */
     uint64_t points;
-    uint64_t repeated_points; /**< points that equal the one before them: left out */
-    uint64_t mended_loops; /**< loops given that were split, joined or left out */
-    uint64_t unkept_edges; /**< edges still crossed more than once: what joins them to the other section is a guess */
-    uint64_t unkept_loops; /**< loops still inside one cell: closed by a cone of their own */
-    uint64_t unkept_points; /**< contour points that are no vertices: none but for PAPER, CLASSIC and planes that
-                                 contradict each other */
+    uint64_t repeated_points, mended_loops; /**< left out; split, joined or left out */
+    uint64_t unkept_edges, unkept_loops; /**< crossed twice and more, joined by guess; within a cell */
+    uint64_t unkept_points; /**< contour points that are no vertices: of PAPER, CLASSIC, planes that contradict */
     uint64_t located; /**< places in unkept */
     double unkept[16][3]; /**< the first BVX_SECTIONS_LOCATED of them [Units: world] */
     double prismoid_volume; /**< sum of h / 3 (A + B + sqrt(A B)) over neighbouring sections of areas A and B; ends
@@ -1860,56 +1498,47 @@ typedef struct bvx_sections_report {
     uint64_t planes; /**< of all sections, if not parallel; else 0 */
     uint64_t gaps; /**< intervals of lines where planes cross that are inside for one of two sections only */
     double largest_gap; /**< how far contours were apart there at most [Units: world] */
-    uint64_t warnings; /**< 1 << BVX_WARN_... for each that the call gives */
+    uint64_t warnings;
 } bvx_sections_report;
 
 /** What is between parallel planes. Planes of any direction take none of it. */
 typedef struct bvx_slabs {
-    int32_t grid[2]; /**< cells along the plane's axes, both or none [Limit: 0, or 2..8192] [Default: 0, 0] */
+    int32_t grid[2]; /**< cells along the plane's axes, both or none [Limit: 0, or 2..8192] */
     int32_t layers; /**< cells from section to section [Limit: 1..64] [Default: 1] */
-    int32_t crossings; /**< BVX_CROSSINGS_... [Default: BVX_CROSSINGS_EXACT] */
+    int32_t crossings; /**< BVX_CROSSINGS_... */
     int32_t depth; /**< a cell is halved at most this often [Limit: BVX_NONE, or 0..8] [Default: 5] */
-    int32_t blend; /**< BVX_BLEND_... [Default: BVX_BLEND_AUTO] */
+    int32_t blend; /**< BVX_BLEND_... */
     double join; /**< loops of neighbouring sections that share no area are joined where their centroids are at most
-                      this far apart (docs/rules.md) [Units: world] [Limit: >= 0] [Default: 0, none are] */
+                      this far apart (docs/rules.md) [Units: world] [Limit: >= 0] */
 } bvx_slabs;
-
 typedef struct bvx_sections_options {
     size_t struct_size;
-    double spacing; /**< side of a cell [Units: world] [Limit: >= 0] [Default: 0; by slabs.grid or cells, else of
-                         parallel planes twice the contours' mean segment, 16 to 512 cells along the longer side, of
-                         others 64 cells] */
-    bvx_slabs slabs; /**< parallel planes [Default: all zero] */
-    int32_t cells; /**< planes that are not parallel: cells along the longest side, in place of spacing [Limit: 0, or
-                        8..1024] [Default: 0] */
-    int32_t mend; /**< 1: loops that touch or cross are split there; inside stays what an odd number of loops enclose.
-                       Slits, spikes and borders that two loops share go [Limit: 0..1] [Default: 0, they are refused] */
-    double agree; /**< planes that are not parallel: contours at most this far apart where planes cross are moved to
-                       agree [Units: world] [Limit: >= 0] [Default: 0, 1/100 of the longest side] */
-    double thickness; /**< of a body with one section only, half to either side: a slab with flat caps, a lens with
-                           tapered ones [Units: world] [Limit: >= 0] [Default: 0] */
-    int32_t caps; /**< BVX_CAPS_... [Default: BVX_CAPS_FLAT] */
+    double spacing; /**< side of a cell [Units: world] [Limit: >= 0] [Default: 0, by slabs.grid or cells; else twice the
+                         contours' mean segment, 16 to 512 cells along the longer side, of planes not parallel 64] */
+    bvx_slabs slabs; /**< parallel planes */
+    int32_t cells; /**< planes not parallel: cells along the longest side, in place of spacing [Limit: 0, or 8..1024] */
+    int32_t mend; /**< 1: loops that touch or cross are split there, not refused; inside stays what an odd number of
+                       loops enclose. Slits, spikes and borders that two loops share go */
+    double agree; /**< planes not parallel: contours at most this far apart where planes cross are moved to agree
+                       [Units: world] [Limit: >= 0] [Default: 0, 1/100 of the longest side] */
+    double thickness; /**< of a body with one section only: slab, or tapered lens [Units: world] [Limit: >= 0] */
+    int32_t caps; /**< BVX_CAPS_... */
     int32_t label; /**< the body; BVX_LABEL_ZERO: 0 [Limit: any] [Default: 0, the only one there is] */
-    int32_t position_type; /**< AUTO is BVX_F64: contours stay as they are [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
-    int32_t reserved;
-    bvx_sections_report *report; /**< filled when not NULL [Default: NULL] */
+    int32_t position_type, reserved; /**< see Types; AUTO is BVX_F64: contours stay as they are */
+    bvx_sections_report *report;
 } bvx_sections_options;
-
 /** The closed surface of a body through all of its section contours. On a section plane the contour decides: its points
  *  are vertices with the coordinates given. Between planes the surface follows a blend of the sections' signed
  *  distances. It is oriented, edge- and vertex-manifold, and closed but for open caps. Planes of any direction
- *  (normals) may cross. How each case is decided: docs/rules.md. Points may be off their plane by 1/1000 of the
- *  contours' extent and a quarter of the way to the next plane.
+ *  (normals) may cross. How each case is decided, and how far points may be off their plane: docs/rules.md.
  *  Returns BVX_ERR_EMPTY (no loop, only one section and no thickness, a loop of fewer than three points),
  *  BVX_ERR_FORMAT (loops that cross or touch; two sections at one position; points off their plane; planes that
  *  contradict each other), BVX_ERR_ARGUMENT (also several labels and none chosen). */
 BVX_API bvx_status bvx_build_sections(bvx_context *context, const bvx_sections *sections,
                                       const bvx_sections_options *options, bvx_mesh *mesh);
-
-/** The closed surfaces of several bodies at once, such that two that touch have the same faces there: the same
- *  vertices, and the same triangles the other way round. Parallel planes are taken as planes of any direction (cells
- *  and agree count; slabs, mend, thickness and label do not). Bodies touch where their contours run along each other,
- *  to 1/1000 of a cell. How bodies end: docs/rules.md.
+/** The closed surfaces of several bodies at once: two that touch have the same vertices there, and the same triangles
+ *  the other way round. Parallel planes are taken as planes of any direction (cells and agree count; slabs, mend,
+ *  thickness and label do not). Where bodies touch, and how they end: docs/rules.md.
  *  labels  the bodies, each once; loops of others count for the lattice only [Size: count] [Limit: 1..63]
  *  meshes  in the order of the labels [Size: count] After a failure no mesh is made
  *  Returns as bvx_build_sections; BVX_ERR_EMPTY (also a label without loops, a body that no point of the lattice lies
@@ -1922,14 +1551,11 @@ BVX_API bvx_status bvx_build_bodies(bvx_context *context, const bvx_sections *se
 typedef struct bvx_slice_options {
     size_t struct_size;
     double normal[3]; /**< of the planes, of any length [Limit: any] [Default: 0, 0, 1] */
-    double spacing; /**< from plane to plane, the first half a spacing up [Units: world] [Limit: >= 0] [Default: 0] */
-    const double *positions; /**< the planes instead: point . normal / |normal|, ascending [Size: position_count]
-                                  [Default: NULL] */
-    uint64_t position_count; /**< [Limit: any; with positions 1..2^20] [Default: 0] */
-    int32_t label; /**< of all loops; BVX_LABEL_ZERO: 0 [Limit: any] [Default: 1] */
-    int32_t reserved;
+    double spacing; /**< from plane to plane, the first half a spacing up [Units: world] [Limit: >= 0] */
+    const double *positions; /**< the planes instead: point . normal / |normal|, ascending [Size: position_count] */
+    uint64_t position_count; /**< [Limit: any; with positions 1..2^20] */
+    int32_t label, reserved; /**< of all loops; BVX_LABEL_ZERO: 0 [Limit: any] [Default: 1] */
 } bvx_slice_options;
-
 /** The contours of a mesh on parallel planes: a point where a plane meets an edge; vertices on a plane count as above
  *  it. The mesh must be closed and oriented where planes meet it. Loops run with the inside on their left, seen against
  *  the normal. Loops no wider than 2^-26 of the mesh's extent are left out.
@@ -1938,7 +1564,6 @@ BVX_API bvx_status bvx_slice_mesh(bvx_context *context, const bvx_mesh_view *mes
                                   bvx_sections *sections);
 
 /* ---- Refinement ---------------------------------------------------------------------------------------- */
-
 /** The state of an octree's voxel; as bits, so that they make sets.
  *  OUTSIDE  a flood from outside through faces of voxels reaches it (trees with a window: by rows)
  *  INSIDE   no triangle touches it, and it is not outside
@@ -1950,54 +1575,41 @@ enum { BVX_STATE_LIST(BVX_LIST_ENUM) };
 /** Voxels of several sizes: level 0 is a base lattice, each further level halves the voxels that triangles touch. */
 typedef struct bvx_octree bvx_octree;
 
-/** One voxel of an octree. */
 typedef struct bvx_octree_leaf {
     int32_t ijk[3]; /**< index among the voxels of its level */
     uint8_t level;
     uint8_t state; /**< BVX_STATE_... */
     uint8_t reserved[2];
 } bvx_octree_leaf;
-
 /** Counts of one level. */
 typedef struct bvx_octree_level {
     uint64_t voxels; /**< all of the level: split ones and leaves */
     uint64_t split; /**< touched by triangles and split in eight; 0 at the last level */
-    uint64_t surface; /**< leaves that triangles touch; without window and tolerance only at the last level */
+    uint64_t surface; /**< leaves that triangles touch */
     uint64_t inside, outside; /**< leaves that no triangle touches */
-    uint64_t bytes; /**< that the tree keeps for them */
-    uint64_t reserved[2];
+    uint64_t bytes, reserved[2]; /**< that the tree keeps for them */
 } bvx_octree_level;
-
 typedef struct bvx_refine_options {
     size_t struct_size;
     int32_t levels; /**< times voxels are halved [Limit: BVX_NONE, or 0..25; dims * 2^levels up to 2^25] [Default: 6] */
-    int32_t start_level; /**< levels up to this come from one grid; affects time alone
-                              [Limit: BVX_NONE, or 0..levels] [Default: 0, by size] */
-    bvx_window window; /**< voxels of the last level: beyond outer_levels only voxels that meet it are halved
-                            [Default: all zero, the whole lattice] */
-    int32_t outer_levels; /**< used with a window [Limit: 0..levels] [Default: 0] */
-    int32_t reserved;
-    double tolerance; /**< voxels whose triangles lie this near to one plane are leaves [Units: world] [Limit: >= 0]
-                           [Default: 0, none is] */
+    int32_t start_level; /**< levels up to this are one grid: time alone; 0: by size [Limit: BVX_NONE, or 0..levels] */
+    bvx_window window; /**< of the last level: beyond outer_levels only voxels that meet it are halved */
+    int32_t outer_levels, reserved; /**< used with a window [Limit: 0..levels] */
+    double tolerance; /**< voxels whose triangles lie this near to one plane are leaves [Units: world] [Limit: >= 0] */
 } bvx_refine_options;
-
 /** Voxelize a mesh with small voxels only at its surface. Each voxel whose closed box meets a triangle is split in
- *  eight down to the last level; then a voxel without triangles that shares a face with an outside one, or with the
- *  lattice's side, is outside, and what remains is inside. At the last level that is bvx_voxelize_surface
- *  (conservative) and a flood around it, bit for bit. What a window and a tolerance change: docs/rules.md.
+ *  eight down to the last level. There it is bvx_voxelize_surface (conservative) and a flood around it, bit for bit.
+ *  What a window and a tolerance change: docs/rules.md.
  *  base  the lattice of level 0, as from bvx_lattice_fit(context, mesh, 8, &base); fraction_bits are ignored
  *  tree  out: *tree is NULL, or a tree that is freed when the new one is made; a failure leaves it as it was
  *  Returns BVX_ERR_RANGE (also a base of 2^31 voxels and more; dims * 2^levels beyond 2^25; 2^28 split voxels of a
  *  level), BVX_ERR_BUDGET (the last value of bvx_last_error is the number of levels that fits). */
 BVX_API bvx_status bvx_refine(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *base,
                               const bvx_refine_options *options, bvx_octree **tree);
-
 /** Choose base, out, and levels of options with which bvx_refine takes least time for at least resolution voxels of the
- *  last level along the mesh's longest axis. options.levels is BVX_NONE for none; its window and tolerance are
- *  considered. */
+ *  last level along the mesh's longest axis. levels is BVX_NONE for none; window and tolerance are considered. */
 BVX_API bvx_status bvx_refine_choose(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,
                                      bvx_refine_options *options, bvx_lattice *base);
-/** Free a tree; NULL is allowed. */
 BVX_API void bvx_octree_free(bvx_context *context, bvx_octree *tree);
 /** The index of a tree's last level; -1 for NULL. */
 BVX_API int32_t bvx_octree_levels(const bvx_octree *tree);
@@ -2007,20 +1619,17 @@ BVX_API bvx_status bvx_octree_lattice(bvx_context *context, const bvx_octree *tr
 /** Counts of the levels 0 .. bvx_octree_levels. */
 BVX_API bvx_status bvx_octree_count(bvx_context *context, const bvx_octree *tree, bvx_octree_level *counts,
                                     int32_t capacity);
-/** The leaves that hold voxels of the last level, three indices each. */
+/** The leaves that hold voxels of the last level, or points. Beyond the lattice: state outside, level 255, ijk 0. */
 BVX_API bvx_status bvx_octree_at(bvx_context *context, const bvx_octree *tree, const int32_t *voxels, uint64_t count,
                                  bvx_octree_leaf *leaves);
-/** The leaves that hold points, x y z each [Units: world]; beyond the lattice: state outside, level 255, ijk 0. */
 BVX_API bvx_status bvx_octree_find(bvx_context *context, const bvx_octree *tree, const double *points, uint64_t count,
                                    bvx_octree_leaf *leaves);
-
 /** The leaves that share a face with a leaf, beyond it in a direction: 0 to 5 for -x, -y, -z, +x, +y, +z. One of the
  *  same size or larger, or all smaller ones; none beyond the lattice. */
 BVX_API bvx_status bvx_octree_neighbours(bvx_context *context, const bvx_octree *tree, const bvx_octree_leaf *leaf,
                                          int32_t direction, bvx_octree_leaf *leaves, uint64_t capacity,
                                          uint64_t *count);
 
-/** Where a ray first meets a leaf. */
 typedef struct bvx_octree_hit {
     double t; /**< position = origin + t * direction */
     double position[3]; /**< [Units: world] */
@@ -2028,28 +1637,22 @@ typedef struct bvx_octree_hit {
     int32_t axis; /**< of the face that is crossed: 0, 1, 2; -1 when the ray starts in the leaf */
     int32_t hit; /**< 0: the ray meets none, and the other fields are zero */
 } bvx_octree_hit;
-
-/** Cast rays as bvx_grid_cast, at the leaves in a set of states (0: surface and inside). */
+/** Cast rays as bvx_grid_cast. states of this and what follows: a set of BVX_STATE_..., or 0: surface and inside. */
 BVX_API bvx_status bvx_octree_cast(bvx_context *context, const bvx_octree *tree, int32_t states, const double *rays,
                                    uint64_t count, double t_max, bvx_octree_hit *hits);
-
-/** The leaves in a set of states (0: surface and inside), by base voxel (z, y, x), within it along the curve that
- *  takes x first, then y, then z at each level. */
+/** The leaves by base voxel (z, y, x), within it along the curve that takes x first, then y, then z at each level. */
 BVX_API bvx_status bvx_octree_leaves(bvx_context *context, const bvx_octree *tree, int32_t states,
                                      bvx_octree_leaf *leaves, uint64_t capacity, uint64_t *count);
-
-/** The voxels of one level, in a set of states (0: surface and inside), as a grid. Above the last level a voxel that is
- *  split counts as surface. window is one of the level's lattice; NULL or all zero: all of it. */
+/** The voxels of one level as a grid. Above the last level a voxel that is split counts as surface. window is one of
+ *  the level's lattice; NULL or all zero: all of it. */
 BVX_API bvx_status bvx_octree_expand(bvx_context *context, const bvx_octree *tree, int32_t level, int32_t states,
                                      const bvx_window *window, bvx_grid *grid);
-
-/** The closed surface of the last level's voxels in a set of states (0: surface and inside), block by block, with the
- *  bytes of bvx_extract_surface on all of it. mesh brings no arrays; dims are below 2^20. */
+/** The closed surface of the last level's voxels, block by block, with the bytes of bvx_extract_surface on all of it.
+ *  mesh brings no arrays; dims are below 2^20. */
 BVX_API bvx_status bvx_extract_octree(bvx_context *context, const bvx_octree *tree, int32_t states,
                                       const bvx_extract_options *options, bvx_mesh *mesh);
 
 /* ---- Surfaces of labels -------------------------------------------------------------------------------- */
-
 /** The surfaces between all labels of a volume: each face is there once and has a label on either side.
  *  Face f is the triangles 2f and 2f+1; seen from its front it turns counter-clockwise. */
 typedef struct bvx_complex {
@@ -2058,52 +1661,34 @@ typedef struct bvx_complex {
     bvx_label *labels; /**< all but the background, ascending; index label_count is the background */
     uint64_t *first; /**< where each label's faces begin in faces [Size: label_count + 1] */
     uint32_t *faces; /**< indices of each label's faces, ascending [Size: first[label_count]] */
-    uint64_t *cells; /**< of each vertex: the cell (i,j,k) around the low corner of the window's voxel (i,j,k)
-                             that holds it, as (k * (size[1] + 1) + j) * (size[0] + 1) + i [Size: vertices] */
-    uint8_t *junctions; /**< of each vertex: sides of its cell (bits -x, +x, -y ...) through which an edge runs
-                             that has more than two faces [Size: vertices] */
+    uint64_t *cells; /**< of each vertex: the cell (i,j,k) around the low corner of the window's voxel (i,j,k) that
+                          holds it, as (k * (size[1] + 1) + j) * (size[0] + 1) + i [Size: vertices] */
+    uint8_t *junctions; /**< of each vertex: sides of its cell (bits -x, +x, -y ...) through which an edge runs that has
+                             more than two faces [Size: vertices] */
     uint64_t face_count, label_count;
     int32_t low[3], size[3]; /**< the volume's window */
-    int32_t owned; /**< 1 when bvx_complex_free frees the arrays */
-    int32_t reserved[3];
+    int32_t owned, reserved[3]; /**< 1 when bvx_complex_free frees the arrays */
 } bvx_complex;
-
 typedef struct bvx_labels_options {
     size_t struct_size;
-    int64_t background; /**< the label that is no body, and what lies beyond the window; u64: its bits
-                             [Limit: any] [Default: 0] */
-    int32_t staircase; /**< 1: vertices stay at the corners of voxels [Limit: 0..1] [Default: 0, smoothed] */
-    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2]
-                                [Default: BVX_POSITION_AUTO] */
-    int32_t local_frame; /**< 1: as in bvx_extract_options [Limit: 0..1] [Default: 0] */
-    int32_t reserved;
+    int64_t background; /**< the label that is no body, and what lies beyond the window; u64: its bits [Limit: any] */
+    int32_t staircase; /**< 1: vertices stay at the corners of voxels, unsmoothed */
+    int32_t position_type; /**< see Types */
+    int32_t local_frame, reserved; /**< see Types */
     uint64_t reserved2[2];
 } bvx_labels_options;
-
-/** The surfaces of all labels at once, with shared faces. A face lies between two voxels that share a side and
- *  have different labels; its corners are vertices of the four cells around that side, a cell being the box
- *  between eight centres. Faces that meet in a side of a cell share the vertex in it. Vertices are in order of
- *  (z, y, x) of their cell, faces of (z, y, x, axis) of their lower voxel. Beyond the window is background.
- *  On the staircase labels touch themselves where they do as voxels. Smoothed, one that has two voxels across an edge
- *  leads through between the other two, of two that alternate there the higher one, background being the highest. Where
- *  that takes a vertex more, a face of its two triangles more is among the last ones, in order of their cells.
- *
- *  Smoothed, vertices go towards the mean of their neighbours, on junctions of three labels or more along these,
- *  and stay in their cells, 0.49 voxels from the centre along each axis. What faces between two labels have swept by
- *  that is undone along their normals, so labels keep the volume of their voxels to 0.1 %, but where most faces are at
- *  junctions. Vertices of triangles that cross then go back towards the cell's centre until none does; only there do
- *  positions of vertices that share a cell become equal.
- *  complex  brings no arrays of the caller's. Empty where there is no label
+/** The surfaces of all labels at once, with shared faces. A face lies between two voxels that share a side and have
+ *  different labels; its corners are vertices of the four cells around that side, a cell being the box between eight
+ *  centres. Vertices are in order (z, y, x) of their cell, faces in order (z, y, x, axis) of their lower voxel. Labels
+ *  keep the volume of their voxels to 0.1 %, but where most faces are at junctions. Where labels touch themselves, and
+ *  how vertices are smoothed: docs/rules.md. complex brings no arrays. Empty where there is no label.
  *  Returns BVX_ERR_UNSUPPORTED (samples that are floats), BVX_ERR_ARGUMENT (also a background that samples cannot
  *  have), BVX_ERR_RANGE (2^32 - 1 vertices or 2^30 faces; positions too coarse). */
 BVX_API bvx_status bvx_label_surfaces(bvx_context *context, const bvx_volume_view *volume,
                                       const bvx_labels_options *options, bvx_complex *complex);
-
-/** The body of one label: the faces of a complex that it has, outwards. Closed, edge- and vertex-manifold and
- *  oriented, whatever the labels are: where a body touches itself along an edge or at a corner, vertices of equal
- *  positions have one side's each. Positions are the complex's, bit for bit.
- *  label  index of labels
- *  Returns BVX_ERR_RANGE (label). */
+/** The body of one label, an index of labels: the faces of a complex that it has, outwards. Closed, edge- and
+ *  vertex-manifold and oriented, whatever the labels are: where a body touches itself along an edge or at a corner,
+ *  vertices of equal positions have one side's each. Positions are the complex's, bit for bit. */
 BVX_API bvx_status bvx_label_mesh(bvx_context *context, const bvx_complex *complex, uint64_t label, bvx_mesh *mesh);
 BVX_API void bvx_complex_free(bvx_context *context, bvx_complex *complex);
 

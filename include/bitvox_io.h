@@ -108,15 +108,15 @@ typedef struct bvx_read_report {
 
 typedef struct bvx_read_options {
     size_t struct_size;
-    int32_t drop_nonfinite; /**< 1: triangles with a corner that is not finite are left out, not refused; of a
-                                 polygon all are [Limit: 0..1] [Default: 0] */
-    int32_t keep_file; /**< 1: of glTF, for bvx_write_options.source [Limit: 0..1] [Default: 0] */
+    int32_t drop_nonfinite; /**< 1: triangles with a corner that is not finite are left out, not refused; of a polygon
+                                 all are */
+    int32_t keep_file; /**< 1: of glTF, for bvx_write_options.source */
     bvx_open_fn *open_file; /**< [Default: NULL, no other file is opened] */
-    bvx_close_fn *close_file; /**< set together with open_file [Default: NULL] */
-    void *user; /**< first argument of open_file and close_file [Default: NULL] */
-    bvx_read_report *report; /**< filled when not NULL [Default: NULL] */
+    bvx_close_fn *close_file; /**< set together with open_file */
+    void *user; /**< first argument of open_file and close_file */
+    bvx_read_report *report; /**< filled when not NULL */
     bvx_inflate_fn *inflate; /**< for 3MF that is packed [Default: NULL, refused] */
-    void *inflate_user; /**< first argument of inflate [Default: NULL] */
+    void *inflate_user; /**< first argument of inflate */
 } bvx_read_options;
 
 /** Read a mesh from the bytes of a file. Planar simple polygons, convex or not, become triangles that neither
@@ -171,8 +171,7 @@ typedef struct bvx_write_report {
     uint64_t spoilt; /**< triangles that lose their area by rounding, or are turned over */
     double largest_move; /**< of a coordinate, by the file's numbers; 0 without rounding [Units: world] */
     double mean_edge; /**< mean length of edges, where there is rounding [Units: world] */
-    int32_t fits; /**< 1: written by default; 0: refused but for BVX_ROUNDING_ALLOW */
-    int32_t reserved;
+    int32_t fits, reserved; /**< 1: written by default; 0: refused but for BVX_ROUNDING_ALLOW */
 } bvx_write_report;
 
 /* The axes of the file: Z_TO_Y: x, z, -y; Y_TO_Z: x, -z, y. Each is a turn of 90 degrees about x. */
@@ -180,24 +179,21 @@ enum { BVX_TURN_NONE = 0, BVX_TURN_Z_TO_Y = 1, BVX_TURN_Y_TO_Z = 2 };
 
 typedef struct bvx_write_options {
     size_t struct_size;
-    int32_t normals; /**< 1: PLY and OBJ get normals of vertices too; GLB always has them; STL, OFF and 3MF are
-                           refused [Limit: 0..1] [Default: 0] */
-    int32_t rounding; /**< of a mesh that the format's numbers would spoil, BVX_ROUNDING_...
-                           [Limit: 0..1] [Default: BVX_ROUNDING_REFUSE] */
-    int32_t turn; /**< coordinates and normals are turned, BVX_TURN_... [Limit: 0..2]
-                           [Default: BVX_TURN_NONE] */
-    int32_t quantize; /**< 1: GLB by KHR_mesh_quantization: positions are whole steps, 65535 along the longest
-                           side of all levels, normals have 8 bits, texture coordinates in 0..1 have 16; other
-                           formats are refused [Limit: 0..1] [Default: 0] */
-    const bvx_mesh *source; /**< its materials, textures and images go into a GLB. Where it was read with
-                                 keep_file and a single mesh has its vertices, as read (BVX_VERTICES_KEPT),
-                                 the file is written again, with other indices
-                                 [Default: NULL, those of the mesh, or of the first level that has some] */
-    bvx_write_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
-    const char *const *names; /**< of a GLB whose meshes are no levels: each is a node of the scene, and mesh and
-                                   node have its name, in UTF-8 [Size: level_count] [Default: NULL, levels] */
+    int32_t normals; /**< 1: PLY and OBJ get normals of vertices too; GLB has them; STL, OFF, 3MF refuse */
+    int32_t rounding; /**< of a mesh that the format's numbers would spoil, BVX_ROUNDING_... [Limit: 0..1] */
+    int32_t turn; /**< coordinates and normals are turned, BVX_TURN_... [Limit: 0..2] */
+    int32_t quantize; /**< 1: GLB by KHR_mesh_quantization: positions are whole steps, 65535 along the longest side of
+                           all levels, normals have 8 bits, texture coordinates in 0..1 have 16; other formats are
+                           refused */
+    const bvx_mesh *source; /**< its materials, textures and images go into a GLB. Where it was read with keep_file and
+                                 a single mesh has its vertices, as read (BVX_VERTICES_KEPT), the file is written again,
+                                 with other indices [Default: NULL, those of the mesh, or of the first level that has
+                                 some] */
+    bvx_write_report *reports; /**< [Size: level_count] filled when not NULL */
+    const char *const *names; /**< of a GLB whose meshes are no levels: each is a node of the scene, and mesh and node
+                                   have its name, in UTF-8 [Size: level_count] [Default: NULL, levels] */
     const uint8_t *colours; /**< with names: red, green, blue, alpha of each mesh's material, in place of all others
-                                 [Size: level_count * 4] [Default: NULL] */
+                                 [Size: level_count * 4] */
 } bvx_write_options;
 
 /** Write a mesh, or levels of detail into one file; frames are added. PLY, OBJ (without alpha) and OFF keep
@@ -306,17 +302,16 @@ BVX_API void bvx_volume_free(bvx_context *context, bvx_volume *volume);
 
 typedef struct bvx_read_volume_options {
     size_t struct_size;
-    const void *data; /**< NRRD with a detached header: its data files' bytes, joined [Default: NULL] */
-    uint64_t data_size; /**< [Units: bytes] [Limit: any] [Default: 0] */
+    const void *data; /**< NRRD with a detached header: its data files' bytes, joined */
+    uint64_t data_size; /**< [Units: bytes] [Limit: any] */
     bvx_inflate_fn *inflate; /**< NRRD of encoding gzip, VTI with blocks of zlib [Default: NULL, refused] */
-    void *inflate_user; /**< first argument of inflate [Default: NULL] */
-    int32_t sample_type; /**< RAW: BVX_SAMPLE_... [Limit: any; RAW: 1..10] [Default: 0] */
-    int32_t big_endian; /**< RAW: 1: the highest byte comes first [Limit: 0..1] [Default: 0] */
-    int32_t size[3]; /**< RAW: samples along each axis [Units: voxels] [Limit: any] [Default: 0] */
+    void *inflate_user; /**< first argument of inflate */
+    int32_t sample_type; /**< RAW: BVX_SAMPLE_... [Limit: any; RAW: 1..10] */
+    int32_t big_endian; /**< RAW: 1: the highest byte comes first [Limit: 0..1] */
+    int32_t size[3]; /**< RAW: samples along each axis [Units: voxels] [Limit: any] */
     int32_t reserved0;
-    uint64_t offset; /**< RAW: bytes to skip first; those after the last sample are ignored [Limit: any]
-                            [Default: 0] */
-    double origin[3]; /**< RAW: low corner of the first voxel [Units: world] [Limit: any] [Default: 0] */
+    uint64_t offset; /**< RAW: bytes to skip first; those after the last sample are ignored [Limit: any] */
+    double origin[3]; /**< RAW: low corner of the first voxel [Units: world] [Limit: any] */
     double spacing[3]; /**< RAW [Units: world] [Limit: any] [Default: 1] */
     uint64_t reserved[2];
 } bvx_read_volume_options;
@@ -367,11 +362,11 @@ BVX_API bvx_status bvx_write_slices(bvx_context *context, const bvx_grid *part, 
 
 typedef struct bvx_read_sections_options {
     size_t struct_size;
-    double close_gap; /**< CSV: loops whose ends lie farther apart are refused as open polylines; 0 closes all
-                           by a straight side [Units: world] [Limit: >= 0] [Default: 0] */
+    double close_gap; /**< CSV: loops whose ends lie farther apart are refused as open polylines; 0 closes all by a
+                           straight side [Units: world] [Limit: >= 0] */
     uint64_t reserved;
-    uint64_t *flipped; /**< CSL: receives how many planes were read although their D has the other sign. All
-                            planes of the file agree in that, else it is refused [Default: NULL] */
+    uint64_t *flipped; /**< CSL: receives how many planes were read although their D has the other sign. All planes of
+                            the file agree in that, else it is refused */
 } bvx_read_sections_options;
 
 /** Read section contours from the bytes of a file. How holes and labels of CSL are read: docs/formats.md.
@@ -411,31 +406,28 @@ BVX_API void bvx_image_free(bvx_context *context, bvx_image *image);
 typedef struct bvx_camera {
     double direction[3]; /**< from the model towards the eye [Limit: any] [Default: 3, -4, 2] */
     double up[3]; /**< what is up in the picture [Limit: any] [Default: 0, 0, 1] */
-    double show[2]; /**< the frame shows at least this much on either side of the model's middle, along width
-                              and height: several pictures get one scale [Units: world] [Limit: >= 0; finite]
-                              [Default: 0, 0: the model fills it] */
+    double show[2]; /**< the frame shows at least this much on either side of the model's middle, along width and
+                         height: several pictures get one scale [Units: world] [Limit: >= 0; finite] [Default: 0, 0: the
+                         model fills it] */
 } bvx_camera;
 
 /** What is cut away. */
 typedef struct bvx_cut {
-    int32_t sides; /**< on which, BVX_OPEN_... [Limit: 0..63] [Default: 0, none] */
-    int32_t reserved;
-    double low[3]; /**< what lies below, on low sides [Units: world] [Limit: any] [Default: 0] */
-    double high[3]; /**< what lies above, on high sides; grids by whole voxels [Units: world] [Limit: any]
-                         [Default: 0] */
+    int32_t sides, reserved; /**< on which, BVX_OPEN_... [Limit: 0..63] [Default: 0, none] */
+    double low[3]; /**< what lies below, on low sides [Units: world] [Limit: any] */
+    double high[3]; /**< what lies above, on high sides; grids by whole voxels [Units: world] [Limit: any] */
 } bvx_cut;
 
 typedef struct bvx_render_options {
     size_t struct_size;
     int32_t width, height; /**< [Units: pixels] [Limit: 1..16384] [Default: 1024, 768] */
-    bvx_camera camera; /**< [Default: all zero] */
-    uint8_t colour[4]; /**< of the surface: red, green, blue, and any number that makes black not all zero
-                                [Limit: any] [Default: 200, 196, 188] */
+    bvx_camera camera;
+    uint8_t colour[4]; /**< of the surface: red, green, blue, and any number that makes black not all zero [Limit: any]
+                            [Default: 200, 196, 188] */
     uint8_t background[4]; /**< the same [Limit: any] [Default: 255, 255, 255] */
-    int32_t smooth; /**< 1: normals averaged at vertices, 0: of each facet [Limit: 0..1] [Default: 0] */
+    int32_t smooth; /**< 1: normals averaged at vertices, 0: of each facet */
     int32_t samples; /**< rays a pixel along each side [Limit: 1..4] [Default: 2] */
-    int32_t wireframe; /**< 1: draw edges of triangles (grids: of voxels) too [Limit: 0..1] [Default: 0] */
-    int32_t reserved;
+    int32_t wireframe, reserved; /**< 1: draw edges of triangles (grids: of voxels) too */
     bvx_cut cut; /**< [Default: all zero, nothing] */
 } bvx_render_options;
 

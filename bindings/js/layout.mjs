@@ -58,6 +58,7 @@ function readChoices(header) {
 function meaningOf(name, comment, choices) {
     if (name === 'position_type') return 'BVX_POSITION_';
     if (name === 'error_kind') return 'BVX_ERROR_';
+    if (name === 'local_frame') return 'yes';
     if (name === 'drain_side') return 'BVX_SIDE_';
     if (name === 'open_sides' || name === 'lost' || /^\s*BVX_(FEW|KEPT)_/.test(comment)) return undefined; // bits
     // "BVX_OK: ..." says when the field is set, not what it holds.
@@ -90,7 +91,7 @@ export function readHeader(header) {
         )) {
             const [, type, names] = declaration.match(/^((?:const )?(?:struct )?\w+)\s+(.*)$/s);
             for (const part of names.split(',').map(text => text.trim())) {
-                const [, star, field, counts] = part.match(/^((?:\*(?:const )?)*)(\w+)((?:\[\d+\])*)$/);
+                const [, star, field, counts] = part.match(/^((?:\*|const )*)(\w+)((?:\[\d+\])*)$/);
                 const plain = type.replace(/^const |^struct /g, '');
                 const kind = star ? 'ptr' : (TYPES[plain] ?? plain);
                 const known = SIZES[kind]

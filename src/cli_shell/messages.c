@@ -148,7 +148,7 @@ static void keep_warning(cli_run *run, const cli_warning *warning, char *text)
     cli_unlock();
 }
 
-#define NAME_OF_WARNING(name, value, text) #name,
+#define NAME_OF_WARNING(name, value) [value] = #name,
 static const char *const warning_names[] = {BVX_WARN_LIST(NAME_OF_WARNING)};
 
 void cli_warn(cli_run *run, int32_t code, const char *format, ...)

@@ -242,6 +242,102 @@ uint64_t bvxi_warned(const bvx_context *ctx)
     return bits;
 }
 
+/* The text of each warning that the library gives. %d, %g, %p (a share, as a percentage) stand for its values in order, %b for its
+ * box. Words in braces are left out where the first value in them is 0. */
+static const char *const warning_texts[BVX_WARN_COUNT] = {
+    [BVX_WARN_NONE] = "nothing to warn of",
+    [BVX_WARN_THIN_LOST] =
+        "walls thinner than 1.5 voxels are lost where no voxel's centre lies in them: %d voxel%s, in %b{; a "
+        "resolution of %d keeps nine tenths of them}",
+    [BVX_WARN_THICKER] =
+        "the result has a volume of %g, all parts of the input together %g (%p): what is thinner than a "
+        "voxel, or less than one apart, became thicker{; a resolution of %d is nearer}{; so it was before "
+        "edges collapsed to %d triangles}",
+    [BVX_WARN_VOLUME] =
+        "the result has a volume of %g, the input about %g (%p){; a resolution of %d is nearer}{; so it was "
+        "before edges collapsed to %d triangles}",
+    [BVX_WARN_AREA] =
+        "the result has an area of %g, the input %g (%p), and no parts overlap{; a resolution of %d is "
+        "nearer}{; so it was before edges collapsed to %d triangles}",
+    [BVX_WARN_PARTS] =
+        "the result has %d parts, the input %d: what is thinner than a voxel came apart, or a gap closed "
+        "around an empty space{; a resolution of %d may keep it}",
+    [BVX_WARN_JOINED] =
+        "the result has %d part%s, the input %d: parts less than two voxels apart became one, or smaller "
+        "ones are lost{; a resolution of %d may keep them}",
+    [BVX_WARN_HANDLES] =
+        "the result has %d handle%s, the input %d: what is less than a voxel thick, or apart, has opened or "
+        "met{; a resolution of %d may keep it}",
+    [BVX_WARN_SHELLS] =
+        "%d triangle%s with %g of the area of %g enclose nothing and became hollow shells; shell sets their "
+        "thickness",
+    [BVX_WARN_SHELLED_BODIES] =
+        "%d triangle%s of bodies thinner than voxels became shells, which are thicker than these bodies{; a "
+        "resolution of %d may keep them}",
+    [BVX_WARN_CRUMBS] =
+        "dropped, since what is thinner than a voxel broke: %d small part%s that the input does not have{; "
+        "a resolution of %d may keep it}",
+    [BVX_WARN_LEVEL_PARTS] =
+        "{level %d: }%d piece%s, but %d before edges collapsed{; so it is for %d more levels}",
+    [BVX_WARN_LEVEL_VOLUME] =
+        "{level %d: }a volume of %g, but %g before edges collapsed (%p); more triangles keep it nearer{; so "
+        "it is for %d more levels}",
+    [BVX_WARN_TARGET] =
+        "{level %d: }the target of %d triangles is missed: %d are the fewest that collapsing edges leaves "
+        "sound{ with %d handle%s}; take a larger target{; %d more levels miss theirs}",
+    [BVX_WARN_ERROR] =
+        "{level %d: }no mesh with the target error of %g was found; take a larger one{; %d more levels miss "
+        "theirs}",
+    [BVX_WARN_CUT] =
+        "cut: %d edge%s of three triangles and more, or whose triangles cannot agree, the first from %b; "
+        "levels of the solid join what they part",
+    [BVX_WARN_LOWERED] =
+        "the memory limit lowered the resolution from %d to %d voxels along the longest axis; a larger "
+        "limit keeps more detail",
+    [BVX_WARN_DOUBLES] = "left out since others equal them: %d triangle%s",
+    [BVX_WARN_TURNED] =
+        "{turned since they faced the other way than the rest of their patch: %d triangle%s}{the faces of "
+        "the open mesh look inward, around a volume of %g, which became solid; where they are walls of a "
+        "room, levels of the mesh as it is keep it open}",
+    [BVX_WARN_ROWS] =
+        "%d row%s of centres do not balance, where the surface has holes or flipped triangles; a repair "
+        "closes them, and the rule below fills under open terrain",
+    [BVX_WARN_NESTED] =
+        "closed shells lie inside others, face the same way and do not cross: what lies in both is hollow; "
+        "the rule nonzero has it solid",
+    [BVX_WARN_LEAKS] =
+        "the flood came through a hole to %d voxels that are surely inside; a larger close_gaps may hold "
+        "it, the rules vote and regions do without",
+    [BVX_WARN_MIXED] =
+        "%d of %d regions are not on one side, since a hole joins them or the axes disagree: each of their "
+        "%d voxels kept its own vote",
+    [BVX_WARN_VOXELS] =
+        "the voxels have a volume of %g, the input about %g (%p){; a resolution of %d is within 1 %%}",
+    [BVX_WARN_FEW] = "few or no voxels show this body{; a resolution of %d does}",
+    [BVX_WARN_FEW_RESULT] = "few voxels show the result{; a resolution of %d does}",
+    [BVX_WARN_APART] = "it does not reach the first body: nothing was taken away",
+    [BVX_WARN_CONTOURS] =
+        "at %d points, %d edges and %d gaps where planes cross the surface does not follow the contours, "
+        "which contradict each other",
+    [BVX_WARN_SPECKS] =
+        "parts of one contour alone, smaller than a cell: %d; more cells, or leaving out those contours, "
+        "may join them to the body",
+    [BVX_WARN_EXTRA_HANDLES] = "left, though no contour needs them: %d handle%s",
+    [BVX_WARN_CELLS] =
+        "%d edges and %d loops are too fine for the cells: what joins them to the next section is a guess{; "
+        "a subdivision of %d may help}",
+    [BVX_WARN_WINDOWS] =
+        "between %d pairs of sections walls are too thin for the cells and may have windows; a finer grid "
+        "closes them",
+    [BVX_WARN_REPEATED] = "left out: %d repeated point%s",
+    [BVX_WARN_LIDS] =
+        "lids over %d hole%s are about %g %% of the surface, the longest rim is %g, in %b: nothing in the "
+        "input says how the body went on there; close such holes first where that matters",
+    [BVX_WARN_OPEN_PARTS] =
+        "parts that end towards another one with no plane between: %d, one at %b; whether they are one the "
+        "contours leave open, and a section there, or more cells, decides it",
+};
+
 /* To so many digits. A power of ten up to 10^22 is exact, so the quotient is the double of the decimal. */
 static double round_to(double value, double most)
 {
@@ -292,17 +388,14 @@ static void put_warning(message_line *l, const char *p, const bvx_warning *w)
 
 const bvx_warning *bvx_next_warning(bvx_context *context)
 {
-#define BVXI_NAME(name, value, text) #name,
-#define BVXI_TEXT(name, value, text) text,
+#define BVXI_NAME(name, value) [value] = #name,
     static const char *const names[] = {BVX_WARN_LIST(BVXI_NAME)};
-    static const char *const texts[] = {BVX_WARN_LIST(BVXI_TEXT)};
 #undef BVXI_NAME
-#undef BVXI_TEXT
 
     if (context == NULL || context->warnings_read == context->warnings) return NULL;
     bvx_warning *const w = &context->warning[context->warnings_read++];
     message_line l = {context->warning_text, sizeof context->warning_text, 0, NULL};
-    put_warning(&l, texts[w->code], w);
+    put_warning(&l, warning_texts[w->code], w);
     w->name = names[w->code];
     w->text = l.text;
     return w;

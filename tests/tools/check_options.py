@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """check_options.py WORK ARCHIVE, or check_options.py PROGRAM, whose archive stands beside it - what is said of options in five places agrees.
 
-The comments of both headers are read: each field of an option struct has its [Default: ] and, where it is a number, its [Limit: ],
-or names the list it chooses from (BVX_CAPS_...). Then:
+The comments of both headers are read: each field of an option struct has 0 as its default or says another by [Default: ]. A number has its
+[Limit: ], names the list it chooses from (BVX_CAPS_...), or is a switch, "1: ...". Then:
 
-- where that is not 0, the field's row in the library says the same;
+- where the default is not 0, the field's row in the library says the same;
 - each call with such options refuses the nearest value outside the limit, by the field's name and with the reason of a range or a
   choice, and takes those at its ends;
 - the program's rows for the field take no more and no less, and their help says the same default;
@@ -64,11 +64,17 @@ def number(text):
     return eval(text)
 
 
+# What holds for every field of a name: the header's Types, at its top.
+STANDING = {"position_type": "0..2", "local_frame": "0..1"}
+
+
 class Field:
     def __init__(self, struct, type, name, length, comment):
         self.struct, self.type, self.name, self.length, self.comment = struct, type, name, length, comment
         tag = lambda word: (re.findall(rf"\[{word}: ([^\]]*)\]", comment) or [None])[0]
-        self.default, self.limit = tag("Default"), tag("Limit")
+        self.default, self.limit = tag("Default") or ("NULL" if "*" in type else "0"), tag("Limit") or STANDING.get(name)
+        if self.limit is None and comment.startswith("/**< 1: "):
+            self.limit = "0..1"
         self.whole, self.real = type in ("int32_t", "uint64_t", "uint8_t"), type == "double"
         self.pieces = self.read_limit() if self.whole or self.real else None
         self.none = "BVX_NONE" in (self.limit or "")
@@ -150,23 +156,19 @@ fields = [f for of in STRUCTS.values() for f in of.values() if f.name != "struct
 if len(fields) < 150:
     wrong("include/bitvox.h", f"only {len(fields)} fields of options were read")
 for f in fields:
-    if f.default is None:
-        wrong(f.where(), "has no [Default: ...]")
     if (f.whole or f.real) and f.pieces is None:
-        wrong(f.where(), "has no [Limit: ...] and names no list such as BVX_CAPS_...; write [Limit: any] where all numbers are allowed")
+        wrong(f.where(), 'has no [Limit: ...], names no list such as BVX_CAPS_... and is no switch "1: "; write [Limit: any] where all numbers are allowed')
 
 
 def default_of(f):
     """Numbers, "NULL", or None where the header says it in words."""
-    if f.default is None:
-        return None
     if re.match(r"NULL\b|the ", f.default):
         return "NULL" if f.default.startswith("NULL") else None
     if f.default.startswith("all zero"):
         return [0]
     parts = re.match(r"(-?[\w.^+-]+)((?:, -?[\d.]+(?![\w^]))*)", f.default)
     values = [number(one) for one in re.split(", ", parts.group(1) + parts.group(2))] if parts else [None]
-    return None if None in values else values[f.at :]
+    return None if None in values else values[f.at :] or values[-1:]
 
 
 # ---- The library ----
