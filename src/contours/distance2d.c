@@ -123,7 +123,6 @@ static double nearest_below(const bvxi_plane *p, uint32_t node, double u, double
             best = nearest_in_group(p, node - p->leaf_count, u, v, best, hint);
             limit = farthest_box(p, best);
         } else {
-            /* The nearer box first; the other waits with its distance. */
             double const a = box_square(p->box[2 * node], u, v), b = box_square(p->box[2 * node + 1], u, v);
             uint32_t const near = a <= b ? 2 * node : 2 * node + 1;
             double const nearer = a <= b ? a : b, farther = a <= b ? b : a;
@@ -176,7 +175,6 @@ double bvxi_plane_nearest(const bvxi_plane *p, double u, double v, uint32_t *seg
             continue;
         }
         squares_of_group(&p->group[node - p->leaf_count], u, v, d);
-        /* Of equally near segments the lowest, whatever the order of the boxes. */
         for (uint32_t i = 0; i < BVXI_SEGMENT_GROUP && first + i < p->segment_count; i++)
             if (d[i] < best || (d[i] == best && segment_at(p, first + i) < *segment)) {
                 best = d[i];
@@ -216,7 +214,6 @@ int bvxi_plane_encloses(const bvxi_plane *p, double u, double v)
         uint32_t const node = stack[--top], first = (node - p->leaf_count) * BVXI_SEGMENT_GROUP;
         const double *const box = p->box[node];
 
-        /* Only boxes at this height that reach to the right of the place. */
         if (!(box[1] <= v && v <= box[3] && u <= box[2])) continue;
         if (node < p->leaf_count) {
             stack[top++] = 2 * node;

@@ -139,7 +139,6 @@ static bvx_status nest_pair_depth(nest_work *w, uint8_t *const level[2], uint32_
         for (uint32_t c = 0; c < w->plane[k]->contour_count; c++) {
             const nest_loop *const l = &w->on[k][c];
             if (l->depth != depth) continue;
-            /* What does not go on stays on the level of the loop around it. */
             level[k][c] = goes_on && l->candidate && l->met ? (uint8_t)depth : level[k][l->parent];
             *found |= goes_on && l->candidate && l->met;
         }

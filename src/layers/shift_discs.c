@@ -250,7 +250,6 @@ bvx_status bvxi_disc_groups_open(const bvxi_stack *s, bvxi_discs on[2], bvxi_dis
     for (uint32_t i = 0; i < on[0].count; i++)
         for (uint32_t j = 0; j < on[1].count; j++) {
             const bvxi_disc *const a = &on[0].disc[i], *const b = &on[1].disc[j];
-            /* A hole over an outline is no overlap of parts. */
             if (a->depth != b->depth || !discs_overlap(a, b)) continue;
             met[i] = met[on[0].count + j] = 1;
             bvxi_join(joined, i, on[0].count + j);

@@ -22,10 +22,7 @@ typedef struct closest_builder {
     bvxi_closest_tree *tree;
     const bvx_mesh_view *view;
     uint64_t *keys;
-    int32_t pieces;
     int unnumbered; /* 1: the numbers of triangles, vertices and corners do not show */
-    /* places of the first run of equal keys of each piece, and the end */
-    uint64_t run[BVXI_MOST_PIECES + 1];
 } closest_builder;
 
 /* Bounds of a triangle in box units. */
@@ -119,69 +116,21 @@ static void order_few(uint64_t *keys, uint32_t *order, uint64_t count)
     }
 }
 
-/* Where the run of equal keys at a place ends, before stop. */
-static uint64_t end_of_its_run(const closest_builder *b, uint64_t first, uint64_t stop)
-{
-    uint64_t end = first + 1;
-    while (end < stop && b->keys[end] == b->keys[first]) end++;
-    return end;
-}
-
-/* Their keys are equal and no longer needed: the hashes take their place. */
-static void hash_run(const closest_builder *b, uint64_t first, uint64_t end)
-{
-    for (uint64_t i = first; i < end; i++) b->keys[i] = hash_of_corners(b->view, b->tree->order[i]);
-}
-
-/* Runs that begin in a piece and are short; it begins with the first place of a run. */
-static void order_short_runs(void *user, int32_t index)
-{
-    const closest_builder *const b = user;
-    uint64_t const stop = b->run[index + 1];
-    uint64_t end;
-    /* Few share a key, so most cost a look at the neighbours; those of the next piece change meanwhile. */
-    for (uint64_t first = b->run[index]; first < stop; first = end) {
-        end = end_of_its_run(b, first, stop);
-        if (end - first == 1) continue;
-        hash_run(b, first, end);
-        order_few(b->keys + first, b->tree->order + first, end - first);
-    }
-}
-
-/* 1 when more than 2 CLOSEST_FEW triangles have one key: two of these stand at multiples of CLOSEST_FEW. */
-static int has_long_run(const closest_builder *b)
-{
-    for (uint64_t i = CLOSEST_FEW; i < b->tree->triangle_count; i += CLOSEST_FEW)
-        if (b->keys[i] == b->keys[i - CLOSEST_FEW]) return 1;
-    return 0;
-}
-
-/* Triangles of equal keys by a hash of their positions; keys are used up. */
-static bvx_status order_by_positions(bvx_context *ctx, closest_builder *b)
+/* Triangles of equal keys by a hash of their positions, which takes the place of their keys. Few share one. */
+static bvx_status order_by_positions(bvx_context *ctx, const closest_builder *b)
 {
     uint64_t const n = b->tree->triangle_count;
+    uint64_t end;
 
-    /* Sorting long runs takes memory, which tasks cannot request. Only meshes within a speck have them. */
-    if (has_long_run(b)) {
-        uint64_t end;
-        for (uint64_t first = 0; first < n; first = end) {
-            end = end_of_its_run(b, first, n);
-            if (end - first == 1) continue;
-            hash_run(b, first, end);
-            if (end - first <= CLOSEST_FEW) order_few(b->keys + first, b->tree->order + first, end - first);
-            else BVXI_TRY(bvxi_radix_sort(ctx, b->keys + first, b->tree->order + first, end - first));
-        }
-        return BVX_OK;
+    for (uint64_t first = 0; first < n; first = end) {
+        uint64_t *const key = b->keys + first;
+        uint32_t *const order = b->tree->order + first;
+        for (end = first + 1; end < n && b->keys[end] == *key;) end++;
+        if (end - first == 1) continue;
+        for (uint64_t i = 0; i < end - first; i++) key[i] = hash_of_corners(b->view, order[i]);
+        if (end - first <= CLOSEST_FEW) order_few(key, order, end - first);
+        else BVXI_TRY(bvxi_radix_sort(ctx, key, order, end - first));
     }
-
-    /* Known before a piece begins, as keys of others change under its hands: where its first run does. */
-    for (int32_t i = 0; i <= b->pieces; i++) {
-        uint64_t begin = n, end;
-        if (i < b->pieces) bvxi_piece(n, b->pieces, i, &begin, &end);
-        while (begin > 0 && begin < n && b->keys[begin] == b->keys[begin - 1]) begin++;
-        b->run[i] = begin;
-    }
-    bvxi_tasks(ctx, b->pieces, order_short_runs, b);
     return BVX_OK;
 }
 
@@ -296,7 +245,6 @@ static bvx_status sort_along_curve(bvxi_call call, closest_builder *b)
 {
     uint64_t const n = b->tree->triangle_count;
     BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, n * sizeof *b->keys, "the search tree's keys", &b->keys));
-    b->pieces = bvxi_piece_count(n, CLOSEST_GRAIN);
     /* Keys side by side; the sort is stable, so equal keys stay in the order of their indices. */
     BVXI_TRY(BVXI_SHARE(call.ctx, call.from, call.to,
                         bvxi_for(call.ctx, call.stage, n, CLOSEST_GRAIN, make_curve_keys, b)));
@@ -332,10 +280,13 @@ static bvx_status build_closest_tree(bvxi_call call, closest_builder *b)
     return BVX_OK;
 }
 
-static bvx_status build_or_free(bvxi_call call, closest_builder *b)
+/* b holds the tree, the view, and whether numbers show. A tree that is half made has arrays already. */
+static bvx_status build_or_free(bvxi_call call, closest_builder *b, const double low[3], const double high[3],
+                                double scale)
 {
+    plan_closest_tree(b->view, low, high, scale, b->tree);
+    b->tree->fast = bvxi_cpu(call.ctx) == BVX_CPU_AVX2;
     bvx_status const status = build_closest_tree(call, b);
-    /* A tree that is half made has arrays already. */
     if (status != BVX_OK) bvxi_closest_free(call.ctx, b->tree);
     return status;
 }
@@ -344,18 +295,14 @@ bvx_status bvxi_closest_build(bvxi_call call, const bvx_mesh_view *view, const d
                               const double high[3], double scale, bvxi_closest_tree *tree)
 {
     closest_builder b = {.tree = tree, .view = view};
-    plan_closest_tree(view, low, high, scale, tree);
-    tree->fast = bvxi_cpu(call.ctx) == BVX_CPU_AVX2;
-    return build_or_free(call, &b);
+    return build_or_free(call, &b, low, high, scale);
 }
 
 bvx_status bvxi_closest_build_unnumbered(bvxi_call call, const bvx_mesh_view *view, const double low[3],
                                          const double high[3], double scale, bvxi_closest_tree *tree)
 {
     closest_builder b = {.tree = tree, .view = view, .unnumbered = 1};
-    plan_closest_tree(view, low, high, scale, tree);
-    tree->fast = bvxi_cpu(call.ctx) == BVX_CPU_AVX2;
-    BVXI_TRY(build_or_free(call, &b));
+    BVXI_TRY(build_or_free(call, &b, low, high, scale));
     /* Of equally near triangles the one that comes first along the curve counts. */
     for (uint64_t i = 0; i < tree->triangle_count; i++) tree->order[i] = (uint32_t)i;
     return BVX_OK;

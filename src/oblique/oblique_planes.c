@@ -161,7 +161,6 @@ static bvx_status refuse_one_plane(bvxi_oblique *o)
                 double const apart = bvxi_absolute(dot < 0.0 ? one + two : one - two);
                 most = apart > most ? apart : most;
             }
-            /* A thousandth of a cell: less apart than that, no tetrahedron could lie between them. */
             if (most < 1e-3)
                 return bvxi_fail_for(o->ctx, BVX_ERR_FORMAT, BVX_REASON_DAMAGED,
                                      "%s: sections %u and %u lie on one plane, position %g", o->function,
