@@ -40,21 +40,17 @@ static void fill_group(bvxi_plane *p, uint32_t leaf, double box[4])
     }
 }
 
-void bvxi_plane_tree_size(uint32_t points, uint64_t *groups, uint64_t *boxes)
+bvx_status bvxi_plane_open_tree(bvx_context *ctx, bvxi_plane *p, uint32_t segments)
 {
-    uint64_t leaves = 1;
-    *groups = ((uint64_t)points + BVXI_SEGMENT_GROUP - 1) / BVXI_SEGMENT_GROUP;
-    while (leaves < *groups) leaves *= 2;
-    *boxes = 2 * leaves;
+    uint64_t const groups = ((uint64_t)segments + BVXI_SEGMENT_GROUP - 1) / BVXI_SEGMENT_GROUP;
+    for (p->leaf_count = 1; p->leaf_count < groups;) p->leaf_count *= 2;
+    BVXI_TRY(BVXI_ARRAY(ctx, groups, "the segments of contours", p->group));
+    return BVXI_ARRAY(ctx, 2 * (uint64_t)p->leaf_count, "the boxes of contours", p->box);
 }
 
 void bvxi_plane_tree(bvxi_plane *p)
 {
-    uint64_t groups, boxes;
-
     if (p->segment == NULL) p->segment_count = p->point_count;
-    bvxi_plane_tree_size(p->segment_count, &groups, &boxes);
-    p->leaf_count = (uint32_t)(boxes / 2);
     for (uint32_t i = 0; i < p->leaf_count; i++) fill_group(p, i, p->box[p->leaf_count + i]);
     /* Boxes from the leaves up: node i has 2 i and 2 i + 1 below it. */
     for (uint32_t i = p->leaf_count; i-- > 1;)
