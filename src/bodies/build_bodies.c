@@ -67,7 +67,6 @@ static bvx_status run_build_bodies(bvx_context *context, const bvx_sections *sec
     BVXI_TRY(bvxi_sections_check_extent(context, bodies_name, sections));
     for (uint32_t i = 0; i < count; i++) BVXI_TRY(bvxi_mesh_check_reserved(context, bodies_name, &meshes[i]));
 
-    /* Parallel planes get a normal each. */
     bvx_sections with_normals = *sections;
     if (sections->normals == NULL)
         BVXI_TRY(BVXI_ARRAY(context, 3 * (sections->section_count + 1), "the sections' normals",

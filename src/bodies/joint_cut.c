@@ -15,45 +15,6 @@
 
 /* ---- vertices ---- */
 
-/* An edge on a plane between two vertices of contours that is no contour's. */
-static int is_chord(const bvxi_oblique *o, const uint32_t v[2])
-{
-    return o->vertex[v[0]].sign == 0 && o->vertex[v[1]].sign == 0 && bvxi_share_plane(o, v, 2) &&
-           bvxi_edge_find(&o->contour_edge, v[0], v[1]) == BVXI_NONE;
-}
-
-/* Edges and faces on planes between vertices of contours get a vertex, which has what the plane says there.
- * Without it a region would be joined to its like beyond an edge by that edge alone. */
-static bvx_status open_plane_faces(bvxi_oblique *o)
-{
-    for (uint64_t t = 0; t < o->tetra_count; t++) {
-        if (bvxi_on_contours(o, &o->tetra[t]) < 2) continue;
-        for (int a = 0; a < 4; a++)
-            for (int b = a + 1; b < 4; b++) {
-                /* Splitting an edge moves the new half behind the others, so the loop meets it. */
-                uint32_t const v[2] = {o->tetra[t].v[a], o->tetra[t].v[b]};
-                uint32_t m;
-                double at[3];
-                if (!is_chord(o, v)) continue;
-                bvxi_oblique_middle(o, v, 2, at);
-                BVXI_TRY(bvxi_tetra_split_edge(o, (uint32_t)t, v[0], v[1], at, &m));
-            }
-        for (int k = 0; k < 4; k++) {
-            uint32_t v[3], m;
-            double at[3];
-            int n = 0;
-
-            /* Three corners on contours of one plane: nothing of the face says on which side it is. */
-            for (int j = 0; j < 4; j++)
-                if (j != k && o->vertex[o->tetra[t].v[j]].sign == 0) v[n++] = o->tetra[t].v[j];
-            if (n < 3 || !bvxi_share_plane(o, v, 3)) continue;
-            bvxi_oblique_middle(o, v, 3, at);
-            BVXI_TRY(bvxi_tetra_split_face(o, (uint32_t)t, k, at, &m));
-        }
-    }
-    return BVX_OK;
-}
-
 static void joint_kinds_piece(void *user, uint64_t begin, uint64_t end)
 {
     const bvxi_oblique *const o = user;
@@ -76,12 +37,9 @@ static bvx_status give_kinds(bvxi_oblique *o)
     uint64_t count = 0;
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6,
                         bvxi_for(o->ctx, "surface", o->vertex_count, 256, joint_kinds_piece, o)));
-    BVXI_TRY(BVXI_RESERVE(o, o->mark, o->tetra_count, o->mark_room, "the marks of tetrahedra"));
     /* What is torn there is told by the check of each mesh; the list is of no use here. */
     return BVXI_SHARE(o->ctx, 0.6, 1.0, bvxi_oblique_regions(o, &torn, &count));
 }
-
-/* ---- what vertices lie between ---- */
 
 /* ---- edges between kinds ---- */
 
@@ -220,15 +178,34 @@ static bvx_status cut_edges(bvxi_oblique *o, bvxi_joint_cut *cut, cut_fn one)
 
 enum { SURFACE_SPECK = 48 }; /* vertices: what is larger has its place on the surface, contour or not */
 
-typedef struct surface_work {
-    uint32_t *joined; /* [vertex] crossings of one body that hang together */
-    uint32_t *count;  /* [vertex] at roots: how many; UINT32_MAX: a contour is one's neighbour */
-    uint32_t *lead;   /* [vertex] at roots: by how much a body leads around them */
-    uint8_t *beside;  /* [vertex] at roots: which */
-} surface_work;
+/* Parts that may be specks, of crossings or of tetrahedra, and the kinds around them; all but joined at roots. */
+typedef struct speck_work {
+    uint32_t *joined;
+    uint32_t *count; /* of crossings; or whether a plane says so; UINT32_MAX: it stays */
+    uint32_t *lead;  /* by how much a kind leads around it */
+    uint8_t *beside; /* which */
+} speck_work;
+
+static bvx_status open_specks(bvx_context *ctx, uint64_t n, speck_work *w)
+{
+    static const char what[] = "the pieces of bodies";
+    BVXI_TRY(BVXI_ARRAY(ctx, n, what, w->joined));
+    BVXI_TRY(BVXI_ZEROS(ctx, n, what, w->count));
+    BVXI_TRY(BVXI_ZEROS(ctx, n, what, w->lead));
+    BVXI_TRY(BVXI_ZEROS(ctx, n, what, w->beside));
+    for (uint64_t i = 0; i < n; i++) w->joined[i] = (uint32_t)i;
+    return BVX_OK;
+}
+
+/* The kind that more than half of all are of, if any, is the last to lead (Boyer, Moore 1981). */
+static void count_beside(speck_work *w, uint32_t root, uint64_t kinds)
+{
+    if (w->lead[root] == 0) w->beside[root] = (uint8_t)bvxi_lowest(kinds);
+    w->lead[root] += (kinds >> w->beside[root] & 1) != 0 ? 1 : UINT32_MAX;
+}
 
 /* Both ends of an edge on the surface, from the crossing's side. */
-static void look_at_surface_edge(const bvxi_joint_cut *cut, surface_work *w, uint64_t first, uint32_t v,
+static void look_at_surface_edge(const bvxi_joint_cut *cut, speck_work *w, uint64_t first, uint32_t v,
                                  uint32_t other)
 {
     uint64_t const common = cut->among[v] & cut->among[other] & ~(uint64_t)JOINT_OUTSIDE;
@@ -237,10 +214,7 @@ static void look_at_surface_edge(const bvxi_joint_cut *cut, surface_work *w, uin
     /* Contours of the body on the surface: its part there is wanted. */
     if (common != 0 && other < first) w->count[root] = UINT32_MAX;
     if (common != 0 || other < first) return;
-    /* The one with more than half of the edges, if any, is the last to lead (Boyer, Moore 1981). */
-    if (w->lead[root] == 0)
-        w->beside[root] = (uint8_t)bvxi_lowest(cut->among[other] & ~(uint64_t)JOINT_OUTSIDE);
-    w->lead[root] += (cut->among[other] >> w->beside[root] & 1) != 0 ? 1 : UINT32_MAX;
+    count_beside(w, root, cut->among[other] & ~(uint64_t)JOINT_OUTSIDE);
 }
 
 static int crossings_of(const bvxi_tetra *t, uint64_t first)
@@ -254,15 +228,10 @@ static int crossings_of(const bvxi_tetra *t, uint64_t first)
  * of itself, and a hole in those around it: these have the crossings. first: of the crossings' vertices. */
 static bvx_status drop_surface_specks(bvxi_oblique *o, bvxi_joint_cut *cut, uint64_t first)
 {
-    static const char what[] = "the crossings of bodies";
     uint64_t const n = o->vertex_count;
-    surface_work w;
+    speck_work w;
 
-    BVXI_TRY(BVXI_ARRAY(o->ctx, n, what, w.joined));
-    BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w.count));
-    BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w.lead));
-    BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w.beside));
-    for (uint64_t v = 0; v < n; v++) w.joined[v] = (uint32_t)v;
+    BVXI_TRY(open_specks(o->ctx, n, &w));
     for (uint64_t t = 0; t < o->tetra_count; t++)
         for (int a = 0; a < 4 && crossings_of(&o->tetra[t], first) > 1; a++)
             for (int b = 0; b < a; b++) {
@@ -298,7 +267,6 @@ static int kind_of_tetrahedron(const bvxi_oblique *o, const bvxi_joint_cut *cut,
 
     for (int k = 0; k < 4; k++) {
         uint64_t const among = cut->among[t->v[k]];
-        /* One corner that is only outside decides: no body reaches it. */
         if (among == JOINT_OUTSIDE) return 0;
         all &= among;
         any |= among;
@@ -327,13 +295,6 @@ int bvxi_joint_border_kind(const bvxi_oblique *o, const bvxi_tetra *t, int corne
     return 0;
 }
 
-typedef struct speck_work {
-    uint32_t *joined; /* [tetrahedra] */
-    uint8_t *kept;    /* [tetrahedra] at roots: a plane says so, or a border touches it */
-    uint8_t *beside;  /* [tetrahedra] at roots: the kind that leads among those around it */
-    uint32_t *lead;   /* [tetrahedra] by how many faces */
-} speck_work;
-
 /* What no plane has anything of is of the kind that is around it. */
 static void find_speck_kinds(const bvxi_oblique *o, const bvxi_joint_cut *cut, speck_work *w)
 {
@@ -341,27 +302,20 @@ static void find_speck_kinds(const bvxi_oblique *o, const bvxi_joint_cut *cut, s
         uint32_t const root = bvxi_root(w->joined, (uint32_t)t);
         for (int k = 0; k < 4; k++) {
             uint32_t const v = o->tetra[t].v[k], n = o->tetra[t].n[k];
-            w->kept[root] |= n == BVXI_NONE || o->vertex[v].sign == BVXI_JOINT_BEYOND ||
-                             (o->vertex[v].sign != 0 && bvxi_first_plane(o, v) != BVXI_NONE);
+            w->count[root] |= n == BVXI_NONE || o->vertex[v].sign == BVXI_JOINT_BEYOND ||
+                              (o->vertex[v].sign != 0 && bvxi_first_plane(o, v) != BVXI_NONE);
             if (n == BVXI_NONE || cut->kind[n] == cut->kind[t]) continue;
-            /* The one with more than half of the faces, if any, is the last to lead (Boyer, Moore 1981). */
-            if (w->lead[root] == 0) w->beside[root] = cut->kind[n];
-            w->lead[root] += w->beside[root] == cut->kind[n] ? 1 : UINT32_MAX;
+            count_beside(w, root, UINT64_C(1) << cut->kind[n]);
         }
     }
 }
 
 static bvx_status drop_specks(bvxi_oblique *o, bvxi_joint_cut *cut)
 {
-    static const char what[] = "the pieces of bodies";
     uint64_t const n = o->tetra_count;
     speck_work w;
 
-    BVXI_TRY(BVXI_ARRAY(o->ctx, n, what, w.joined));
-    BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w.kept));
-    BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w.beside));
-    BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w.lead));
-    for (uint64_t t = 0; t < n; t++) w.joined[t] = (uint32_t)t;
+    BVXI_TRY(open_specks(o->ctx, n, &w));
     for (uint64_t t = 0; t < n; t++)
         for (int k = 0; k < 4; k++) {
             uint32_t const beside = o->tetra[t].n[k];
@@ -373,7 +327,7 @@ static bvx_status drop_specks(bvxi_oblique *o, bvxi_joint_cut *cut)
     /* A piece whose neighbours are of several kinds may get one without a majority: any is right. */
     for (uint64_t t = 0; t < n; t++) {
         uint32_t const root = bvxi_root(w.joined, (uint32_t)t);
-        if (!w.kept[root]) cut->kind[t] = w.beside[root];
+        if (w.count[root] == 0) cut->kind[t] = w.beside[root];
     }
     return BVX_OK;
 }
@@ -382,14 +336,12 @@ bvx_status bvxi_joint_cut_all(bvxi_oblique *o, bvxi_joint_cut *cut)
 {
     tetra_job job = {o, cut};
 
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.1, open_plane_faces(o)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.1, bvxi_oblique_part_contours(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.1, 0.4, give_kinds(o)));
     BVXI_TRY(BVXI_RESERVE(o, cut->among, o->vertex_room, cut->among_room, "the kinds of vertices"));
-    /* One bit a kind. Contours' vertices begin without any. */
     for (uint64_t i = 0; i < o->vertex_count; i++)
         cut->among[i] = o->vertex[i].sign == 0 ? 0 : UINT64_C(1) << (int)o->vertex[i].value;
 
-    /* A contour's vertex lies between what the planes say around it. */
     for (uint64_t t = 0; t < o->tetra_count; t++) {
         if (bvxi_on_contours(o, &o->tetra[t]) == 0) continue;
         for (int a = 0; a < 4; a++)
@@ -400,7 +352,6 @@ bvx_status bvxi_joint_cut_all(bvxi_oblique *o, bvxi_joint_cut *cut)
             }
     }
 
-    /* First the outside is cut off, then the bodies are cut apart, up to where that was. */
     uint64_t const crossings = o->vertex_count;
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.6, cut_edges(o, cut, cut_from_outside)));
     BVXI_TRY(BVXI_SCOPE(o->ctx, drop_surface_specks(o, cut, crossings)));

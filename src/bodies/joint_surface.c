@@ -165,14 +165,13 @@ static bvx_status cut_pinched_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_
 {
     uint32_t t, m;
     double at[3];
-    /* An edge that a cut before this one has halved is no longer there. */
     BVXI_TRY(bvxi_tetra_with_edge(o, a, b, &t));
     if (t == BVXI_NONE) return BVX_OK;
     bvxi_oblique_middle(o, (uint32_t[]){a, b}, 2, at);
     BVXI_TRY(bvxi_tetra_split_edge(o, t, a, b, at, &m));
     o->vertex[m].sign = 0;
-    BVXI_TRY(BVXI_RESERVE(o, cut->kind, o->tetra_room[0], cut->kind_room, "the kinds of tetrahedra"));
-    for (uint64_t i = 0; i < o->ring_count; i++) cut->kind[o->twin[o->ring[i]]] = cut->kind[o->ring[i]];
+    BVXI_TRY(BVXI_RESERVE(o, cut->kind, o->tetra_room, cut->kind_room, "the kinds of tetrahedra"));
+    for (uint64_t i = 0; i < o->ring_count; i++) cut->kind[o->tetra[o->ring[i]].twin] = cut->kind[o->ring[i]];
     return BVX_OK;
 }
 
@@ -197,7 +196,6 @@ static bvx_status find_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, const joint
         pinched->edge[pinched->count++][1] = v[(i + 1) % 3];
     }
 
-    /* Only one body's are needed at a time. */
     bvxi_drop(f.o->ctx, f.number);
     bvxi_drop(f.o->ctx, f.joined);
     bvxi_drop(f.o->ctx, f.next);
@@ -296,17 +294,14 @@ static void join_pinched(const joint_faces *f, uint32_t first)
 static bvx_status find_points(joint_faces *f)
 {
     const bvxi_oblique *const o = f->o;
-    uint32_t first = 0;
-
     BVXI_TRY(BVXI_ZEROS(o->ctx, o->vertex_count, "the points of contours", f->point));
     BVXI_TRY(BVXI_ZEROS(o->ctx, o->vertex_count, "the points of contours", f->used));
     for (uint32_t p = 0; p < o->plane_count; p++) {
         const bvxi_plane *const q = &o->plane[p].plane;
         for (uint32_t n = 0; n < q->point_count; n++) {
-            uint32_t const v = o->point_vertex[first + n];
+            uint32_t const v = o->plane[p].vertex[n];
             if (v != BVXI_NONE && f->point[v] == 0) f->point[v] = q->given[n] + 1;
         }
-        first += q->point_count;
     }
     return BVX_OK;
 }
@@ -336,8 +331,6 @@ static int is_kept_point(const joint_faces *f, uint32_t v, const double given[3]
 static void count_unkept_points(const joint_faces *f)
 {
     bvxi_oblique *const o = f->o;
-    uint32_t first = 0;
-
     for (uint32_t p = 0; p < o->plane_count; p++) {
         const bvxi_plane *const q = &o->plane[p].plane;
         uint32_t n = 0, end;
@@ -345,11 +338,10 @@ static void count_unkept_points(const joint_faces *f)
         end = n + o->body[f->kind - 1].plane[p].plane.point_count;
         for (; n < end; n++) {
             const double *const given = o->given->points + 3 * (uint64_t)q->given[n];
-            if (is_kept_point(f, o->point_vertex[first + n], given)) continue;
+            if (is_kept_point(f, o->plane[p].vertex[n], given)) continue;
             o->report.unkept_points++;
             bvxi_report_place(&o->report, given);
         }
-        first += q->point_count;
     }
 }
 
@@ -398,7 +390,6 @@ static bvx_status make_joint_mesh(joint_faces *f, const joint_list *list, int ki
                              "%s: no point of the lattice lies inside label %d; take more cells", o->function,
                              (int64_t)label);
 
-    /* Corners that are one vertex: those of faces that follow each other around it. */
     for (uint64_t i = 0; i < 3 * f->count; i++) f->joined[i] = (uint32_t)i;
     for (uint64_t i = 0; i < 3 * f->count; i++) {
         uint32_t const first = (uint32_t)i;

@@ -151,7 +151,7 @@ static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
     bvxi_slab *slabs = NULL;
     uint32_t crossed = 0;
 
-    BVXI_TRY(BVXI_SHARE(s->ctx, 0.0, 0.02, bvxi_stack_ends(s)));
+    BVXI_TRY(BVXI_SHARE(s->ctx, 0.0, 0.02, BVXI_SCOPE(s->ctx, bvxi_stack_ends(s))));
     BVXI_TRY(bvxi_nesting_open(s));
     bvx_sections_report const before = s->report;
     for (int times = 0;; times++) {

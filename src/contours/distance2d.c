@@ -40,21 +40,17 @@ static void fill_group(bvxi_plane *p, uint32_t leaf, double box[4])
     }
 }
 
-void bvxi_plane_tree_size(uint32_t points, uint64_t *groups, uint64_t *boxes)
+bvx_status bvxi_plane_open_tree(bvx_context *ctx, bvxi_plane *p, uint32_t segments)
 {
-    uint64_t leaves = 1;
-    *groups = ((uint64_t)points + BVXI_SEGMENT_GROUP - 1) / BVXI_SEGMENT_GROUP;
-    while (leaves < *groups) leaves *= 2;
-    *boxes = 2 * leaves;
+    uint64_t const groups = ((uint64_t)segments + BVXI_SEGMENT_GROUP - 1) / BVXI_SEGMENT_GROUP;
+    for (p->leaf_count = 1; p->leaf_count < groups;) p->leaf_count *= 2;
+    BVXI_TRY(BVXI_ARRAY(ctx, groups, "the segments of contours", p->group));
+    return BVXI_ARRAY(ctx, 2 * (uint64_t)p->leaf_count, "the boxes of contours", p->box);
 }
 
 void bvxi_plane_tree(bvxi_plane *p)
 {
-    uint64_t groups, boxes;
-
     if (p->segment == NULL) p->segment_count = p->point_count;
-    bvxi_plane_tree_size(p->segment_count, &groups, &boxes);
-    p->leaf_count = (uint32_t)(boxes / 2);
     for (uint32_t i = 0; i < p->leaf_count; i++) fill_group(p, i, p->box[p->leaf_count + i]);
     /* Boxes from the leaves up: node i has 2 i and 2 i + 1 below it. */
     for (uint32_t i = p->leaf_count; i-- > 1;)
@@ -123,7 +119,6 @@ static double nearest_below(const bvxi_plane *p, uint32_t node, double u, double
             best = nearest_in_group(p, node - p->leaf_count, u, v, best, hint);
             limit = farthest_box(p, best);
         } else {
-            /* The nearer box first; the other waits with its distance. */
             double const a = box_square(p->box[2 * node], u, v), b = box_square(p->box[2 * node + 1], u, v);
             uint32_t const near = a <= b ? 2 * node : 2 * node + 1;
             double const nearer = a <= b ? a : b, farther = a <= b ? b : a;
@@ -176,7 +171,6 @@ double bvxi_plane_nearest(const bvxi_plane *p, double u, double v, uint32_t *seg
             continue;
         }
         squares_of_group(&p->group[node - p->leaf_count], u, v, d);
-        /* Of equally near segments the lowest, whatever the order of the boxes. */
         for (uint32_t i = 0; i < BVXI_SEGMENT_GROUP && first + i < p->segment_count; i++)
             if (d[i] < best || (d[i] == best && segment_at(p, first + i) < *segment)) {
                 best = d[i];
@@ -216,7 +210,6 @@ int bvxi_plane_encloses(const bvxi_plane *p, double u, double v)
         uint32_t const node = stack[--top], first = (node - p->leaf_count) * BVXI_SEGMENT_GROUP;
         const double *const box = p->box[node];
 
-        /* Only boxes at this height that reach to the right of the place. */
         if (!(box[1] <= v && v <= box[3] && u <= box[2])) continue;
         if (node < p->leaf_count) {
             stack[top++] = 2 * node;

@@ -120,7 +120,6 @@ static bvx_status mend_pair(void *user, uint32_t j, uint32_t i)
     uint32_t const before = w->split_count;
     uint32_t node;
 
-    /* Ends on the other segment first: they split it where they are. */
     for (int k = 0; k < 2; k++) {
         if (bvxi_segment_holds(a, b, w->node[f.node[k]].q)) BVXI_TRY(mend_split_at(w, i, f.node[k]));
         if (bvxi_segment_holds(c, d, w->node[e.node[k]].q)) BVXI_TRY(mend_split_at(w, j, e.node[k]));
@@ -393,7 +392,6 @@ bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections 
     BVXI_TRY(mend_drop_lines(ctx, function, given, &kept, &m->loops));
     BVXI_TRY(bvxi_stack_begin(ctx, function, &kept, options, &s));
     while (s.fine > MEND_COARSEST && step_length(s.step[0], s.fine) < least) s.fine--;
-    /* The mended stack is built on this grid, whose fixed point the steps count in. */
     bvxi_stack_give_grid(&s, &m->grid);
     return mend_stack(&s, m);
 }
@@ -434,7 +432,6 @@ bvx_status bvxi_mend_planes(bvx_context *ctx, const char *function, const bvx_se
     double widest = 0.0;
 
     begin_mended(ctx, function, given, m);
-    /* A stack of one plane has no other to take its height from. */
     o.thickness = 1.0;
     if (o.label == BVXI_LABEL_ONLY) o.label = given->loops[0].label;
     for (uint64_t i = 0; i < 3 * given->point_count; i++) {

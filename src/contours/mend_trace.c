@@ -265,6 +265,7 @@ static bvx_status choose_steps(apart_work *w)
     return BVX_OK;
 }
 
+/* By how many steps each stop moves. stays: of each node, the stop that does not. */
 static bvx_status move_apart(apart_work *w, const uint32_t *stays, int16_t (*nudge)[2])
 {
     const bvxi_mend_paths *const p = w->paths;
@@ -287,13 +288,6 @@ static bvx_status move_apart(apart_work *w, const uint32_t *stays, int16_t (*nud
         for (int k = 0; k < 2; k++) nudge[i][k] = (int16_t)steps[k];
     }
     return BVX_OK;
-}
-
-/* By how many steps each stop moves. stays: of each node, the stop that does not. */
-static bvx_status mend_move_apart(const bvxi_mend_paths *paths, const uint32_t *stays, int16_t (*nudge)[2])
-{
-    apart_work w = {.paths = paths};
-    return BVXI_SCOPE(paths->w->s->ctx, move_apart(&w, stays, nudge));
 }
 
 /* ---- loops along the edges that are left ---- */
@@ -492,42 +486,33 @@ static bvx_status mend_give_loops(mend_trace *t, const int16_t (*nudge)[2])
     return BVX_OK;
 }
 
-static uint32_t *mend_part(unsigned char **at, uint64_t bytes)
-{
-    uint32_t *const part = (uint32_t *)(void *)*at;
-    *at += bytes;
-    return part;
-}
-
 bvx_status bvxi_mend_trace(bvxi_mend_work *w, bvxi_mended *mended)
 {
-    uint64_t const edges = w->edge_count, nodes = w->node_count, stops = sizeof(bvxi_mend_stop);
-    uint64_t const size = edges * (8 + 4 + 4 + 8 + 8 + 4 + 2 * stops + 1) +
-                          (nodes + 1) * (8 + 4 + 4 + 4 + stops);
-    unsigned char *block, *at;
+    static const char what[] = "the paths of loops to mend";
+    uint64_t const edges = w->edge_count, nodes = (uint64_t)w->node_count + 1;
+    bvx_context *const ctx = w->s->ctx;
     mend_trace t = {.w = w, .mended = mended};
     int16_t(*nudge)[2];
+    uint64_t *key;
+    double *narrowest;
+    uint32_t *order, *stays;
 
-    BVXI_TRY(bvxi_alloc(w->s->ctx, BVXI_SCRATCH, size, "the paths of loops to mend", &block));
-    /* Wide items first, so that each part is aligned. */
-    at = block;
-    uint64_t *const key = (uint64_t *)(void *)mend_part(&at, edges * 8);
-    double *const narrowest = (double *)(void *)mend_part(&at, (nodes + 1) * 8);
-    uint32_t *const order = mend_part(&at, edges * 4);
-    t.edge = mend_part(&at, edges * 4);
-    t.end = mend_part(&at, edges * 8);
-    t.rank = mend_part(&at, edges * 8);
-    t.loop = mend_part(&at, edges * 4);
-    t.start = mend_part(&at, (nodes + 1) * 4);
-    t.place = mend_part(&at, (nodes + 1) * 4);
-    uint32_t *const stays = mend_part(&at, (nodes + 1) * 4);
-    t.path = (bvxi_mend_stop *)(void *)mend_part(&at, (nodes + 1 + edges) * stops);
-    t.stop = (bvxi_mend_stop *)(void *)mend_part(&at, edges * stops);
-    t.used = (uint8_t *)at;
+    BVXI_TRY(BVXI_ARRAY(ctx, edges, what, key));
+    BVXI_TRY(BVXI_ARRAY(ctx, edges, what, order));
+    BVXI_TRY(BVXI_ARRAY(ctx, edges, what, t.edge));
+    BVXI_TRY(BVXI_ARRAY(ctx, 2 * edges, what, t.end));
+    BVXI_TRY(BVXI_ARRAY(ctx, 2 * edges, what, t.rank));
+    BVXI_TRY(BVXI_ARRAY(ctx, edges, what, t.loop));
+    BVXI_TRY(BVXI_ARRAY(ctx, edges, what, t.stop));
+    BVXI_TRY(BVXI_ZEROS(ctx, edges, what, t.used));
+    BVXI_TRY(BVXI_ARRAY(ctx, nodes + edges, what, t.path));
+    BVXI_TRY(BVXI_ARRAY(ctx, nodes, what, t.start));
+    BVXI_TRY(BVXI_ARRAY(ctx, nodes, what, t.place));
+    BVXI_TRY(BVXI_ARRAY(ctx, nodes, what, narrowest));
+    BVXI_TRY(BVXI_ARRAY(ctx, nodes, what, stays));
 
     BVXI_TRY(mend_keep_edges(&t, key, order));
     mend_turn_ends(&t);
-    memset(t.used, 0, t.edge_count);
     for (uint32_t i = 0; i < t.edge_count; i++)
         if (!t.used[i]) mend_follow(&t, i);
 
@@ -535,6 +520,7 @@ bvx_status bvxi_mend_trace(bvxi_mend_work *w, bvxi_mended *mended)
     bvxi_mend_paths paths = {w, t.edge, t.rank, t.stop, t.loop, t.stop_count, t.loop_count};
     mend_choose_stay(&t, &paths, narrowest, stays);
     BVXI_TRY(BVXI_ZEROS(w->s->ctx, t.stop_count, "the steps of points", nudge));
-    BVXI_TRY(mend_move_apart(&paths, stays, nudge));
+    apart_work apart = {.paths = &paths};
+    BVXI_TRY(BVXI_SCOPE(w->s->ctx, move_apart(&apart, stays, nudge)));
     return mend_give_loops(&t, (const int16_t(*)[2])nudge);
 }

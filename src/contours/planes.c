@@ -199,7 +199,6 @@ static bvx_status settle_planes(planes_job *job)
     bvxi_stack *const s = job->s;
     for (uint32_t i = 0; i < s->plane_count; i++) {
         bvxi_plane *const p = &s->plane[i];
-        /* In order, so that what is refused is the first plane that is wrong, whatever the threads did. */
         if (job->unsure[i]) {
             BVXI_TRY(bvxi_plane_check_simple(s, p));
             BVXI_TRY(bvxi_plane_direct(s, p, loop_boxes(job->box)));
@@ -254,8 +253,7 @@ static void plane_cut_piece(void *user, int32_t index, int32_t worker)
     planes_job *const job = user;
     uint64_t begin, end;
     bvxi_piece(job->s->plane_count, job->pieces, index, &begin, &end);
-    for (uint64_t i = begin; i < end; i++)
-        bvxi_plane_cut(&job->view, &job->s->plane[i], &job->arcs[worker]);
+    for (uint64_t i = begin; i < end; i++) bvxi_plane_cut(&job->view, &job->s->plane[i], &job->arcs[worker]);
 }
 
 static bvx_status open_cut_scratch(planes_job *job)
@@ -278,8 +276,7 @@ static bvx_status open_cut_scratch(planes_job *job)
 bvx_status bvxi_planes_ready(bvxi_stack *s)
 {
     uint64_t const n = s->plane_count;
-    planes_job job = {
-        .s = s, .view = *s, .pieces = bvxi_section_pieces(n, s->all.point_room, PLANES_GRAIN)};
+    planes_job job = {.s = s, .view = *s, .pieces = bvxi_section_pieces(n, s->all.point_room, PLANES_GRAIN)};
 
     job.view.fixed = 1;
     job.workers = bvxi_threads(s->ctx) < job.pieces ? bvxi_threads(s->ctx) : job.pieces;
@@ -287,7 +284,8 @@ bvx_status bvxi_planes_ready(bvxi_stack *s)
         if (s->plane[i].point_count > job.most_points) job.most_points = s->plane[i].point_count;
     BVXI_TRY(BVXI_ARRAY(s->ctx, n, "the sections' scratch", job.unsure));
     BVXI_TRY(BVXI_ARRAY(s->ctx, 2 * n, "the sections' scratch", job.count));
-    BVXI_TRY(BVXI_ARRAY(s->ctx, 2 * (uint64_t)job.workers * job.most_points, "the order of segments", job.box));
+    BVXI_TRY(
+        BVXI_ARRAY(s->ctx, 2 * (uint64_t)job.workers * job.most_points, "the order of segments", job.box));
     BVXI_TRY(bvxi_parallel(s->ctx, "sections", 0.25, 0.75, job.pieces, plane_snap_piece, &job));
     BVXI_TRY(settle_planes(&job));
     bvxi_drop(s->ctx, job.box);

@@ -213,8 +213,6 @@ bvx_status bvxi_choose_label(bvx_context *ctx, const char *function, const bvx_s
 /* Arrays of all planes, which are fields of items of so many bytes; points, loops: by section. */
 bvx_status bvxi_planes_open(bvx_context *ctx, bvxi_plane *all, bvxi_plane *plane, uint64_t stride,
                             uint32_t count, const uint64_t *points, const uint64_t *loops);
-bvx_status bvxi_planes_open_trees(bvx_context *ctx, bvxi_plane *all, bvxi_plane *plane, uint64_t stride,
-                                  uint32_t count);
 /* The points of a loop, but those equal to the one before. */
 bvx_status bvxi_plane_take_loop(bvx_context *ctx, const char *function, const bvx_sections *given,
                                 bvx_sections_report *report, bvxi_plane *plane, uint64_t number);
@@ -360,8 +358,8 @@ static inline void bvxi_ring_stretch(const bvxi_plane *p, uint32_t contour, uint
 
 /* ---- distance2d.c ---- */
 
-/* Groups and boxes for so many segments. */
-void bvxi_plane_tree_size(uint32_t points, uint64_t *groups, uint64_t *boxes);
+/* Arrays for the tree of so many segments. */
+bvx_status bvxi_plane_open_tree(bvx_context *ctx, bvxi_plane *plane, uint32_t segments);
 void bvxi_plane_tree(bvxi_plane *plane);
 /* Distance from a place to the nearest contour; *hint is a segment thought
  * to be near, and becomes the nearest found. */

@@ -15,7 +15,6 @@
 void bvx_sections_free(bvx_context *context, bvx_sections *sections)
 {
     if (context == NULL || sections == NULL) return;
-    /* What the caller brought is the caller's to free. */
     if (sections->owned) {
         bvxi_free(context, sections->normals,
                   sections->normals == NULL ? 0 : sections->section_capacity * 24);
@@ -85,7 +84,6 @@ static bvx_status make_planes(slice_work *w, const bvx_slice_options *o, double 
             return bvxi_fail_for(w->ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
                                  "%s: a spacing above 0 or positions are needed", slice_name);
 
-        /* As many as fit at that distance, the first half of it above the lowest vertex. */
         double const count = floor((high - low) / o->spacing + 0.5);
         if (!(count <= SLICE_MOST_PLANES))
             return bvxi_fail_for(w->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
@@ -131,7 +129,6 @@ static bvx_status read_heights(slice_work *w, double *low, double *high)
     for (int k = 0; k < 2; k++)
         if (across[k][1] - across[k][0] > reach) reach = across[k][1] - across[k][0];
     w->narrow = SLICE_NARROW * reach;
-    /* Only vertices of triangles count: others may lie anywhere. */
     for (uint64_t t = 0; t < w->view->triangle_count; t++) {
         uint32_t c[3];
         bvxi_view_triangle(w->view, t, c);
@@ -320,7 +317,6 @@ static bvx_status follow_pieces(slice_work *w, uint64_t plane, uint64_t n)
             l.point_count--;
             s->point_count--;
         }
-        /* What encloses no area is taken back; no section could use it. */
         if (l.point_count < 3 || encloses_none(w, s->points + 3 * l.first_point, l.point_count))
             s->point_count = l.first_point;
         else s->loops[s->loop_count++] = l;

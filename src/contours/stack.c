@@ -366,31 +366,6 @@ bvx_status bvxi_planes_open(bvx_context *ctx, bvxi_plane *all, bvxi_plane *plane
     return BVX_OK;
 }
 
-bvx_status bvxi_planes_open_trees(bvx_context *ctx, bvxi_plane *all, bvxi_plane *plane, uint64_t stride,
-                                  uint32_t count)
-{
-    bvxi_plane *p = plane;
-    uint64_t group = 0, box = 0, groups, boxes;
-
-    for (uint32_t i = 0; i < count; i++, p = plane_after(p, stride)) {
-        bvxi_plane_tree_size(p->point_count, &groups, &boxes);
-        group += groups;
-        box += boxes;
-    }
-    BVXI_TRY(BVXI_ARRAY(ctx, group, "the segments of contours", all->group));
-    BVXI_TRY(BVXI_ARRAY(ctx, box, "the boxes of contours", all->box));
-    p = plane;
-    group = box = 0;
-    for (uint32_t i = 0; i < count; i++, p = plane_after(p, stride)) {
-        p->group = all->group + group;
-        p->box = all->box + box;
-        bvxi_plane_tree_size(p->point_count, &groups, &boxes);
-        group += groups;
-        box += boxes;
-    }
-    return BVX_OK;
-}
-
 /* Contour points of all sections lie near their planes. */
 static bvx_status check_flatness(bvxi_stack *s)
 {
@@ -483,7 +458,8 @@ bvx_status bvxi_stack_finish(bvxi_stack *s)
         BVXI_ZEROS(s->ctx, s->plane_count * bvxi_stack_words(s), "the grid points inside", s->all.inside));
     for (uint32_t i = 0; i < s->plane_count; i++)
         s->plane[i].inside = s->all.inside + i * bvxi_stack_words(s);
-    BVXI_TRY(bvxi_planes_open_trees(s->ctx, &s->all, s->plane, sizeof *s->plane, s->plane_count));
+    for (uint32_t i = 0; i < s->plane_count; i++)
+        BVXI_TRY(bvxi_plane_open_tree(s->ctx, &s->plane[i], s->plane[i].point_count));
     return bvxi_planes_ready(s);
 }
 

@@ -11,8 +11,7 @@
 
 enum {
     SLAB_SPARE = 64,
-    SLAB_GRAIN = 4096 /* triangles */,
-    SLAB_COUNT_GRAIN = 65536 /* words of grid points */
+    SLAB_GRAIN = 4096 /* triangles */
 };
 
 typedef struct slabs_worker {
@@ -27,56 +26,48 @@ typedef struct slabs_job {
     int32_t pieces, workers;
     slabs_worker *worker;
     uint8_t *again; /* a slab each */
-    uint64_t *room; /* vertices and triangles of each slab */
-    /* for joining */
     bvx_mesh *mesh;
     uint64_t *vertex, *triangle; /* where each slab's begin */
 } slabs_job;
 
 /* Vertices of all loops in the slab's cells: a ring's points once, crossings twice, heights four times. */
-static void count_slab_piece(void *user, uint64_t begin, uint64_t end)
+static void count_slab(const bvxi_stack *s, bvxi_slab *slab)
 {
-    slabs_job *const job = user;
-    uint64_t const words = bvxi_stack_words(job->s);
+    const uint64_t *const below = slab->plane[0]->inside, *const above = slab->plane[1]->inside;
+    uint64_t const words = bvxi_stack_words(s);
+    uint64_t rings = 0, heights;
 
-    for (uint64_t i = begin; i < end; i++) {
-        bvxi_slab *const slab = &job->slab[i];
-        const uint64_t *const below = slab->plane[0]->inside, *const above = slab->plane[1]->inside;
-        uint64_t rings = 0, heights;
-
-        slab->lines = 0;
-        for (uint64_t k = 0; k < words; k++) slab->lines += bvxi_popcount(below[k] ^ above[k]);
-        heights = (uint64_t)slab->lines + slab->hanging_count;
-        /* Places of the ring and crossings; of a nesting level about those of its loops: one an arc. */
-        for (int k = 0; k < 2; k++) {
-            const bvxi_plane *const p = slab->plane[k];
-            rings += p->whole == NULL ? (uint64_t)p->ring_count + p->cut_count
-                                      : (uint64_t)p->segment_count + 2 * (uint64_t)p->arc_count;
-        }
-        job->room[2 * i] = heights + rings / 16 + SLAB_SPARE;
-        job->room[2 * i + 1] = rings + 4 * heights + SLAB_SPARE;
+    slab->lines = 0;
+    for (uint64_t k = 0; k < words; k++) slab->lines += bvxi_popcount(below[k] ^ above[k]);
+    heights = (uint64_t)slab->lines + slab->hanging_count;
+    /* Of a nesting level about those of its loops. */
+    for (int k = 0; k < 2; k++) {
+        const bvxi_plane *const p = slab->plane[k];
+        rings += p->whole == NULL ? (uint64_t)p->ring_count + p->cut_count
+                                  : (uint64_t)p->segment_count + 2 * (uint64_t)p->arc_count;
     }
+    slab->mesh.vertex_room = heights + rings / 16 + SLAB_SPARE;
+    slab->mesh.triangle_room = rings + 4 * heights + SLAB_SPARE;
 }
 
 static bvx_status open_slab_meshes(slabs_job *job)
 {
     bvxi_section_mesh *const all = &job->s->slab_mesh;
-    uint64_t vertex = 0, triangle = 0;
+    double *position;
+    uint32_t *triangle;
 
     for (uint32_t i = 0; i < job->count; i++) {
-        all->vertex_room += job->room[2 * (size_t)i];
-        all->triangle_room += job->room[2 * (size_t)i + 1];
+        all->vertex_room += job->slab[i].mesh.vertex_room;
+        all->triangle_room += job->slab[i].mesh.triangle_room;
     }
-    BVXI_TRY(BVXI_ARRAY(job->s->ctx, 3 * all->vertex_room, "the vertices of a body", all->position));
-    BVXI_TRY(BVXI_ARRAY(job->s->ctx, 3 * all->triangle_room, "the triangles of a body", all->triangle));
+    BVXI_TRY(BVXI_ARRAY(job->s->ctx, 3 * all->vertex_room, "the vertices of a body", position));
+    BVXI_TRY(BVXI_ARRAY(job->s->ctx, 3 * all->triangle_room, "the triangles of a body", triangle));
     for (uint32_t i = 0; i < job->count; i++) {
         bvxi_section_mesh *const m = &job->slab[i].mesh;
-        m->position = all->position + 3 * vertex;
-        m->triangle = all->triangle + 3 * triangle;
-        m->vertex_room = job->room[2 * (size_t)i];
-        m->triangle_room = job->room[2 * (size_t)i + 1];
-        vertex += m->vertex_room;
-        triangle += m->triangle_room;
+        m->position = position;
+        m->triangle = triangle;
+        position += 3 * m->vertex_room;
+        triangle += 3 * m->triangle_room;
     }
     return BVX_OK;
 }
@@ -143,10 +134,7 @@ static bvx_status fill_side_by_side(slabs_job *job)
     bvxi_stack *const s = job->s;
 
     BVXI_TRY(BVXI_ZEROS(s->ctx, job->count, "the slabs' scratch", job->again));
-    BVXI_TRY(BVXI_ARRAY(s->ctx, 2 * (uint64_t)job->count, "the slabs' scratch", job->room));
-    job->pieces = bvxi_section_pieces(job->count, job->count * bvxi_stack_words(s), SLAB_COUNT_GRAIN);
-    BVXI_TRY(bvxi_for_ranges(s->ctx, "surface", 0.0, 0.02, job->pieces, job->count, count_slab_piece, job));
-    /* Room for all slabs is made before the first is filled, so that workers never allocate. */
+    for (uint32_t i = 0; i < job->count; i++) count_slab(s, &job->slab[i]);
     BVXI_TRY(open_slab_meshes(job));
     job->pieces = bvxi_section_pieces(job->count, s->slab_mesh.triangle_room, SLAB_GRAIN);
     job->workers = bvxi_threads(s->ctx) < job->pieces ? bvxi_threads(s->ctx) : job->pieces;

@@ -59,7 +59,6 @@ static int fill_by_table(const bvxi_trace *l, fill_table *t)
         for (uint32_t i = 0; i + gap < n; i++) {
             uint32_t const j = i + gap;
             double best = FILL_NEVER;
-            /* A chord within one face might be an edge of the neighbour's; the last side is none. */
             if ((l->faces[i] & l->faces[j]) == 0 || gap == n - 1) {
                 for (uint32_t k = i + 1; k < j; k++) {
                     double const c = t->cost[i][k] + t->cost[k][j];
@@ -120,7 +119,6 @@ static bvx_status fill_as_strip(const bvxi_trace *l)
                                            l->vertex[b]));
         i += up;
         j += 1 - up;
-        /* An inner edge within one face: the strip is taken off again, and another way is tried. */
         if ((i + 1 < m || j + 1 < end) && (l->faces[l->next[i]] & l->faces[l->before[j]]) != 0) {
             l->s->mesh.triangle_count = start;
             return BVX_ERR_EMPTY;
@@ -155,7 +153,6 @@ static bvx_status fill_by_ears(const bvxi_trace *l)
             }
             i = l->next[i];
         } while (i != from);
-        /* No ear is left that may be cut: what was made is taken off again. */
         if (ear == BVXI_NONE) {
             l->s->mesh.triangle_count = start;
             return BVX_ERR_EMPTY;
@@ -412,7 +409,6 @@ static bvx_status fill_inner_loop(bvxi_trace *t, int k, const bvxi_arc *a)
     const bvxi_plane *const p = t->level[k].plane;
     uint32_t first, end, count = 0;
     bvxi_ring_stretch(p, bvxi_contour_of(p, a->point), &first, &end);
-    /* From above the loop runs the other way round. */
     for (uint32_t i = first; i < end; i++)
         BVXI_TRY(bvxi_trace_add_to_loop(t, &count, p->vertex + (k == 0 ? i : end - 1 - (i - first)),
                                         k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE));

@@ -139,7 +139,6 @@ static bvx_status nest_pair_depth(nest_work *w, uint8_t *const level[2], uint32_
         for (uint32_t c = 0; c < w->plane[k]->contour_count; c++) {
             const nest_loop *const l = &w->on[k][c];
             if (l->depth != depth) continue;
-            /* What does not go on stays on the level of the loop around it. */
             level[k][c] = goes_on && l->candidate && l->met ? (uint8_t)depth : level[k][l->parent];
             *found |= goes_on && l->candidate && l->met;
         }
@@ -226,16 +225,13 @@ static bvx_status nest_open_level(const bvxi_stack *s, bvxi_plane *p, const uint
 {
     static const char what[] = "the levels of loops";
     uint32_t segments = 0, arcs = 0;
-    uint64_t groups, boxes;
 
     for (uint32_t c = 0; c < p->contour_count; c++)
         if (level[c] == number) segments += p->whole->contour[c].count;
     for (uint32_t i = 0; i < p->arc_count; i++)
         arcs += level[nest_contour_of_arc(p->whole, &p->whole->arc[i])] == number;
-    bvxi_plane_tree_size(segments, &groups, &boxes);
+    BVXI_TRY(bvxi_plane_open_tree(s->ctx, p, segments));
     BVXI_TRY(BVXI_ARRAY(s->ctx, p->contour_count, what, p->contour));
-    BVXI_TRY(BVXI_ARRAY(s->ctx, groups, what, p->group));
-    BVXI_TRY(BVXI_ARRAY(s->ctx, boxes, what, p->box));
     BVXI_TRY(BVXI_ZEROS(s->ctx, bvxi_stack_words(s), what, p->inside));
     BVXI_TRY(BVXI_ARRAY(s->ctx, arcs, what, p->arc));
     BVXI_TRY(BVXI_ARRAY(s->ctx, arcs, what, p->ring_arc));

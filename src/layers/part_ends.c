@@ -133,7 +133,6 @@ static void mark_part_ends(ends_work *w, int side, const bvxi_plane *other, doub
     }
     /* The grid meets most parts; only the others are looked at point by point. */
     if (other != NULL) {
-        /* Grid points inside both planes, at the ends of runs along the rows: enough for most parts. */
         const bvxi_stack *const s = w->s;
 
         for (int32_t j = 0; j <= s->size[1] && w->left != 0; j++) {
@@ -160,7 +159,7 @@ static void mark_part_ends(ends_work *w, int side, const bvxi_plane *other, doub
     p->ends[side] = 1;
 }
 
-static bvx_status mark_all_ends(bvxi_stack *s)
+bvx_status bvxi_stack_ends(bvxi_stack *s)
 {
     int const taper = s->options.caps == BVX_CAPS_TAPER;
     ends_work w = {.s = s};
@@ -179,15 +178,9 @@ static bvx_status mark_all_ends(bvxi_stack *s)
             const bvxi_plane *const other = i == (side ? s->plane_count - 1 : 0)
                                                 ? NULL
                                                 : &s->plane[side ? i + 1 : i - 1];
-            /* All parts end towards a section without loops; towards others only where ends taper. */
             if (other != NULL && other->contour_count == 0) mark_part_ends(&w, side, NULL, depth);
             else if (taper) mark_part_ends(&w, side, other, depth);
         }
     }
     return BVX_OK;
-}
-
-bvx_status bvxi_stack_ends(bvxi_stack *s)
-{
-    return BVXI_SCOPE(s->ctx, mark_all_ends(s));
 }

@@ -184,7 +184,6 @@ static bvx_status trace_loop(shift_lattice *l, int32_t i, int32_t j)
     /* Inside is on the left of the way, so that it comes into the cell below from its upper side. */
     if (!up) j--;
     for (;;) {
-        /* The side's edge, as its low end and axis. */
         int32_t const x = i + (from == 1), y = j + (from == 2);
         if (from % 2 == 0) (void)see_edge(l, x, y);
         BVXI_TRY(add_crossing(l, x, y, from % 2));

@@ -22,9 +22,6 @@ typedef struct bvxi_discs {
     const bvxi_plane *plane;
     bvxi_disc *disc;
     uint32_t count;
-    uint32_t *segment; /* 0, 1, 2, ...: stretches of it are the discs' */
-    bvxi_segment_group *group;
-    double (*box)[4];
 } bvxi_discs;
 
 /* Discs of both planes that become each other; one plane may have none, where they end. */

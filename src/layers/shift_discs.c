@@ -52,29 +52,27 @@ static int in_disc_box(const double box[4], const double *at)
     return at[0] >= box[0] && at[0] <= box[2] && at[1] >= box[1] && at[1] <= box[3];
 }
 
-static void make_discs(bvxi_discs *d)
+bvx_status bvxi_discs_open(const bvxi_stack *s, const bvxi_plane *p, bvxi_discs *d)
 {
-    const bvxi_plane *const p = d->plane;
-    uint64_t group = 0, box = 0;
+    uint32_t *segment;
 
-    for (uint32_t i = 0; i < p->point_count; i++) d->segment[i] = i;
+    memset(d, 0, sizeof *d);
+    d->plane = p;
+    d->count = p->contour_count;
+    BVXI_TRY(BVXI_ZEROS(s->ctx, d->count, "the parts of a section", d->disc));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, p->point_count, "the parts of a section", segment));
+    for (uint32_t i = 0; i < p->point_count; i++) segment[i] = i;
     for (uint32_t c = 0; c < d->count; c++) {
         bvxi_disc *const disc = &d->disc[c];
-        uint64_t groups, boxes;
 
         /* A view of the plane with the segments of one loop, and a tree of its own. */
         disc->view.uv = p->uv;
         disc->view.q = p->q;
         disc->view.next = p->next;
-        disc->view.segment = d->segment + p->contour[c].first;
+        disc->view.segment = segment + p->contour[c].first;
         disc->view.segment_count = p->contour[c].count;
-        disc->view.group = d->group + group;
-        disc->view.box = d->box + box;
+        BVXI_TRY(bvxi_plane_open_tree(s->ctx, &disc->view, disc->view.segment_count));
         bvxi_plane_tree(&disc->view);
-        bvxi_plane_tree_size(disc->view.segment_count, &groups, &boxes);
-        group += groups;
-        box += boxes;
-
         disc_box(p, &p->contour[c], disc->box);
         measure_disc(p, &p->contour[c], disc);
     }
@@ -87,26 +85,6 @@ static void make_discs(bvxi_discs *d)
                 bvxi_loop_contains(p, &p->contour[j], p->q[at]))
                 d->disc[i].depth++;
     }
-}
-
-bvx_status bvxi_discs_open(const bvxi_stack *s, const bvxi_plane *plane, bvxi_discs *d)
-{
-    uint64_t groups = 0, boxes = 0;
-
-    memset(d, 0, sizeof *d);
-    d->plane = plane;
-    d->count = plane->contour_count;
-    for (uint32_t c = 0; c < d->count; c++) {
-        uint64_t g, b;
-        bvxi_plane_tree_size(plane->contour[c].count, &g, &b);
-        groups += g;
-        boxes += b;
-    }
-    BVXI_TRY(BVXI_ZEROS(s->ctx, d->count, "the parts of a section", d->disc));
-    BVXI_TRY(BVXI_ARRAY(s->ctx, plane->point_count, "the parts of a section", d->segment));
-    BVXI_TRY(BVXI_ARRAY(s->ctx, groups, "the parts of a section", d->group));
-    BVXI_TRY(BVXI_ARRAY(s->ctx, boxes, "the parts of a section", d->box));
-    make_discs(d);
     return BVX_OK;
 }
 
@@ -250,7 +228,6 @@ bvx_status bvxi_disc_groups_open(const bvxi_stack *s, bvxi_discs on[2], bvxi_dis
     for (uint32_t i = 0; i < on[0].count; i++)
         for (uint32_t j = 0; j < on[1].count; j++) {
             const bvxi_disc *const a = &on[0].disc[i], *const b = &on[1].disc[j];
-            /* A hole over an outline is no overlap of parts. */
             if (a->depth != b->depth || !discs_overlap(a, b)) continue;
             met[i] = met[on[0].count + j] = 1;
             bvxi_join(joined, i, on[0].count + j);

@@ -294,7 +294,6 @@ static bvx_status split_down(bvxi_split_work *w, const bvxi_split_cell *root)
                 for (int j = 4; j-- > 0;) stack[top++] = quarter[j];
                 continue;
             }
-            /* No deeper: what is crossed more than once stays so, and is counted. */
             count_unkept(w, &c);
         }
         BVXI_TRY(add_leaf(w, &c));

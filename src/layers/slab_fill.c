@@ -114,7 +114,6 @@ static bvx_status fill_traced_cell(bvxi_slab_work *w, int32_t i, int32_t j, cons
 {
     bvxi_trace *const t = &w->trace;
     const bvxi_slab *const slab = w->field.slab;
-    /* Subdivided cells come in the same order as the walk, so the next one is enough to compare with. */
     if (w->split < slab->split_count && slab->split[w->split].cell == t->key)
         return fill_leaves(w, &slab->split[w->split++]);
     t->beside_split = is_beside_split(w, i, j);
@@ -135,7 +134,6 @@ static bvx_status fill_grid_cell(bvxi_slab_work *w, int32_t i, int32_t j)
     t->low[0] = (int32_t)((uint32_t)i << w->s->fine);
     t->low[1] = (int32_t)((uint32_t)j << w->s->fine);
     t->size = 1 << w->s->fine;
-    /* How many arcs lie in the cell on either plane; they are the next ones. */
     for (int k = 0; k < 2 && w->s->options.slabs.crossings == BVX_CROSSINGS_EXACT; k++) {
         const bvxi_plane *const p = w->field.slab->plane[k];
         while (w->arc[k] + arcs[k] < p->arc_count && p->arc_cell[w->arc[k] + arcs[k]] == t->key) arcs[k]++;

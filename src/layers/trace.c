@@ -28,7 +28,8 @@ static bvx_status trace_add_point(bvxi_trace *t, uint32_t vertex, uint32_t faces
 }
 
 /* In views of the stack nothing grows; the calling thread makes such a slab again afterwards. */
-static bvx_status trace_reserve(const bvxi_trace *t, void *array, uint64_t count, uint64_t *room, uint64_t item)
+static bvx_status trace_reserve(const bvxi_trace *t, void *array, uint64_t count, uint64_t *room,
+                                uint64_t item)
 {
     if (BVXI_LIKELY(count <= *room)) return BVX_OK;
     if (t->s->fixed) return BVX_ERR_BUDGET;
@@ -267,7 +268,6 @@ static bvx_status trace_strip(bvxi_trace *t, const bvxi_strip *strip)
 {
     const bvxi_trace_node *const left = strip->left, *const right = strip->right;
     uint32_t p[4] = {BVXI_NONE, BVXI_NONE, BVXI_NONE, BVXI_NONE}, found[4];
-    /* the corner behind each */
     uint8_t const after[4] = {right->inside[0], right->inside[1], left->inside[1], left->inside[0]};
     uint32_t n = 0;
     uint8_t first_inside = 0;
@@ -412,7 +412,6 @@ static bvx_status link_strip(bvxi_trace *t, side_walk *w, uint32_t a, uint32_t b
             while (w->done[k] + n < w->count[k] &&
                    (last || bvxi_cut_beyond(p, &p->cut[t->end[row[n]].cut], m) == (w->side >= 2)))
                 n++;
-            /* the row holds points from here */
             for (uint32_t i = 0; i < n; i++) row[i] = t->end[row[i]].point;
             strip.count[k] = n;
             w->done[k] += n;

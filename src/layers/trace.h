@@ -59,7 +59,7 @@ typedef struct bvxi_trace {
     uint64_t node_room, point_room, end_room, insert_room;
     bvxi_trace_point *point;
     bvxi_trace_end *end;
-    uint32_t *row[2]; /* crossings of one side in order, below and above */
+    uint32_t *row[2];   /* crossings of one side in order, below and above */
     uint32_t *cross[2]; /* FIELD: crossings around the cell */
     uint32_t cross_count[2];
     uint64_t row_room[2], cross_room[2];
@@ -74,7 +74,7 @@ typedef struct bvxi_trace {
     int strip;                   /* out: it became a strip from below to above */
     uint32_t loop_count, strips; /* so far in the cell */
     uint32_t choice;             /* how each is filled */
-    uint64_t loop_room[5]; /* of the arrays below */
+    uint64_t loop_room[5];       /* of the arrays below */
     uint32_t *vertex;
     uint8_t *faces;
     const double **at;

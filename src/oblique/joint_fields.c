@@ -286,13 +286,14 @@ static bvx_status join_contours(bvxi_oblique *o)
     BVXI_TRY(bvxi_planes_open(o->ctx, &o->all, &o->plane->plane, sizeof *o->plane, o->plane_count, count,
                               count + n));
     for (uint32_t p = 0; p < n; p++) join_plane(o, p);
-    BVXI_TRY(bvxi_planes_open_trees(o->ctx, &o->all, &o->plane->plane, sizeof *o->plane, o->plane_count));
 
     BVXI_TRY(BVXI_ARRAY(o->ctx, (uint64_t)o->point_count + 1, "the segments of contours", segment));
     for (uint32_t p = 0; p < n; p++) {
         BVXI_TRY(find_outer_segments(o, p, segment + at));
         at += o->plane[p].plane.point_count;
-        if (o->plane[p].plane.contour_count != 0) bvxi_plane_tree(&o->plane[p].plane);
+        if (o->plane[p].plane.contour_count == 0) continue;
+        BVXI_TRY(bvxi_plane_open_tree(o->ctx, &o->plane[p].plane, o->plane[p].plane.segment_count));
+        bvxi_plane_tree(&o->plane[p].plane);
     }
     BVXI_TRY(BVXI_ZEROS(o->ctx, n, "the points of planes", first));
     for (uint32_t b = 0; b < o->body_count; b++) {

@@ -24,7 +24,8 @@ typedef struct bvxi_oblique_plane {
     float *rest;            /* what the smooth number leaves of them */
     double raster_low[2];
     int32_t raster_size[2];
-    uint32_t knot; /* the first on its contours, or BVXI_NONE */
+    uint32_t knot;    /* the first on its contours, or BVXI_NONE */
+    uint32_t *vertex; /* of each of its points */
 } bvxi_oblique_plane;
 
 /* Where a contour crosses another plane: on the segment that begins at a point, or at that point. */
@@ -42,8 +43,10 @@ typedef struct bvxi_knot {
 } bvxi_knot;
 
 typedef struct bvxi_tetra {
-    uint32_t v[4]; /* positive: the last one sees the others counter-clockwise from outside */
-    uint32_t n[4]; /* across the face opposite each; BVXI_NONE: nothing that is split */
+    uint32_t v[4];        /* positive: the last one sees the others counter-clockwise from outside */
+    uint32_t n[4];        /* across the face opposite each; BVXI_NONE: nothing that is split */
+    uint32_t chain;       /* the next of the same cell */
+    uint32_t twin, stamp; /* scratch of splitting, of walking */
 } bvxi_tetra;
 
 typedef struct bvxi_tetra_vertex {
@@ -135,11 +138,8 @@ typedef struct bvxi_oblique {
     uint32_t *touch_cell;
 
     bvxi_tetra *tetra;
-    uint32_t *chain;                                /* the next of the same cell */
-    uint32_t *twin;                                 /* scratch of splitting */
-    uint32_t *stamp;                                /* scratch of walking */
-    uint8_t *mark;                                  /* scratch: what was seen of each at once */
-    uint64_t tetra_count, tetra_room[4], mark_room; /* four: of the first arrays */
+    uint8_t *mark; /* scratch: what was seen of each at once */
+    uint64_t tetra_count, tetra_room, mark_room;
     uint32_t stamps;
 
     bvxi_tetra_vertex *vertex;
@@ -149,8 +149,7 @@ typedef struct bvxi_oblique {
     uint32_t *ring, *star; /* scratch: tetrahedra round an edge, round a vertex */
     uint64_t ring_count, ring_room, star_count, star_room;
 
-    bvxi_map contour_edge;  /* stretches of contours: twice the plane, 1 more: it runs from the higher end */
-    uint32_t *point_vertex; /* [point_count] of each contour's points */
+    bvxi_map contour_edge; /* stretches of contours: twice the plane, 1 more: it runs from the higher end */
 
     /* the surface */
     bvxi_map crossing; /* vertices on edges */
@@ -160,7 +159,7 @@ typedef struct bvxi_oblique {
     uint32_t *owner;  /* the tetrahedron of each triangle after those of plain cells */
     uint32_t *output; /* [tetra vertex] of those on contours */
     uint64_t plain_positions, plain_triangles; /* of plain cells, which come first */
-    uint64_t position_count, position_room, kept_room, triangle_count, triangle_room, owner_room, output_room;
+    uint64_t position_count, position_room, triangle_count, triangle_room, owner_room, output_room;
 } bvxi_oblique;
 
 /* oblique.c: the closed surface through contours on planes that are not parallel. */
@@ -293,6 +292,8 @@ bvx_status bvxi_oblique_regions(bvxi_oblique *o, uint32_t **torn, uint64_t *torn
 
 /* oblique_signs.c */
 bvx_status bvxi_oblique_signs(bvxi_oblique *o);
+/* Edges and faces between contours' vertices that are no contour's get a vertex. */
+bvx_status bvxi_oblique_part_contours(bvxi_oblique *o);
 /* The middle of n vertices. */
 void bvxi_oblique_middle(const bvxi_oblique *oblique, const uint32_t *v, int n, double at[3]);
 

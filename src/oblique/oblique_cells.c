@@ -287,10 +287,7 @@ static bvx_status make_tetrahedra(bvxi_oblique *o)
     static const char what[] = "the tetrahedra";
     uint64_t const tetra = 6 * SPLIT_ROOM * o->cell_count, vertices = 9 * o->cell_count;
 
-    BVXI_TRY(BVXI_RESERVE(o, o->tetra, tetra, o->tetra_room[0], what));
-    BVXI_TRY(BVXI_RESERVE(o, o->chain, tetra, o->tetra_room[1], what));
-    BVXI_TRY(BVXI_RESERVE(o, o->twin, tetra, o->tetra_room[2], what));
-    BVXI_TRY(BVXI_RESERVE(o, o->stamp, tetra, o->tetra_room[3], what));
+    BVXI_TRY(BVXI_RESERVE(o, o->tetra, tetra, o->tetra_room, what));
     BVXI_TRY(BVXI_RESERVE(o, o->vertex, vertices, o->vertex_room, what));
     BVXI_TRY(bvxi_reserve(o->ctx, &o->on, vertices, &o->on_room, (uint64_t)o->plane_words * 8, what));
 
@@ -403,7 +400,7 @@ bvx_status bvxi_oblique_split_planes(bvxi_oblique *o)
     for (uint32_t p = 0; p < o->plane_count; p++) {
         BVXI_TRY(bvxi_progress(o->ctx, "surface", (double)p / o->plane_count));
         for (uint32_t i = o->plane_touch[p]; i < o->plane_touch[p + 1]; i++)
-            for (uint32_t t = 6 * o->touch_cell[i]; t != BVXI_NONE; t = o->chain[t])
+            for (uint32_t t = 6 * o->touch_cell[i]; t != BVXI_NONE; t = o->tetra[t].chain)
                 BVXI_TRY(split_by_plane(o, t, p));
     }
     return BVX_OK;

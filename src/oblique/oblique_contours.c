@@ -77,7 +77,7 @@ static uint32_t judge_cell_faces(const bvxi_oblique *o, uint32_t plane, uint32_t
                                  plane_face *best)
 {
     uint32_t count = 0;
-    for (uint32_t t = 6 * cell; t != BVXI_NONE; t = o->chain[t], count++)
+    for (uint32_t t = 6 * cell; t != BVXI_NONE; t = o->tetra[t].chain, count++)
         for (int k = 0; k < 4; k++) keep_better_face(o, plane, t, k, uv, best);
     return count;
 }
@@ -168,7 +168,6 @@ static bvx_status insert_knots(bvxi_oblique *o)
         bvxi_knot *const k = &o->knot[i];
         face_search alone = {BVXI_NONE, 0};
         double at[3];
-        /* Knots that agree are one place, whose root stands for all of them. */
         if (k->joined != i) continue;
         bvxi_knot_place(o, (uint32_t)i, at);
         BVXI_TRY(insert_point(o, k->plane, at, &alone, &k->vertex));
@@ -177,16 +176,17 @@ static bvx_status insert_knots(bvxi_oblique *o)
     return BVX_OK;
 }
 
-/* A plane may have millions of points. done: so many of all planes' points, of one of both steps. */
-static bvx_status report_points(const bvxi_oblique *o, double from, uint64_t done)
+/* A plane may have millions of points. */
+static bvx_status report_points(const bvxi_oblique *o, double from, const uint32_t *vertex)
 {
+    uint64_t const done = (uint64_t)(vertex - o->plane[0].vertex);
     if (done % CONTOUR_REPORT != 0) return BVX_OK;
     return bvxi_progress(o->ctx, "surface", from + 0.5 * (double)done / o->point_count);
 }
 
-static bvx_status insert_points(bvxi_oblique *o, uint32_t plane, uint32_t first)
+static bvx_status insert_points(bvxi_oblique *o, uint32_t plane)
 {
-    uint32_t *const vertex = o->point_vertex + first;
+    uint32_t *const vertex = o->plane[plane].vertex;
     const bvxi_oblique_plane *const f = &o->plane[plane];
     const bvxi_plane *const p = &f->plane;
     face_search search = {BVXI_NONE, 0};
@@ -201,7 +201,7 @@ static bvx_status insert_points(bvxi_oblique *o, uint32_t plane, uint32_t first)
         }
     for (uint32_t i = 0; i < p->point_count; i++) {
         double at[3];
-        BVXI_TRY(report_points(o, 0.0, (uint64_t)first + i));
+        BVXI_TRY(report_points(o, 0.0, vertex + i));
         if (vertex[i] == BVXI_NONE) {
             bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[i], at);
             BVXI_TRY(insert_point(o, plane, at, &search, &vertex[i]));
@@ -329,25 +329,21 @@ static bvx_status insert_way(bvxi_oblique *o, uint32_t plane, uint32_t segment, 
 
 bvx_status bvxi_oblique_contours(bvxi_oblique *o)
 {
-    uint32_t first = 0;
+    uint32_t *vertex;
 
-    BVXI_TRY(BVXI_ARRAY(o->ctx, o->point_count, "the points of contours", o->point_vertex));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->point_count, "the points of contours", vertex));
+    for (uint32_t i = 0; i < o->plane_count; vertex += o->plane[i++].plane.point_count)
+        o->plane[i].vertex = vertex;
 
-    /* All points before any segment: a segment must not run past a point that is not there yet. */
     BVXI_TRY(insert_knots(o));
-    for (uint32_t i = 0; i < o->plane_count; i++) {
-        BVXI_TRY(insert_points(o, i, first));
-        first += o->plane[i].plane.point_count;
-    }
-    first = 0;
+    for (uint32_t i = 0; i < o->plane_count; i++) BVXI_TRY(insert_points(o, i));
     for (uint32_t i = 0; i < o->plane_count; i++) {
         const bvxi_plane *const p = &o->plane[i].plane;
-        BVXI_TRY(bvxi_progress(o->ctx, "surface", 0.5 + 0.5 * (double)first / o->point_count));
+        vertex = o->plane[i].vertex;
         for (uint32_t n = 0; n < p->point_count; n++) {
-            BVXI_TRY(report_points(o, 0.5, (uint64_t)first + n));
-            BVXI_TRY(insert_way(o, i, n, o->point_vertex[first + n], o->point_vertex[first + p->next[n]]));
+            BVXI_TRY(report_points(o, 0.5, vertex + n));
+            BVXI_TRY(insert_way(o, i, n, vertex[n], vertex[p->next[n]]));
         }
-        first += p->point_count;
     }
     return BVX_OK;
 }

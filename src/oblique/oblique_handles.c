@@ -26,14 +26,12 @@ enum { PATCH_REPORT = 131072, LOOK_REPORT = 256 };
 
 typedef struct handle_work {
     bvxi_oblique *o;
-    /* the surface's triangles: patches of them, fans of their corners */
     uint32_t *vertex_of, *patch, *fan, *loop;
     uint8_t *side; /* of the edge from each corner: 0 a border of its patch, 1 and 2 both of an inner one */
     int32_t *euler, *loops;
     bvxi_map pair;
     uint64_t triangles;
     uint64_t settled; /* handles filled or cut */
-    /* what is looked at around a patch */
     uint32_t *number, *tetra, *member, *joined, *flip;
     uint64_t *loose; /* vertices that may change, by the size of their numbers */
     uint8_t *back;   /* of each in flip: it came back */
@@ -148,9 +146,9 @@ static bvx_status find_surface_patches(handle_work *w)
 static bvx_status add_handle_tetra(handle_work *w, uint32_t t)
 {
     bvxi_oblique *const o = w->o;
-    if (o->stamp[t] == o->stamps) return BVX_OK;
+    if (o->tetra[t].stamp == o->stamps) return BVX_OK;
     BVXI_TRY(BVXI_GROW(o, w->tetra, w->tetras, w->tetra_room, "the tetrahedra of a handle"));
-    o->stamp[t] = o->stamps;
+    o->tetra[t].stamp = o->stamps;
     w->tetra[w->tetras++] = t;
     return BVX_OK;
 }
@@ -436,7 +434,6 @@ bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t
         int32_t const handles = (2 - w.euler[t] - w.loops[t]) / 2;
         uint64_t const vertices = o->vertex_count;
 
-        /* Without a border it is a body that no contour touches, which goes. */
         if (w.patch[t] != t || handles <= 0 || w.loops[t] == 0) continue;
         found += (uint64_t)handles;
         BVXI_TRY(look_around_patch(&w, owner, t));

@@ -97,7 +97,6 @@ static void join_knots(bvxi_oblique *o, uint32_t a, uint32_t b, double share)
     bvxi_knot *const keep = &o->knot[x];
     bvxi_knot *const gone = &o->knot[y];
     gone->joined = x;
-    /* a contour's own point stays where it is; the first of two does */
     if (keep->exact) return;
     if (gone->exact) {
         memcpy(keep->sum, gone->sum, 24);

@@ -388,7 +388,7 @@ bvx_status bvxi_oblique_plain(bvxi_oblique *o, uint64_t more)
     uint64_t const n = o->known_count;
     plain_job *job;
 
-    BVXI_TRY(BVXI_ARRAY(ctx, n, "the crossed edges", o->crossed));
+    if (o->crossed == NULL) BVXI_TRY(BVXI_ARRAY(ctx, n, "the crossed edges", o->crossed));
     BVXI_TRY(BVXI_ARRAY(ctx, 1, "the crossed edges", job));
     BVXI_TRY(BVXI_ARRAY(ctx, n + 1, "the crossed edges", job->triangles));
     job->o = o;
@@ -398,10 +398,8 @@ bvx_status bvxi_oblique_plain(bvxi_oblique *o, uint64_t more)
     BVXI_TRY(number_plain(o, job));
 
     /* A closed surface has half as many vertices as triangles; those of split cells follow these. */
-    o->position_room = o->kept_room = o->position_count + more / 2 + 1024;
-    o->triangle_room = o->triangle_count + more + 1;
-    BVXI_TRY(BVXI_ARRAY(ctx, 3 * o->position_room, what, o->position));
-    BVXI_TRY(BVXI_ZEROS(ctx, o->kept_room, what, o->kept));
-    BVXI_TRY(BVXI_ARRAY(ctx, 3 * o->triangle_room, what, o->triangle));
+    uint64_t const positions = o->position_count + more / 2 + 1024;
+    BVXI_TRY(bvxi_reserve(ctx, &o->position, positions, &o->position_room, 24, what));
+    BVXI_TRY(bvxi_reserve(ctx, &o->triangle, o->triangle_count + more + 1, &o->triangle_room, 12, what));
     return BVXI_SHARE(ctx, 0.3, 1.0, bvxi_for(ctx, "surface", n, PLAIN_GRAIN, plain_surface_piece, job));
 }

@@ -139,6 +139,7 @@ static bvx_status ready_plane(bvxi_oblique *o, bvxi_oblique_plane *f)
 
     for (uint32_t i = 0; i < f->plane.contour_count; i++)
         o->report.holes += (uint64_t)f->plane.contour[i].hole;
+    BVXI_TRY(bvxi_plane_open_tree(o->ctx, &f->plane, f->plane.point_count));
     bvxi_plane_tree(&f->plane);
     return BVX_OK;
 }
@@ -161,7 +162,6 @@ static bvx_status refuse_one_plane(bvxi_oblique *o)
                 double const apart = bvxi_absolute(dot < 0.0 ? one + two : one - two);
                 most = apart > most ? apart : most;
             }
-            /* A thousandth of a cell: less apart than that, no tetrahedron could lie between them. */
             if (most < 1e-3)
                 return bvxi_fail_for(o->ctx, BVX_ERR_FORMAT, BVX_REASON_DAMAGED,
                                      "%s: sections %u and %u lie on one plane, position %g", o->function,
@@ -225,7 +225,6 @@ bvx_status bvxi_oblique_take_planes(bvxi_oblique *o)
         if (g->loops[i].label == o->options.label)
             BVXI_TRY(bvxi_plane_take_loop(o->ctx, o->function, g, &o->report,
                                           &o->plane[g->loops[i].section].plane, i));
-    BVXI_TRY(bvxi_planes_open_trees(o->ctx, &o->all, &o->plane->plane, sizeof *o->plane, o->plane_count));
 
     /* In the order of the sections, so that of several wrong ones the first is named. */
     for (uint32_t i = 0; i < o->plane_count; i++) {

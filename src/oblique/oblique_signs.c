@@ -13,7 +13,7 @@
 
 #define FREE_VALUE 0.1F /* cells: a vertex of the lattice no farther from the surface may be on either side */
 
-/* What all vertices or edges are judged for at once, by several threads. Those that are wrong are settled
+/* What all vertices are judged for at once, by several threads. Those that are wrong are settled
  * after that one by one, in order, and so are those of which something has changed since then: the result
  * is that of going through all of them. */
 typedef struct signs_job {
@@ -59,8 +59,11 @@ void bvxi_oblique_middle(const bvxi_oblique *o, const uint32_t *v, int n, double
     }
 }
 
+/* Of several bodies only what lies on planes is split: a region would be joined to its like beyond an edge by that
+ * edge alone. Its new vertices get their kinds later. */
 static bvx_status part_tetrahedron(bvxi_oblique *o, uint32_t t)
 {
+    int const signs = o->body_count == 0;
     if (bvxi_on_contours(o, &o->tetra[t]) < 2) return BVX_OK;
     for (int a = 0; a < 4; a++)
         for (int b = a + 1; b < 4; b++) {
@@ -68,11 +71,11 @@ static bvx_status part_tetrahedron(bvxi_oblique *o, uint32_t t)
             double at[3];
             uint32_t m;
             if (o->vertex[v[0]].sign != 0 || o->vertex[v[1]].sign != 0) continue;
-            /* A contour's own edge stays: the surface runs along it. */
+            if (!signs && !bvxi_share_plane(o, v, 2)) continue;
             if (bvxi_edge_find(&o->contour_edge, v[0], v[1]) != BVXI_NONE) continue;
             bvxi_oblique_middle(o, v, 2, at);
             BVXI_TRY(bvxi_tetra_split_edge(o, t, v[0], v[1], at, &m));
-            give_sign(o, &o->vertex[m], bvxi_first_plane(o, m));
+            if (signs) give_sign(o, &o->vertex[m], bvxi_first_plane(o, m));
         }
 
     /* Then faces, as the edges that were split above may have left none between three. */
@@ -82,12 +85,29 @@ static bvx_status part_tetrahedron(bvxi_oblique *o, uint32_t t)
         int n = 0;
         for (int j = 0; j < 4; j++)
             if (j != k && o->vertex[o->tetra[t].v[j]].sign == 0) v[n++] = o->tetra[t].v[j];
-        if (n < 3) continue;
+        if (n < 3 || (!signs && !bvxi_share_plane(o, v, 3))) continue;
         bvxi_oblique_middle(o, v, 3, at);
         BVXI_TRY(bvxi_tetra_split_face(o, t, k, at, &m));
-        give_sign(o, &o->vertex[m], bvxi_first_plane(o, m));
+        if (signs) give_sign(o, &o->vertex[m], bvxi_first_plane(o, m));
     }
     return BVX_OK;
+}
+
+/* Tetrahedra with two or more vertices on contours: those that are split become no others. */
+static void mark_contours_piece(void *user, uint64_t begin, uint64_t end)
+{
+    const bvxi_oblique *const o = user;
+    for (uint64_t t = begin; t < end; t++) o->mark[t] = bvxi_on_contours(o, &o->tetra[t]) >= 2;
+}
+
+bvx_status bvxi_oblique_part_contours(bvxi_oblique *o)
+{
+    uint64_t const marked = o->tetra_count;
+    BVXI_TRY(BVXI_RESERVE(o, o->mark, o->tetra_room, o->mark_room, "the marks of tetrahedra"));
+    BVXI_TRY(bvxi_for(o->ctx, "surface", o->tetra_count, 4096, mark_contours_piece, o));
+    for (uint64_t t = 0; t < o->tetra_count; t++)
+        if (t >= marked || o->mark[t]) BVXI_TRY(part_tetrahedron(o, (uint32_t)t));
+    return BVXI_RESERVE(o, o->mark, o->tetra_count, o->mark_room, "the marks of tetrahedra");
 }
 
 /* ---- signs that nothing else decides ---- */
@@ -190,7 +210,7 @@ static void change_corners(const bvxi_oblique *o, uint32_t tetra, const signs_jo
     for (int k = 0; k < 4; k++) change_round(job, o->tetra[tetra].v[k]);
 }
 
-static bvx_status part_from_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t u, const signs_job *job)
+static bvx_status part_from_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t u)
 {
     int closed;
     uint32_t t = BVXI_NONE, m;
@@ -208,8 +228,6 @@ static bvx_status part_from_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32
             at[k] = 0.4 * (o->vertex[a].at[k] + o->vertex[b].at[k]) + 0.2 * o->vertex[u].at[k];
         for (int k = 0; k < 4; k++)
             if (x->v[k] != a && x->v[k] != b && x->v[k] != u) {
-                change_corners(o, o->ring[i], job);
-                if (x->n[k] != BVXI_NONE) change_corners(o, x->n[k], job);
                 BVXI_TRY(bvxi_tetra_split_face(o, o->ring[i], k, at, &m));
                 set_opposite(o, m, u);
                 return BVX_OK;
@@ -247,7 +265,7 @@ static bvx_status ring_vertices(bvxi_oblique *o, uint32_t a, uint32_t b, uint64_
 
 /* Inside and outside as one stretch each: from the plane's vertex inside on, both ways, the first change is
  * the only one. The vertices that stand against that are parted from the edge. */
-static bvx_status settle_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t plane, const signs_job *job)
+static bvx_status settle_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t plane)
 {
     uint64_t n, start, end, wrong;
 
@@ -279,40 +297,18 @@ static bvx_status settle_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t 
             }
         }
         if (wrong == n) return BVX_OK;
-        BVXI_TRY(part_from_edge(o, a, b, o->star[wrong], job));
+        BVXI_TRY(part_from_edge(o, a, b, o->star[wrong]));
     } while (wrong < n);
     return BVX_OK;
 }
 
-static void judge_edge_piece(void *user, uint64_t begin, uint64_t end)
-{
-    const signs_job *const job = user;
-    const bvxi_oblique *const o = job->o;
-    const bvxi_map *const m = &o->contour_edge;
-    uint32_t block[BVXI_LOOK_WORDS * BVXI_LOOK_MOST];
-    bvxi_look look = bvxi_look_in(block, BVXI_LOOK_MOST);
-
-    for (uint64_t i = begin; i < end; i++) {
-        uint32_t changes;
-        job->wrong[i] = 0;
-        if (m->key[i] == UINT64_MAX || m->value[i] == BVXI_NONE) continue;
-        job->wrong[i] = !bvxi_look_edge(o, &look, (uint32_t)(m->key[i] >> 32), (uint32_t)m->key[i],
-                                        &changes) ||
-                        changes > 2;
-    }
-}
-
-static bvx_status settle_edges(bvxi_oblique *o, signs_job *job)
+static bvx_status settle_edges(bvxi_oblique *o)
 {
     const bvxi_map *const m = &o->contour_edge;
-    memset(job->again, 0, (size_t)job->vertices);
-    BVXI_TRY(bvxi_for(o->ctx, "surface", m->room, 1024, judge_edge_piece, job));
     for (uint64_t i = 0; i < m->room; i++) {
-        uint64_t const key = m->key[i];
-        uint32_t const a = (uint32_t)(key >> 32), b = (uint32_t)key;
-        if (key == UINT64_MAX || m->value[i] == BVXI_NONE) continue;
-        if (!job->wrong[i] && !job->again[a] && !job->again[b]) continue;
-        BVXI_TRY(settle_edge(o, a, b, m->value[i] / 2, job));
+        if (i % 4096 == 0) BVXI_TRY(bvxi_progress(o->ctx, "surface", (double)i / (double)m->room));
+        if (m->key[i] == UINT64_MAX || m->value[i] == BVXI_NONE) continue;
+        BVXI_TRY(settle_edge(o, (uint32_t)(m->key[i] >> 32), (uint32_t)m->key[i], m->value[i] / 2));
     }
     return BVX_OK;
 }
@@ -388,41 +384,22 @@ static bvx_status settle_vertices(bvxi_oblique *o, signs_job *job)
     return BVX_OK;
 }
 
-/* Tetrahedra with two or more vertices on contours: those that are split become no others. */
-static void mark_contours_piece(void *user, uint64_t begin, uint64_t end)
-{
-    const signs_job *const job = user;
-    const bvxi_oblique *const o = job->o;
-    for (uint64_t t = begin; t < end; t++) o->mark[t] = bvxi_on_contours(o, &o->tetra[t]) >= 2;
-}
-
-static bvx_status part_contours(bvxi_oblique *o, signs_job *job)
-{
-    uint64_t const marked = o->tetra_count;
-    BVXI_TRY(BVXI_RESERVE(o, o->mark, o->tetra_room[0], o->mark_room, "the marks of tetrahedra"));
-    BVXI_TRY(bvxi_for(o->ctx, "surface", o->tetra_count, 4096, mark_contours_piece, job));
-    for (uint64_t t = 0; t < o->tetra_count; t++)
-        if (t >= marked || o->mark[t]) BVXI_TRY(part_tetrahedron(o, (uint32_t)t));
-    return BVXI_RESERVE(o, o->mark, o->tetra_count, o->mark_room, "the marks of tetrahedra");
-}
-
 bvx_status bvxi_oblique_signs(bvxi_oblique *o)
 {
     signs_job job = {.o = o};
     uint32_t *torn = NULL;
-    uint64_t count = 0, most;
+    uint64_t count = 0;
 
     BVXI_TRY(
         BVXI_SHARE(o->ctx, 0.0, 0.2, bvxi_for(o->ctx, "surface", o->vertex_count, 256, signs_piece, &job)));
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.2, 0.4, part_contours(o, &job)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.2, 0.4, bvxi_oblique_part_contours(o)));
 
     job.vertices = o->vertex_count;
-    most = job.vertices > o->contour_edge.room ? job.vertices : o->contour_edge.room;
-    BVXI_TRY(BVXI_ARRAY(o->ctx, most, "the vertices to settle", job.wrong));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, job.vertices, "the vertices to settle", job.wrong));
     BVXI_TRY(BVXI_ARRAY(o->ctx, job.vertices, "the vertices to settle", job.again));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.5, bvxi_oblique_regions(o, &torn, &count)));
     /* Vertices that planes contradict each other of come first: others look at their signs. */
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.5, 0.64, settle_signs(o, &job, torn, count)));
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.64, 0.82, settle_edges(o, &job)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.64, 0.82, settle_edges(o)));
     return BVXI_SHARE(o->ctx, 0.82, 1.0, settle_vertices(o, &job));
 }

@@ -111,8 +111,7 @@ static uint64_t cell_below(const bvxi_oblique *o, uint32_t plane, const double *
     return key;
 }
 
-static void add_stretches(const bvxi_oblique *o, const uint32_t *joined, uint32_t plane, uint32_t first,
-                          part_work *w)
+static void add_stretches(const bvxi_oblique *o, const uint32_t *joined, uint32_t plane, part_work *w)
 {
     const bvxi_plane *const p = &o->plane[plane].plane;
 
@@ -120,7 +119,7 @@ static void add_stretches(const bvxi_oblique *o, const uint32_t *joined, uint32_
         uint64_t before = 0;
         for (uint32_t n = p->contour[c].first; n < p->contour[c].first + p->contour[c].count; n++) {
             const double *const at = o->given->points + 3 * (uint64_t)p->given[n];
-            uint32_t const v = o->point_vertex[first + n];
+            uint32_t const v = o->plane[plane].vertex[n];
             uint32_t const root = v == BVXI_NONE || o->output[v] == BVXI_NONE ? BVXI_NONE
                                                                               : joined[o->output[v]];
             uint64_t const below = root == BVXI_NONE || !o->kept[root] ? 0 : cell_below(o, plane, at);
@@ -172,14 +171,12 @@ static void join_in_cell(bvxi_oblique *o, const part_work *w, const uint32_t *ce
 static bvx_status find_apart(bvxi_oblique *o, uint32_t *joined)
 {
     uint64_t const most = 2 * (uint64_t)o->point_count;
-    uint32_t first = 0;
     part_work w = {0};
 
     BVXI_TRY(BVXI_ARRAY(o->ctx, most, "contours in cells", w.stretch));
     BVXI_TRY(BVXI_ARRAY(o->ctx, most, "contours in cells", w.key));
     BVXI_TRY(BVXI_ARRAY(o->ctx, most, "contours in cells", w.order));
-    for (uint32_t i = 0; i < o->plane_count; first += o->plane[i++].plane.point_count)
-        add_stretches(o, joined, i, first, &w);
+    for (uint32_t i = 0; i < o->plane_count; i++) add_stretches(o, joined, i, &w);
     BVXI_TRY(bvxi_radix_sort(o->ctx, w.key, w.order, w.count));
     for (uint32_t i = 0, n; i < w.count; i += n) {
         for (n = 1; i + n < w.count && w.key[i + n] == w.key[i];) n++;
@@ -189,11 +186,6 @@ static bvx_status find_apart(bvxi_oblique *o, uint32_t *joined)
 }
 
 /* oblique_parts.c: parts that end towards each other, counted and joined; those joined already are at their roots. */
-static bvx_status join_open_parts(bvxi_oblique *o, uint32_t *joined)
-{
-    return BVXI_SCOPE(o->ctx, find_apart(o, joined));
-}
-
 /* ---- the surface ---- */
 
 enum { HANDLE_ROUNDS = 3 };
@@ -206,10 +198,8 @@ static bvx_status add_position(bvxi_oblique *o, const double at[3], uint32_t *nu
 {
     BVXI_TRY(
         BVXI_GROW_BY(o, o->position, o->position_count, o->position_room, 24, "the vertices of the surface"));
-    BVXI_TRY(BVXI_GROW(o, o->kept, o->position_count, o->kept_room, "the vertices of the surface"));
     for (int k = 0; k < 3; k++)
         o->position[3 * o->position_count + (uint64_t)k] = o->origin[k] + o->step * at[k];
-    o->kept[o->position_count] = 0;
     *number = (uint32_t)o->position_count++;
     return BVX_OK;
 }
@@ -368,20 +358,8 @@ static bvx_status count_handles(bvxi_oblique *o, int64_t *handles)
 
 static bvx_status march_again(bvxi_oblique *o)
 {
-    bvx_context *const ctx = o->ctx;
-
-    bvxi_drop(ctx, o->crossing.key);
-    bvxi_drop(ctx, o->crossing.value);
-    bvxi_drop(ctx, o->position);
-    bvxi_drop(ctx, o->triangle);
-    bvxi_drop(ctx, o->kept);
-    bvxi_drop(ctx, o->crossed);
-    memset(&o->crossing, 0, sizeof o->crossing);
-    o->position = NULL;
-    o->triangle = NULL;
-    o->kept = NULL;
-    o->crossed = NULL;
-    o->position_count = o->position_room = o->triangle_count = o->triangle_room = o->kept_room = 0;
+    bvxi_map_clear(&o->crossing);
+    o->position_count = o->triangle_count = 0;
     BVXI_TRY(BVXI_RESERVE(o, o->output, o->vertex_count, o->output_room, "the vertices on contours"));
     BVXI_TRY(BVXI_RESERVE(o, o->mark, o->tetra_count, o->mark_room, "the marks of tetrahedra"));
     memset(o->output, 0xff, (size_t)o->output_room * 4);
@@ -410,12 +388,10 @@ static bvx_status close_handles(bvxi_oblique *o)
 static void oblique_count_unkept(bvxi_oblique *o, const uint32_t *renumbered)
 {
     double const most = ONE_PLACE * o->longest * o->step;
-    uint32_t first = 0;
-
     for (uint32_t i = 0; i < o->plane_count; i++) {
         const bvxi_plane *const p = &o->plane[i].plane;
         for (uint32_t n = 0; n < p->point_count; n++) {
-            uint32_t const v = o->point_vertex[first + n];
+            uint32_t const v = o->plane[i].vertex[n];
             const double *const given = o->given->points + 3 * (uint64_t)p->given[n];
             int kept = v != BVXI_NONE && o->output[v] != BVXI_NONE && renumbered[o->output[v]] != BVXI_NONE;
             /* Points of two planes may be one place but for rounding: the first one's coordinates are both's. */
@@ -425,7 +401,6 @@ static void oblique_count_unkept(bvxi_oblique *o, const uint32_t *renumbered)
             o->report.unkept_points++;
             bvxi_report_place(&o->report, given);
         }
-        first += p->point_count;
     }
 }
 
@@ -444,8 +419,6 @@ static int is_small_loop(const bvxi_oblique *o, const bvxi_plane *p, const bvxi_
 /* Bodies that hold most of some contour are marked at their roots: 2 for a small one alone, else 1. */
 static void mark_bodies(bvxi_oblique *o, const uint32_t *joined)
 {
-    uint32_t first = 0;
-
     for (uint32_t i = 0; i < o->plane_count; i++) {
         const bvxi_plane *const p = &o->plane[i].plane;
         for (uint32_t c = 0; c < p->contour_count; c++) {
@@ -453,7 +426,7 @@ static void mark_bodies(bvxi_oblique *o, const uint32_t *joined)
             uint32_t most = BVXI_NONE, lead = 0;
             /* the one with more than half of the points, if any (Boyer, Moore 1981), is the last to lead */
             for (uint32_t n = 0; n < loop->count; n++) {
-                uint32_t const v = o->point_vertex[first + loop->first + n];
+                uint32_t const v = o->plane[i].vertex[loop->first + n];
                 uint32_t const root = v == BVXI_NONE || o->output[v] == BVXI_NONE ? BVXI_NONE
                                                                                   : joined[o->output[v]];
                 if (lead == 0) most = root;
@@ -462,7 +435,6 @@ static void mark_bodies(bvxi_oblique *o, const uint32_t *joined)
             if (lead == 0 || most == BVXI_NONE) continue;
             o->kept[most] = o->kept[most] == 0 && is_small_loop(o, p, loop) ? 2 : 1;
         }
-        first += p->point_count;
     }
     for (uint64_t i = 0; i < o->position_count; i++) o->specks += o->kept[i] == 2;
 }
@@ -478,9 +450,8 @@ static bvx_status keep_bodies(bvxi_oblique *o, uint32_t *joined, uint64_t *verti
     for (uint64_t i = 0; i < o->position_count; i++) joined[i] = bvxi_root(joined, (uint32_t)i);
     memset(o->kept, 0, (size_t)o->position_count);
     mark_bodies(o, joined);
-    BVXI_TRY(join_open_parts(o, joined));
+    BVXI_TRY(BVXI_SCOPE(o->ctx, find_apart(o, joined)));
 
-    /* Triangles of the others go; the order of those that stay is as it was. */
     for (uint64_t t = 0; t < o->triangle_count; t++) {
         if (!o->kept[joined[o->triangle[3 * t]]]) continue;
         if (kept != t) memcpy(o->triangle + 3 * kept, o->triangle + 3 * t, 12);
@@ -523,18 +494,15 @@ static bvx_status write_surface(bvxi_oblique *o, uint32_t *joined, bvx_mesh *mes
     BVXI_TRY(refuse_torn(o));
     memset(o->kept, 0, (size_t)o->position_count);
 
-    /* Contours' points have the coordinates given. */
-    uint32_t first = 0;
     for (uint32_t i = 0; i < o->plane_count; i++) {
         const bvxi_plane *const p = &o->plane[i].plane;
         for (uint32_t n = 0; n < p->point_count; n++) {
-            uint32_t const v = o->point_vertex[first + n];
+            uint32_t const v = o->plane[i].vertex[n];
             if (v == BVXI_NONE || o->output[v] == BVXI_NONE || o->kept[o->output[v]]) continue;
             o->kept[o->output[v]] = 1; /* the first of two points at one vertex */
             memcpy(o->position + 3 * (uint64_t)o->output[v], o->given->points + 3 * (uint64_t)p->given[n],
                    24);
         }
-        first += p->point_count;
     }
 
     BVXI_TRY(keep_bodies(o, joined, &vertices));
@@ -564,5 +532,6 @@ bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh)
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6, march_all(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.7, close_handles(o)));
     BVXI_TRY(BVXI_ARRAY(o->ctx, o->position_count, "the parts of the surface", joined));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->position_count, "the parts of the surface", o->kept));
     return write_surface(o, joined, mesh);
 }

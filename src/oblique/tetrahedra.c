@@ -26,20 +26,17 @@ bvx_status bvxi_tetra_add_vertex(bvxi_oblique *o, const double at[3], uint32_t *
 bvx_status bvxi_tetra_add(bvxi_oblique *o, const uint32_t v[4], const uint32_t n[4], uint32_t chain_of,
                           uint32_t *number)
 {
-    static const char what[] = "the tetrahedra";
     uint64_t const at = o->tetra_count;
 
-    BVXI_TRY(BVXI_GROW(o, o->tetra, at, o->tetra_room[0], what));
-    BVXI_TRY(BVXI_GROW(o, o->chain, at, o->tetra_room[1], what));
-    BVXI_TRY(BVXI_GROW(o, o->twin, at, o->tetra_room[2], what));
-    BVXI_TRY(BVXI_GROW(o, o->stamp, at, o->tetra_room[3], what));
-    memcpy(o->tetra[at].v, v, 16);
-    memcpy(o->tetra[at].n, n, 16);
-    o->stamp[at] = 0;
-    o->chain[at] = BVXI_NONE;
+    BVXI_TRY(BVXI_GROW(o, o->tetra, at, o->tetra_room, "the tetrahedra"));
+    bvxi_tetra *const t = &o->tetra[at];
+    memcpy(t->v, v, 16);
+    memcpy(t->n, n, 16);
+    t->stamp = 0;
+    t->chain = BVXI_NONE;
     if (chain_of != BVXI_NONE) {
-        o->chain[at] = o->chain[chain_of];
-        o->chain[chain_of] = (uint32_t)at;
+        t->chain = o->tetra[chain_of].chain;
+        o->tetra[chain_of].chain = (uint32_t)at;
     }
     for (int k = 0; k < 4; k++) o->vertex[v[k]].tetra = (uint32_t)at;
     *number = (uint32_t)at;
@@ -95,7 +92,7 @@ bvx_status bvxi_tetra_ring(bvxi_oblique *o, uint32_t tetra, uint32_t a, uint32_t
 void bvxi_tetra_new_stamp(bvxi_oblique *o)
 {
     if (++o->stamps != 0) return;
-    memset(o->stamp, 0, (size_t)o->tetra_count * 4);
+    for (uint64_t t = 0; t < o->tetra_count; t++) o->tetra[t].stamp = 0;
     o->stamps = 1;
 }
 
@@ -103,7 +100,7 @@ static bvx_status add_to_star(bvxi_oblique *o, uint32_t tetra)
 {
     BVXI_TRY(BVXI_GROW(o, o->star, o->star_count, o->star_room, "the tetrahedra round a vertex"));
     o->star[o->star_count++] = tetra;
-    o->stamp[tetra] = o->stamps;
+    o->tetra[tetra].stamp = o->stamps;
     return BVX_OK;
 }
 
@@ -116,7 +113,7 @@ bvx_status bvxi_tetra_star(bvxi_oblique *o, uint32_t vertex)
     for (uint64_t i = 0; i < o->star_count; i++) {
         const bvxi_tetra t = o->tetra[o->star[i]];
         for (int k = 0; k < 4; k++)
-            if (t.v[k] != vertex && t.n[k] != BVXI_NONE && o->stamp[t.n[k]] != o->stamps)
+            if (t.v[k] != vertex && t.n[k] != BVXI_NONE && o->tetra[t.n[k]].stamp != o->stamps)
                 BVXI_TRY(add_to_star(o, t.n[k]));
     }
     return BVX_OK;
@@ -183,16 +180,15 @@ bvx_status bvxi_tetra_split_edge(bvxi_oblique *o, uint32_t tetra, uint32_t a, ui
     BVXI_TRY(keep_contour_edge(o, a, b, *m));
     BVXI_TRY(bvxi_tetra_ring(o, tetra, a, b, &closed));
 
-    /* The old one keeps a, its twin gets b; first all twins, so that they can be linked with each other. */
     for (uint64_t i = 0; i < o->ring_count; i++) {
         uint32_t const t = o->ring[i];
         bvxi_tetra const old = o->tetra[t]; /* a copy: bvxi_tetra_add may move the array */
         uint32_t twin;
         BVXI_TRY(bvxi_tetra_add(o, old.v, old.n, t, &twin));
-        o->twin[t] = twin;
+        o->tetra[t].twin = twin;
     }
     for (uint64_t i = 0; i < o->ring_count; i++) {
-        uint32_t const kept = o->ring[i], twin = o->twin[kept];
+        uint32_t const kept = o->ring[i], twin = o->tetra[kept].twin;
         bvxi_tetra *const half_a = &o->tetra[kept], *const half_b = &o->tetra[twin];
         int const corner_a = bvxi_corner_of(half_a, a), corner_b = bvxi_corner_of(half_a, b);
 
@@ -203,7 +199,7 @@ bvx_status bvxi_tetra_split_edge(bvxi_oblique *o, uint32_t tetra, uint32_t a, ui
         half_a->n[corner_a] = twin;
         for (int k = 0; k < 4; k++)
             if (k != corner_a && k != corner_b && half_b->n[k] != BVXI_NONE)
-                half_b->n[k] = o->twin[half_b->n[k]];
+                half_b->n[k] = o->tetra[half_b->n[k]].twin;
         for (int k = 0; k < 4; k++) {
             o->vertex[half_a->v[k]].tetra = kept;
             if (half_b->v[k] == b) o->vertex[b].tetra = twin;
