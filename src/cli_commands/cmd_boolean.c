@@ -161,7 +161,8 @@ static bvx_status fit_boolean_lattice(cli_run *run, const boolean_run *b, bvx_la
     choose_boolean_box(b, box, &fit);
     /* The surface of the result must close within the lattice. */
     run->options->padding = 1;
-    status = cli_make_box_lattice(run, &fit, lattice);
+    bvx_mesh_view const corners = cli_corners_of_box(&fit);
+    status = cli_make_lattice(run, &corners, lattice);
     if (status == BVX_OK) give_fraction_bits(box, lattice);
     return status;
 }

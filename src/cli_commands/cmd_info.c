@@ -49,7 +49,6 @@ static const char *yes_or_no(int v)
 
 static void tell_certificate(cli_made *made, const bvx_certificate *c)
 {
-    static const char axis[] = "xyz";
     cli_tell(made, "  triangles   %" PRIu64 " of %" PRIu64 " vertices and %" PRIu64 " edges\n", c->triangles,
              c->vertices, c->edges);
     if (c->unused_vertices != 0) cli_tell(made, "  unused      %" PRIu64 " vertices\n", c->unused_vertices);
@@ -58,9 +57,7 @@ static void tell_certificate(cli_made *made, const bvx_certificate *c)
                  "  beside      %" PRIu64 " collapsed, %" PRIu64 " without area, %" PRIu64
                  " duplicate triangles\n",
                  c->collapsed, c->degenerate, c->duplicates);
-    for (int a = 0; a < 3; a++)
-        cli_tell(made, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], c->box.low[a], c->box.high[a],
-                 c->box.high[a] - c->box.low[a]);
+    cli_tell_box(made, c->box.low, c->box.high);
     cli_tell(made, "  closed      %s", yes_or_no(c->closed));
     if (c->boundary_edges != 0) cli_tell(made, ", %" PRIu64 " boundary edges", c->boundary_edges);
     cli_tell(made, "\n  manifold    %s", yes_or_no(c->edge_manifold && c->vertex_manifold));
@@ -345,31 +342,18 @@ static int info_of_tree(cli_run *run, cli_input *in, cli_made *made)
 
 static int info_of_cloud(const bvx_mesh *points, const char *path, cli_made *made)
 {
-    static const char axis[] = "xyz";
     cli_text *const t = &made->members;
-    double low[3], high[3];
+    cli_box box;
 
-    for (int a = 0; a < 3; a++) {
-        low[a] = HUGE_VAL;
-        high[a] = -HUGE_VAL;
-        for (uint64_t i = 0; i < points->vertex_count; i++) {
-            size_t const at = (size_t)i * 3 + (size_t)a;
-            double const p = points->position_type == BVX_F32 ? (double)((const float *)points->positions)[at]
-                                                              : ((const double *)points->positions)[at];
-            low[a] = p < low[a] ? p : low[a];
-            high[a] = p > high[a] ? p : high[a];
-        }
-    }
-
+    cli_box_of_points(points->positions, points->position_type, points->vertex_count, &box);
     cli_text_add(t, ", \"cloud\": {\"path\": ");
     cli_json_string(t, path);
     cli_json_count(t, "points", points->vertex_count);
-    cli_json_triple(t, "low", low);
-    cli_json_triple(t, "high", high);
+    cli_json_triple(t, "low", box.low);
+    cli_json_triple(t, "high", box.high);
     cli_text_add(t, "}");
     cli_tell(made, "  points      %" PRIu64 ", no triangles\n", points->vertex_count);
-    for (int a = 0; a < 3; a++)
-        cli_tell(made, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], low[a], high[a], high[a] - low[a]);
+    cli_tell_box(made, box.low, box.high);
     return CLI_DONE;
 }
 

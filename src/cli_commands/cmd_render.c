@@ -82,8 +82,9 @@ static bvx_status fit_lattice(cli_run *run, const cli_input *in, int count, int3
     cli_mesh_box(&in[0].mesh, &box);
     cli_mesh_box(&in[count - 1].mesh, &other);
     cli_join_boxes(&box, &other);
+    bvx_mesh_view const corners = cli_corners_of_box(&box);
     fit.resolution = resolution;
-    return cli_fit_box(run->context, &box, &fit, lattice);
+    return bvx_lattice_fit_with(run->context, &corners, &fit, lattice);
 }
 
 static int voxelize_scene(cli_run *run, cli_scene *s, int count)

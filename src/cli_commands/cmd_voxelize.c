@@ -219,8 +219,8 @@ static int choose_box(cli_run *run, voxel_job *job)
 
 static bvx_status fit_lattice(cli_run *run, const voxel_job *job, bvx_lattice *l)
 {
-    if (job->cloud) return cli_make_cloud_lattice(run, &job->view, l);
-    return job->boxed ? cli_make_box_lattice(run, &job->box, l) : cli_make_lattice(run, &job->view, l);
+    bvx_mesh_view const corners = cli_corners_of_box(&job->box);
+    return cli_make_lattice(run, job->boxed && !job->cloud ? &corners : &job->view, l);
 }
 
 static int choose_lattice(cli_run *run, voxel_job *job)

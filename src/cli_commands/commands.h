@@ -54,6 +54,8 @@ extern const cli_job cli_voxelize_volume;
 
 /* Read contours and tell what they are. */
 int cli_tell_sections(cli_run *run, const char *path, cli_made *made);
+/* The ends of a box and its sides, a line an axis. */
+void cli_tell_box(cli_made *made, const double low[3], const double high[3]);
 /* The type, range and histogram of a volume's samples, where they are more than bits. */
 int cli_tell_samples(cli_run *run, const char *path, cli_made *made);
 

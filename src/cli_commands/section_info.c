@@ -14,7 +14,7 @@ typedef struct label_facts {
 } label_facts;
 
 typedef struct section_facts {
-    double low[3], high[3];
+    cli_box box;
     double first, last, step, even; /* positions, mean distance, greatest deviation from it */
     uint64_t empty;                 /* sections without a loop */
     label_facts *label;
@@ -82,9 +82,14 @@ static int count_labels(cli_run *run, const bvx_sections *s, section_facts *f)
     return CLI_DONE;
 }
 
+void cli_tell_box(cli_made *made, const double low[3], const double high[3])
+{
+    for (int a = 0; a < 3; a++)
+        cli_tell(made, "  %c           %.9g .. %.9g (%.9g)\n", "xyz"[a], low[a], high[a], high[a] - low[a]);
+}
+
 static void tell_facts_of_sections(const bvx_sections *s, const section_facts *f, cli_made *made)
 {
-    static const char axis[] = "xyz";
     const double *const n = s->normal;
 
     cli_tell(made, "  sections    %" PRIu64, s->section_count);
@@ -101,9 +106,7 @@ static void tell_facts_of_sections(const bvx_sections *s, const section_facts *f
     if (s->section_count > 1)
         cli_tell(made, "  distance    %.9g from plane to plane%s\n", f->step,
                  f->even > 1e-6 * f->step ? " in the mean" : "");
-    for (int a = 0; a < 3; a++)
-        cli_tell(made, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], f->low[a], f->high[a],
-                 f->high[a] - f->low[a]);
+    cli_tell_box(made, f->box.low, f->box.high);
 }
 
 static void report_sections(const char *path, const bvx_sections *s, const section_facts *f, cli_made *made)
@@ -120,8 +123,8 @@ static void report_sections(const char *path, const bvx_sections *s, const secti
     cli_json_value(t, "first_position", f->first);
     cli_json_value(t, "last_position", f->last);
     cli_json_value(t, "mean_distance", f->step);
-    cli_json_triple(t, "low", f->low);
-    cli_json_triple(t, "high", f->high);
+    cli_json_triple(t, "low", f->box.low);
+    cli_json_triple(t, "high", f->box.high);
     cli_text_add(t, ", \"labels\": [");
     for (uint64_t i = 0; i < f->labels; i++)
         cli_text_add(t, "%s{\"label\": %" PRId32 ", \"loops\": %" PRIu64 ", \"points\": %" PRIu64 "}",
@@ -139,16 +142,7 @@ int cli_tell_sections(cli_run *run, const char *path, cli_made *made)
     if (status == CLI_DONE) status = measure_positions(run, &sections, &f);
     if (status == CLI_DONE) status = count_labels(run, &sections, &f);
     if (status == CLI_DONE) {
-        for (int a = 0; a < 3; a++) {
-            f.low[a] = HUGE_VAL;
-            f.high[a] = -HUGE_VAL;
-            for (uint64_t i = 0; i < sections.point_count; i++) {
-                double const p = sections.points[i * 3 + (uint64_t)a];
-                f.low[a] = p < f.low[a] ? p : f.low[a];
-                f.high[a] = p > f.high[a] ? p : f.high[a];
-            }
-        }
-
+        cli_box_of_points(sections.points, BVX_F64, sections.point_count, &f.box);
         tell_facts_of_sections(&sections, &f, made);
         report_sections(path, &sections, &f, made);
     }

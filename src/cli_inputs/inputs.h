@@ -148,12 +148,12 @@ typedef struct cli_box {
 /* The box of the vertices that a mesh's triangles use; one that holds two. */
 void cli_mesh_box(const bvx_mesh *mesh, cli_box *box);
 void cli_join_boxes(cli_box *box, const cli_box *other);
-bvx_status cli_fit_box(bvx_context *context, const cli_box *box, const bvx_lattice_options *fit,
-                       bvx_lattice *lattice);
-/* A lattice by the options, around a box, a mesh or a cloud of points. */
-bvx_status cli_make_box_lattice(cli_run *run, const cli_box *box, bvx_lattice *lattice);
+/* The box of points; from infinity to minus infinity where there is none. */
+void cli_box_of_points(const void *positions, int32_t type, uint64_t count, cli_box *box);
+/* The points that a lattice around a box goes around. */
+bvx_mesh_view cli_corners_of_box(const cli_box *box);
+/* A lattice by the options, around a mesh or points. */
 bvx_status cli_make_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice);
-bvx_status cli_make_cloud_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice);
 /* --window; all zero when it is not given. */
 int cli_window_option(cli_run *run, bvx_window *window);
 /* The diagonal of a box, wherever doubles hold it. */

@@ -44,6 +44,20 @@ void cli_mesh_box(const bvx_mesh *mesh, cli_box *box)
     *box = b;
 }
 
+void cli_box_of_points(const void *positions, int32_t type, uint64_t count, cli_box *box)
+{
+    double p[3];
+
+    for (int a = 0; a < 3; a++) {
+        box->low[a] = HUGE_VAL;
+        box->high[a] = -HUGE_VAL;
+    }
+    for (uint64_t i = 0; i < count; i++) {
+        position_of(positions, (uint32_t)type, i, p);
+        for (int a = 0; a < 3; a++) widen(p[a], &box->low[a], &box->high[a]);
+    }
+}
+
 void cli_join_boxes(cli_box *box, const cli_box *other)
 {
     for (int a = 0; a < 3; a++) {
@@ -52,29 +66,13 @@ void cli_join_boxes(cli_box *box, const cli_box *other)
     }
 }
 
-bvx_status cli_fit_box(bvx_context *context, const cli_box *box, const bvx_lattice_options *fit,
-                       bvx_lattice *lattice)
+bvx_mesh_view cli_corners_of_box(const cli_box *box)
 {
-    bvx_mesh_view const corners = {.positions = box, .vertex_count = 2, .position_type = BVX_F64};
-    return bvx_lattice_fit_with(context, &corners, fit, lattice);
-}
-
-/* What a lattice goes around: the first that is not NULL. */
-typedef struct fit_target {
-    const cli_box *box;
-    const bvx_mesh_view *points, *mesh;
-} fit_target;
-
-static bvx_status fit_to(cli_run *run, const fit_target *target, const bvx_lattice_options *fit,
-                         bvx_lattice *lattice)
-{
-    if (target->box != NULL) return cli_fit_box(run->context, target->box, fit, lattice);
-    return bvx_lattice_fit_with(run->context, target->points != NULL ? target->points : target->mesh, fit,
-                                lattice);
+    return (bvx_mesh_view){.positions = box, .vertex_count = 2, .position_type = BVX_F64};
 }
 
 /* From a given corner up to the mesh's high end. */
-static bvx_status lattice_from_origin(cli_run *run, const fit_target *target, bvx_lattice *lattice)
+static bvx_status lattice_from_origin(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice)
 {
     const cli_options *const o = run->options;
     bvx_lattice_options fit = {.struct_size = sizeof fit};
@@ -82,7 +80,8 @@ static bvx_status lattice_from_origin(cli_run *run, const fit_target *target, bv
     int32_t dims[3];
 
     memcpy(fit.spacing, spacing, sizeof spacing);
-    bvx_status const status = fit_to(run, target, &fit, lattice); /* its far end covers the mesh */
+    bvx_status const status = bvx_lattice_fit_with(run->context, view, &fit,
+                                                   lattice); /* its far end covers the mesh */
     if (status != BVX_OK) return status;
     for (int a = 0; a < 3; a++) {
         /* Rounded outwards, so that the last voxel covers the mesh's high end. */
@@ -93,36 +92,18 @@ static bvx_status lattice_from_origin(cli_run *run, const fit_target *target, bv
     return bvx_lattice_make(run->context, o->origin.value, spacing, dims, lattice);
 }
 
-static bvx_status make_lattice(cli_run *run, const fit_target *target, bvx_lattice *lattice)
+bvx_status cli_make_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice)
 {
     const cli_options *const o = run->options;
     bvx_lattice_options fit = {.struct_size = sizeof fit};
-    if (o->origin.given) return lattice_from_origin(run, target, lattice);
+    if (o->origin.given) return lattice_from_origin(run, view, lattice);
     fit.padding = o->padding;
     if (o->spacing != 0.0)
         for (int a = 0; a < 3; a++) fit.spacing[a] = o->spacing;
     else if (o->resolution.count == 3)
         for (int a = 0; a < 3; a++) fit.axis_resolution[a] = (int32_t)o->resolution.value[a];
     else fit.resolution = o->resolution.count == 1 ? (int32_t)o->resolution.value[0] : LATTICE_RESOLUTION;
-    return fit_to(run, target, &fit, lattice);
-}
-
-bvx_status cli_make_box_lattice(cli_run *run, const cli_box *box, bvx_lattice *lattice)
-{
-    fit_target const target = {.box = box};
-    return make_lattice(run, &target, lattice);
-}
-
-bvx_status cli_make_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice)
-{
-    fit_target const target = {.mesh = view};
-    return make_lattice(run, &target, lattice);
-}
-
-bvx_status cli_make_cloud_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice)
-{
-    fit_target const target = {.points = view};
-    return make_lattice(run, &target, lattice);
+    return bvx_lattice_fit_with(run->context, view, &fit, lattice);
 }
 
 int cli_window_option(cli_run *run, bvx_window *window)
@@ -251,60 +232,43 @@ static void count_far(far_points *f)
     }
 }
 
-/* By --resolution a far point costs no memory, but leaves the others a few voxels: where they lie in fewer
- * than NEAR_VOXELS along each axis of a lattice that has many more. */
-static void warn_of_far(cli_run *run, const char *path, const bvx_mesh_view *view, int cloud,
-                        const bvx_lattice *lattice)
-{
-    far_points f = {.view = view, .cloud = cloud};
-    double most = 0.0;
-    int32_t longest = 0;
-
-    f.count = cloud ? view->vertex_count : view->triangle_count * 3;
-    if (f.count == 0 || !find_near_box(&f)) return;
-    count_far(&f);
-    /* Many far points are a shape of two parts, not a mistake. */
-    if (f.far == 0 || f.far > f.count / FAR_SHARE) return;
-    for (int a = 0; a < 3; a++) {
-        most = fmax(most, (f.near_high[a] - f.near_low[a]) / lattice->spacing[a]);
-        longest = lattice->dims[a] > longest ? lattice->dims[a] : longest;
-    }
-    if (most >= NEAR_VOXELS || longest < 4 * NEAR_VOXELS) return;
-
-    cli_warn(run, BVX_WARN_FAR,
-             "%s: %s %" PRIu64 " at %.9g, %.9g, %.9g lies far from the others%s, which are %.2g of %" PRId32
-             " voxels long; take it out of "
-             "the file, or choose voxels by --spacing",
-             cli_input_name(path), cloud ? "point" : "vertex", f.first, f.at[0], f.at[1], f.at[2],
-             f.far == 1 ? "" : ", and it is not the only one", most, longest);
-}
-
+/* Two ways in which far points do harm. By --resolution one costs no memory, but leaves the others a few voxels:
+ * where they lie in fewer than NEAR_VOXELS along each axis of a lattice that has many more. */
 int cli_check_far(cli_run *run, const char *path, const bvx_mesh_view *view, int cloud,
                   const bvx_lattice *lattice)
 {
-    double bytes = 8.0, near = 8.0, limit = (double)run->context_limit;
+    const char *const what = cloud ? "point" : "vertex", *const name = cli_input_name(path);
+    double bytes = 8.0, near = 8.0, most = 0.0, limit = (double)run->context_limit;
     far_points f = {.view = view, .cloud = cloud};
+    int32_t longest = 0;
 
     f.count = cloud ? view->vertex_count : view->triangle_count * 3;
-    for (int a = 0; a < 3; a++) bytes *= a == 0 ? ceil(lattice->dims[a] / 64.0) : (double)lattice->dims[a];
-    warn_of_far(run, path, view, cloud, lattice);
-    if (bytes < FAR_BYTES || f.count == 0 || bytes <= limit || !find_near_box(&f)) return CLI_DONE;
-
+    if (f.count == 0 || !find_near_box(&f)) return CLI_DONE;
     count_far(&f);
+    /* Many far points are a shape of two parts, not a mistake. */
     if (f.far == 0 || f.far > f.count / FAR_SHARE) return CLI_DONE;
     for (int a = 0; a < 3; a++) {
-        double const n = floor((f.near_high[a] - f.near_low[a]) / lattice->spacing[a]) + 1.0;
+        double const length = (f.near_high[a] - f.near_low[a]) / lattice->spacing[a], n = floor(length) + 1.0;
+        most = fmax(most, length);
+        longest = lattice->dims[a] > longest ? lattice->dims[a] : longest;
+        bytes *= a == 0 ? ceil(lattice->dims[a] / 64.0) : (double)lattice->dims[a];
         near *= a == 0 ? ceil(n / 64.0) : n;
     }
-    if (near * FAR_SAVED > bytes) return CLI_DONE;
 
+    const char *const more = f.far == 1 ? "" : ", and it is not the only one";
+    if (most < NEAR_VOXELS && longest >= 4 * NEAR_VOXELS)
+        cli_warn(run, BVX_WARN_FAR,
+                 "%s: %s %" PRIu64
+                 " at %.9g, %.9g, %.9g lies far from the others%s, which are %.2g of %" PRId32
+                 " voxels long; take it out of the file, or choose voxels by --spacing",
+                 name, what, f.first, f.at[0], f.at[1], f.at[2], more, most, longest);
+    if (bytes < FAR_BYTES || bytes <= limit || near * FAR_SAVED > bytes) return CLI_DONE;
     return cli_fail(
         run,
         "%s: %s %" PRIu64 " at %.9g, %.9g, %.9g lies far from the others%s: a lattice of %" PRId32
         " x %" PRId32 " x %" PRId32
         " voxels around both takes %.3g bytes, without it %.3g; take it out of the file, or allow so much "
         "by --memory-limit",
-        cli_input_name(path), cloud ? "point" : "vertex", f.first, f.at[0], f.at[1], f.at[2],
-        f.far == 1 ? "" : ", and it is not the only one", lattice->dims[0], lattice->dims[1],
+        name, what, f.first, f.at[0], f.at[1], f.at[2], more, lattice->dims[0], lattice->dims[1],
         lattice->dims[2], bytes, near);
 }

@@ -2,6 +2,8 @@
  * format that a call does not have. */
 #include "io/formats.h"
 
+const char bvxi_axis_name[3][2] = {"x", "y", "z"};
+
 int32_t bvxi_word_is(const char *text, size_t n, const char *names)
 {
     const char *const end = names + bvxi_text_length(names);

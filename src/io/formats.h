@@ -55,6 +55,8 @@ static inline int bvxi_is_blank(char c)
     return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
 }
 
+extern const char bvxi_axis_name[3][2];
+
 /* Which of some names parted by '|', in lower case, the n characters are, in either case of letters: from 1 on;
  * 0: none. */
 int32_t bvxi_word_is(const char *text, size_t n, const char *names);

@@ -3,18 +3,18 @@
 
 #include <stdarg.h>
 
-static void put_text(bvxi_output *o, const char *text)
+static void print_text(bvxi_output *o, const char *text)
 {
     bvxi_output_add(o, text, bvxi_text_length(text));
 }
 
-static void put_double(bvxi_output *o, double v)
+static void print_one_double(bvxi_output *o, double v)
 {
     char text[32];
     bvxi_output_add(o, text, (size_t)bvxi_print_double(v, text));
 }
 
-static void put_whole(bvxi_output *o, uint64_t v)
+static void print_whole(bvxi_output *o, uint64_t v)
 {
     char digits[20];
     size_t n = sizeof digits;
@@ -25,32 +25,32 @@ static void put_whole(bvxi_output *o, uint64_t v)
     bvxi_output_add(o, digits + n, sizeof digits - n);
 }
 
-static void put_signed(bvxi_output *o, int64_t v)
+static void print_signed(bvxi_output *o, int64_t v)
 {
-    if (v < 0) put_text(o, "-");
-    put_whole(o, v < 0 ? 0 - (uint64_t)v : (uint64_t)v);
+    if (v < 0) print_text(o, "-");
+    print_whole(o, v < 0 ? 0 - (uint64_t)v : (uint64_t)v);
 }
 
 /* Quotes, backslashes and control characters are escaped. */
-static void put_quoted(bvxi_output *o, const char *text)
+static void print_quoted(bvxi_output *o, const char *text)
 {
     static const char hex[] = "0123456789abcdef";
-    put_text(o, "\"");
+    print_text(o, "\"");
     for (const char *p = text; *p != 0; p++) {
         uint8_t const c = (uint8_t)*p;
         char const escape[6] = {'\\', 'u', '0', '0', hex[c >> 4], hex[c & 15]};
         if (c < 32 || c == '"' || c == '\\') bvxi_output_add(o, escape, sizeof escape);
         else bvxi_output_add(o, p, 1);
     }
-    put_text(o, "\"");
+    print_text(o, "\"");
 }
 
-static void put_three(bvxi_output *o, const double *doubles, const int32_t *counts, const char *between)
+static void print_three(bvxi_output *o, const double *doubles, const int32_t *counts, const char *between)
 {
     for (int a = 0; a < 3; a++) {
-        if (a > 0) put_text(o, between);
-        if (doubles != NULL) put_double(o, doubles[a]);
-        else put_whole(o, (uint64_t)counts[a]);
+        if (a > 0) print_text(o, between);
+        if (doubles != NULL) print_one_double(o, doubles[a]);
+        else print_whole(o, (uint64_t)counts[a]);
     }
 }
 
@@ -65,19 +65,19 @@ void bvxi_output_print(bvxi_output *o, const char *format, ...)
         bvxi_output_add(o, text, (size_t)(p - text));
         if (*p == 0) break;
         switch (*++p) {
-        case 's': put_text(o, va_arg(args, const char *)); break;
-        case 'q': put_quoted(o, va_arg(args, const char *)); break;
-        case 'u': put_whole(o, va_arg(args, uint64_t)); break;
-        case 'd': put_signed(o, va_arg(args, int64_t)); break;
-        case 'g': put_double(o, va_arg(args, double)); break;
+        case 's': print_text(o, va_arg(args, const char *)); break;
+        case 'q': print_quoted(o, va_arg(args, const char *)); break;
+        case 'u': print_whole(o, va_arg(args, uint64_t)); break;
+        case 'd': print_signed(o, va_arg(args, int64_t)); break;
+        case 'g': print_one_double(o, va_arg(args, double)); break;
         case 'v': {
             const double *const v = va_arg(args, const double *);
-            put_three(o, v, NULL, va_arg(args, const char *));
+            print_three(o, v, NULL, va_arg(args, const char *));
             break;
         }
         default: {
             const int32_t *const v = va_arg(args, const int32_t *);
-            put_three(o, NULL, v, va_arg(args, const char *));
+            print_three(o, NULL, v, va_arg(args, const char *));
             break;
         }
         }

@@ -119,7 +119,7 @@ static void uv_of_point(const double axis[3][3], const double *p, double uv[2])
 }
 
 /* A whole number of hundredths is enough for a drawing. */
-static double rounded(double v)
+static double rounded_place(double v)
 {
     return (double)(int64_t)(v * 100.0 + 0.5) / 100.0;
 }
@@ -167,15 +167,17 @@ static void put_drawing(const bvx_sections *s, const double axis[3][3], bvxi_out
         bvxi_output_print(o,
                           "<text x=\"%g\" y=\"%g\">%g</text>\n<path fill=\"#c8a26a\" stroke=\"#503818\" "
                           "stroke-width=\"0.5\" fill-rule=\"evenodd\" d=\"",
-                          rounded(x), rounded(y - DRAWING_CELL + 2 * DRAWING_MARGIN), s->positions[k]);
+                          rounded_place(x), rounded_place(y - DRAWING_CELL + 2 * DRAWING_MARGIN),
+                          s->positions[k]);
         /* One path a section with the even-odd rule: holes are left open whatever way their loops run. */
         for (uint64_t i = 0; i < s->loop_count; i++) {
             if (s->loops[i].section != k) continue;
             for (uint64_t j = 0; j < s->loops[i].point_count; j++) {
                 double uv[2];
                 uv_of_point(axis, s->points + 3 * (s->loops[i].first_point + j), uv);
-                bvxi_output_print(o, "%s%g %g", j == 0 ? "M" : "L", rounded(x + (uv[0] - low[0]) * scale),
-                                  rounded(y - (uv[1] - low[1]) * scale));
+                bvxi_output_print(o, "%s%g %g", j == 0 ? "M" : "L",
+                                  rounded_place(x + (uv[0] - low[0]) * scale),
+                                  rounded_place(y - (uv[1] - low[1]) * scale));
             }
             bvxi_output_print(o, "Z");
         }

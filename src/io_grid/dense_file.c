@@ -9,26 +9,25 @@
 bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double origin[3],
                          const double spacing[3], const uint64_t dims[3], bvx_lattice *box)
 {
-    static const char axis_name[3][2] = {"x", "y", "z"};
     bvx_lattice made = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, BVXI_MIN_FRACTION};
     int32_t longest = 1;
 
     for (int a = 0; a < 3; a++) {
         if (dims[a] == 0)
             return bvxi_fail(ctx, BVX_ERR_FORMAT, "%s: the file has no voxels along %s", format,
-                             axis_name[a]);
+                             bvxi_axis_name[a]);
         if (dims[a] > BVXI_MAX_SIDE)
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                                  "%s: the file has %u voxels along %s; 1 to %d are possible", format, dims[a],
-                                 axis_name[a], (int64_t)BVXI_MAX_SIDE);
+                                 bvxi_axis_name[a], (int64_t)BVXI_MAX_SIDE);
         /* x - x is 0 for every finite number, and NaN for the others. */
         if (!(origin[a] - origin[a] == 0.0))
             return bvxi_fail_for(ctx, BVX_ERR_FORMAT, BVX_REASON_NOT_FINITE,
-                                 "%s: the origin is not finite along %s", format, axis_name[a]);
+                                 "%s: the origin is not finite along %s", format, bvxi_axis_name[a]);
         if (!(spacing[a] - spacing[a] == 0.0) || !(spacing[a] > 0.0))
             return bvxi_fail(ctx, BVX_ERR_FORMAT,
                              "%s: the spacing along %s is %g; it must be above 0 and finite", format,
-                             axis_name[a], spacing[a]);
+                             bvxi_axis_name[a], spacing[a]);
         made.origin[a] = origin[a];
         made.spacing[a] = spacing[a];
         made.dims[a] = (int32_t)dims[a];
@@ -45,7 +44,6 @@ bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double orig
 static bvx_status take_file_part(const bvxi_grid_source *source, const char *format, const int32_t size[3],
                                  bvx_window *part)
 {
-    static const char axis_name[3][2] = {"x", "y", "z"};
     static const bvx_window none = {{0, 0, 0}, {0, 0, 0}};
     const bvx_window *const w = source->window;
 
@@ -61,7 +59,7 @@ static bvx_status take_file_part(const bvxi_grid_source *source, const char *for
             return bvxi_fail_for(source->ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
                                  "%s: the window's voxels %d to %d along %s are not inside the file's %d",
                                  format, (int64_t)w->low[a], (int64_t)w->low[a] + w->size[a] - 1,
-                                 axis_name[a], (int64_t)size[a]);
+                                 bvxi_axis_name[a], (int64_t)size[a]);
     *part = *w;
     return BVX_OK;
 }
@@ -175,7 +173,6 @@ bvx_status bvxi_read_dense_grid(const bvxi_grid_source *source, const bvxi_dense
 
 bvx_status bvxi_check_written_corner(bvx_context *ctx, const char *format, const bvx_grid *grid)
 {
-    static const char axis_name[3][2] = {"x", "y", "z"};
     double corner[3];
     bvxi_grid_corner(grid, corner);
     for (int a = 0; a < 3; a++) {
@@ -184,7 +181,7 @@ bvx_status bvxi_check_written_corner(bvx_context *ctx, const char *format, const
         if (!(corner[a] - corner[a] == 0.0) || !(centre - centre == 0.0))
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
                                  "%s: the window's first voxel has no finite place along %s", format,
-                                 axis_name[a]);
+                                 bvxi_axis_name[a]);
     }
     return BVX_OK;
 }

@@ -144,7 +144,6 @@ static bvx_status json_take_lattice(json_lattice *l)
 /* A thousandth of a voxel, and what a few roundings of another program may add. */
 static bvx_status json_check_center(bvx_context *ctx, const json_lattice *l)
 {
-    static const char axis_name[3][2] = {"x", "y", "z"};
     double center[3];
 
     /* Computed as the writer did, so that a file of ours agrees to the last bit. */
@@ -155,7 +154,7 @@ static bvx_status json_check_center(bvx_context *ctx, const json_lattice *l)
         if (!(off <= most && -off <= most))
             return bvxi_fail(ctx, BVX_ERR_FORMAT,
                              "lattice: center0 is %g along %s, but origin, spacing and window give %g",
-                             l->center[a], axis_name[a], center[a]);
+                             l->center[a], bvxi_axis_name[a], center[a]);
     }
     return BVX_OK;
 }
@@ -163,7 +162,6 @@ static bvx_status json_check_center(bvx_context *ctx, const json_lattice *l)
 static bvx_status run_read_lattice(bvx_context *context, const void *bytes, uint64_t size, bvx_grid *grid)
 {
     static const char *const function = "bvx_read_lattice";
-    static const char axis_name[3][2] = {"x", "y", "z"};
     json_lattice l;
 
     BVXI_TRY(bvxi_check_bytes(context, function, bytes, size));
@@ -185,7 +183,7 @@ static bvx_status run_read_lattice(bvx_context *context, const void *bytes, uint
         if (l.window.size[a] != grid->size[a])
             return bvxi_fail(context, BVX_ERR_LATTICE,
                              "lattice: the window is %d voxels along %s, the grid %d",
-                             (int64_t)l.window.size[a], axis_name[a], (int64_t)grid->size[a]);
+                             (int64_t)l.window.size[a], bvxi_axis_name[a], (int64_t)grid->size[a]);
     if (bvx_grid_bound(&l.lattice, &l.window) == 0)
         return bvxi_fail(context, BVX_ERR_FORMAT, "lattice: the window is not inside the lattice");
 

@@ -95,7 +95,6 @@ bvx_status bvxi_bvx_check_start(bvx_context *ctx, int kind, const uint8_t *head,
 
 static bvx_status bvx_take_head(bvx_unpacking *job)
 {
-    static const char axis_name[3][2] = {"x", "y", "z"};
     bvx_context *const ctx = job->source->ctx;
     const uint8_t *const head = job->source->begin;
     bvx_window *const w = &job->window;
@@ -121,7 +120,7 @@ static bvx_status bvx_take_head(bvx_unpacking *job)
             w->low[a] > job->lattice.dims[a] - w->size[a])
             return bvxi_fail(
                 ctx, BVX_ERR_FORMAT, "BVX: the window has %d voxels from %d on along %s, the lattice has %d",
-                (int64_t)w->size[a], (int64_t)w->low[a], axis_name[a], (int64_t)job->lattice.dims[a]);
+                (int64_t)w->size[a], (int64_t)w->low[a], bvxi_axis_name[a], (int64_t)job->lattice.dims[a]);
     job->frame = bvxi_bvx_frame(head);
     job->raw = (uint64_t)w->size[1] * (uint64_t)bvxi_row_words(w->size[0]) * 8;
     return BVX_OK;

@@ -44,7 +44,6 @@ static int32_t load_tree_number(const uint8_t *p)
 
 static bvx_status take_tree_head(tree_reading *job)
 {
-    static const char axis_name[3][2] = {"x", "y", "z"};
     bvx_context *const ctx = job->ctx;
     const uint8_t *const head = job->begin;
     uint64_t voxels = 1;
@@ -65,7 +64,7 @@ static bvx_status take_tree_head(tree_reading *job)
                 ctx, BVX_ERR_FORMAT,
                 "BVX: byte %u: a base of %u voxels along %s; 1 to %d are possible with %d levels",
                 (uint64_t)BVXI_TREE_AT_BASE + 4 * (uint64_t)a,
-                (uint64_t)bvxi_load_u32(head + BVXI_TREE_AT_BASE + 4 * a, 0), axis_name[a],
+                (uint64_t)bvxi_load_u32(head + BVXI_TREE_AT_BASE + 4 * a, 0), bvxi_axis_name[a],
                 (int64_t)(BVXI_MAX_SIDE >> job->levels), (int64_t)job->levels);
         job->base[a] = n;
         job->lattice.origin[a] = bvxi_load_f64(head + BVXI_TREE_AT_ORIGIN + 8 * a, 0);

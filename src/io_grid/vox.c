@@ -113,7 +113,6 @@ static bvx_status vox_check_start(const bvxi_grid_source *source)
 /* One model, its sides, and all its voxels inside them. */
 static bvx_status vox_check_model(const bvxi_grid_source *source, const vox_model *model, uint64_t dims[3])
 {
-    static const char axis_name[3][2] = {"x", "y", "z"};
     bvx_context *const ctx = source->ctx;
 
     if (model->models > 1 || model->sizes > 1)
@@ -131,7 +130,7 @@ static bvx_status vox_check_model(const bvxi_grid_source *source, const vox_mode
         if (dims[a] < 1 || dims[a] > VOX_LONGEST_SIDE)
             return bvxi_fail(ctx, BVX_ERR_FORMAT,
                              "VOX: byte %u: SIZE says %u voxels along %s; 1 to %u are possible",
-                             vox_at(source, model->size) + 4 * (uint64_t)a, dims[a], axis_name[a],
+                             vox_at(source, model->size) + 4 * (uint64_t)a, dims[a], bvxi_axis_name[a],
                              (uint64_t)VOX_LONGEST_SIDE);
     }
     /* Every voxel is checked before there is a grid, so setting them needs no check. */
@@ -140,7 +139,7 @@ static bvx_status vox_check_model(const bvxi_grid_source *source, const vox_mode
             const uint8_t *const at = model->voxels + 4 * i + (uint64_t)a;
             if (*at >= dims[a])
                 return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: voxel %u has %s = %u, SIZE says %u",
-                                 vox_at(source, at), i, axis_name[a], (uint64_t)*at, dims[a]);
+                                 vox_at(source, at), i, bvxi_axis_name[a], (uint64_t)*at, dims[a]);
         }
     return BVX_OK;
 }
@@ -214,7 +213,6 @@ static void vox_put_voxels(const bvx_grid *grid, uint8_t *p)
 
 bvx_status bvxi_write_vox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file)
 {
-    static const char axis_name[3][2] = {"x", "y", "z"};
     uint64_t count = 0;
     bvx_buffer made = {0};
 
@@ -224,7 +222,7 @@ bvx_status bvxi_write_vox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *fi
                 ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                 "VOX: %d voxels along %s; the format holds %d a side: write windows of the grid, "
                 "or take another format",
-                (int64_t)grid->size[a], axis_name[a], (int64_t)VOX_MAX_SIDE);
+                (int64_t)grid->size[a], bvxi_axis_name[a], (int64_t)VOX_MAX_SIDE);
     BVXI_TRY(bvxi_progress(ctx, "write", 0.0));
     BVXI_TRY(bvx_grid_count(ctx, grid, &count)); /* at most 2^24 */
 

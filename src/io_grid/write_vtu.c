@@ -145,7 +145,6 @@ static bvx_status write_vtu_file(vtu_leaves *v, bvx_buffer *file)
 
 static bvx_status write_vtu(bvx_context *ctx, const bvx_octree *tree, int32_t states, bvx_buffer *file)
 {
-    static const char axis_name[3][2] = {"x", "y", "z"};
     vtu_leaves v = {0};
 
     v.ctx = ctx;
@@ -157,11 +156,11 @@ static bvx_status write_vtu(bvx_context *ctx, const bvx_octree *tree, int32_t st
         if (tree->lattice.dims[a] >= (int32_t)1 << VTU_SIDE_BITS)
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                                  "%s: the lattice has %d voxels along %s; VTU is written up to 2^21 - 1",
-                                 vtu_name, (int64_t)tree->lattice.dims[a], axis_name[a]);
+                                 vtu_name, (int64_t)tree->lattice.dims[a], bvxi_axis_name[a]);
         if (!(far - far == 0.0))
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
                                  "%s: the lattice ends beyond the largest number along %s", vtu_name,
-                                 axis_name[a]);
+                                 bvxi_axis_name[a]);
     }
 
     /* Leaves are counted first, so that the list is made in its exact size. */

@@ -20,9 +20,26 @@ bvx_status bvxi_make_triangles(bvx_context *ctx, bvx_mesh *mesh, uint64_t count)
     return BVX_OK;
 }
 
-bvx_status bvxi_make_colours(bvx_context *ctx, bvx_mesh *mesh)
+bvx_status bvxi_make_array(bvx_context *ctx, bvx_mesh *mesh, uint32_t array)
 {
-    return bvxi_alloc(ctx, BVXI_RESULT, mesh->vertex_capacity * 4, "the colours of the file", &mesh->colours);
+    struct {
+        uint32_t array;
+        void *block; /* where its address goes */
+        uint64_t count, bytes;
+        const char *what;
+    } const made[] = {
+        {BVXI_MESH_COLOURS, &mesh->colours, mesh->vertex_capacity, 4, "the colours of the file"},
+        {BVXI_MESH_UV_TRIANGLES, &mesh->uv_triangles, mesh->triangle_capacity, 12,
+         "the texture numbers of the file"},
+        {BVXI_MESH_NORMALS, &mesh->normals, mesh->vertex_capacity, 12, "the normals of the file"},
+        {BVXI_MESH_UVS2, &mesh->uvs2, mesh->vertex_capacity, 8, "the second texture coordinates of the file"},
+        {BVXI_MESH_MATERIALS, &mesh->materials, mesh->triangle_capacity, 4,
+         "the material indices of the file"},
+    };
+    size_t i = 0;
+
+    while (made[i].array != array) i++;
+    return bvxi_alloc(ctx, BVXI_RESULT, made[i].count * made[i].bytes, made[i].what, made[i].block);
 }
 
 bvx_status bvxi_make_uvs(bvx_context *ctx, bvx_mesh *mesh, uint64_t count)
@@ -30,35 +47,6 @@ bvx_status bvxi_make_uvs(bvx_context *ctx, bvx_mesh *mesh, uint64_t count)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, count * 8, "the texture coordinates of the file", &mesh->uvs));
     mesh->uv_count = count;
     return BVX_OK;
-}
-
-bvx_status bvxi_make_uv_triangles(bvx_context *ctx, bvx_mesh *mesh)
-{
-    return bvxi_alloc(ctx, BVXI_RESULT, mesh->triangle_capacity * 12, "the texture numbers of the file",
-                      &mesh->uv_triangles);
-}
-
-bvx_status bvxi_make_normals(bvx_context *ctx, bvx_mesh *mesh)
-{
-    return bvxi_alloc(ctx, BVXI_RESULT, mesh->vertex_capacity * 12, "the normals of the file",
-                      &mesh->normals);
-}
-
-bvx_status bvxi_make_uvs2(bvx_context *ctx, bvx_mesh *mesh)
-{
-    return bvxi_alloc(ctx, BVXI_RESULT, mesh->vertex_capacity * 8,
-                      "the second texture coordinates of the file", &mesh->uvs2);
-}
-
-bvx_status bvxi_make_materials(bvx_context *ctx, bvx_mesh *mesh)
-{
-    return bvxi_alloc(ctx, BVXI_RESULT, mesh->triangle_capacity * 4, "the material indices of the file",
-                      &mesh->materials);
-}
-
-void bvxi_drop_colours(bvx_context *ctx, bvx_mesh *mesh)
-{
-    bvxi_mesh_release(ctx, mesh, BVXI_MESH_COLOURS);
 }
 
 void bvxi_drop_uvs(bvx_context *ctx, bvx_mesh *mesh)

@@ -30,15 +30,9 @@ int bvxi_mesh_is_empty(const bvx_mesh *m);
 /* The arrays of a mesh that is read, in exact sizes. */
 bvx_status bvxi_make_positions(bvx_context *ctx, bvx_mesh *mesh, int32_t type, uint64_t count);
 bvx_status bvxi_make_triangles(bvx_context *ctx, bvx_mesh *mesh, uint64_t count);
-/* Behind positions and triangles: colours of the vertices, texture
- * coordinates, and numbers of these for the triangles. */
-bvx_status bvxi_make_colours(bvx_context *ctx, bvx_mesh *mesh);
 bvx_status bvxi_make_uvs(bvx_context *ctx, bvx_mesh *mesh, uint64_t count);
-bvx_status bvxi_make_uv_triangles(bvx_context *ctx, bvx_mesh *mesh);
-bvx_status bvxi_make_normals(bvx_context *ctx, bvx_mesh *mesh);
-bvx_status bvxi_make_uvs2(bvx_context *ctx, bvx_mesh *mesh);
-bvx_status bvxi_make_materials(bvx_context *ctx, bvx_mesh *mesh);
-void bvxi_drop_colours(bvx_context *ctx, bvx_mesh *mesh);
+/* Behind positions and triangles: BVXI_MESH_COLOURS, _UV_TRIANGLES, _NORMALS, _UVS2 or _MATERIALS. */
+bvx_status bvxi_make_array(bvx_context *ctx, bvx_mesh *mesh, uint32_t array);
 void bvxi_drop_uvs(bvx_context *ctx, bvx_mesh *mesh);
 
 /* A share of 1 as a byte, to the nearest; what is beyond 0 and 1 is taken back to them. */

@@ -408,7 +408,7 @@ static bvx_status obj_make_arrays(obj_file *f)
     /* Room for what the first face has; the end drops it again when another face lacks it. */
     if (obj_first_has_uv(f)) {
         BVXI_TRY(bvxi_make_uvs(ctx, f->mesh, f->uvs));
-        BVXI_TRY(bvxi_make_uv_triangles(ctx, f->mesh));
+        BVXI_TRY(bvxi_make_array(ctx, f->mesh, BVXI_MESH_UV_TRIANGLES));
     }
     if (obj_first_has_colour(f))
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, f->vertices * 12, "the colours of the file", &f->colours));
@@ -424,7 +424,7 @@ static bvx_status obj_finish_colours(obj_file *f)
     /* A file with a vertex that has no colour has none at all: there is nothing to put in its place. */
     for (int32_t i = 0; i < f->piece_count; i++)
         if (f->pieces[i].pale) return BVX_OK;
-    BVXI_TRY(bvxi_make_colours(f->source->ctx, mesh));
+    BVXI_TRY(bvxi_make_array(f->source->ctx, mesh, BVXI_MESH_COLOURS));
 
     /* One number above 1 shows that the file counts to 255; below, both readings are shares of 1. */
     for (uint64_t i = 0; i < f->vertices * 3; i++)

@@ -226,7 +226,9 @@ static bvx_status off_learn_lines(off_file *f, uint64_t vertex)
     f->by_lines = lines >= f->vertex_count + f->face_count;
     /* Colours that the keyword does not promise may begin at
      * the first vertex only: all vertices have them or none. */
-    return f->by_lines && vertex == 0 && !promised ? bvxi_make_colours(f->source->ctx, f->mesh) : BVX_OK;
+    return f->by_lines && vertex == 0 && !promised
+               ? bvxi_make_array(f->source->ctx, f->mesh, BVXI_MESH_COLOURS)
+               : BVX_OK;
 }
 
 static bvx_status off_take_position(off_file *f, uint64_t vertex)
@@ -314,7 +316,7 @@ static bvx_status off_put_words(off_file *f, uint64_t vertex, const off_words *w
     if (f->mesh->colours == NULL) return BVX_OK;
     if (colours >= 3 && off_put_colour(words, colours, f->mesh->colours + (size_t)vertex * 4) && words->good)
         return BVX_OK;
-    if (!f->has_colours) bvxi_drop_colours(s->ctx, f->mesh);
+    if (!f->has_colours) bvxi_mesh_release(s->ctx, f->mesh, BVXI_MESH_COLOURS);
     return BVX_OK;
 }
 
@@ -324,7 +326,7 @@ static bvx_status off_take_vertices(off_file *f)
     off_words words;
 
     BVXI_TRY(bvxi_make_positions(ctx, f->mesh, BVX_F64, f->vertex_count));
-    if (f->has_colours) BVXI_TRY(bvxi_make_colours(ctx, f->mesh));
+    if (f->has_colours) BVXI_TRY(bvxi_make_array(ctx, f->mesh, BVXI_MESH_COLOURS));
     if (f->has_uvs) BVXI_TRY(bvxi_make_uvs(ctx, f->mesh, f->vertex_count));
     f->first = f->p;
     /* Not known yet: the first vertex that has words after it says what a line is. */

@@ -51,7 +51,7 @@ static bvx_status ply_make_room(ply_file *f, uint64_t triangles, uint64_t corner
     /* Where texture coordinates belong to corners, there is one for each corner of each face. */
     if (!f->uvs_at_corners) return BVX_OK;
     BVXI_TRY(bvxi_make_uvs(ctx, mesh, corners));
-    return bvxi_make_uv_triangles(ctx, mesh);
+    return bvxi_make_array(ctx, mesh, BVXI_MESH_UV_TRIANGLES);
 }
 
 static bvx_status ply_make_vertices(ply_file *f)
@@ -59,7 +59,7 @@ static bvx_status ply_make_vertices(ply_file *f)
     bvx_context *const ctx = f->source->ctx;
     const ply_header *const h = f->header;
     BVXI_TRY(bvxi_make_positions(ctx, f->mesh, h->position_type, f->vertex_count));
-    if (h->colours) BVXI_TRY(bvxi_make_colours(ctx, f->mesh));
+    if (h->colours) BVXI_TRY(bvxi_make_array(ctx, f->mesh, BVXI_MESH_COLOURS));
     if (h->colours && !h->alpha) memset(f->mesh->colours, 255, (size_t)f->vertex_count * 4);
     return h->uvs == 1 ? bvxi_make_uvs(ctx, f->mesh, f->vertex_count) : BVX_OK;
 }

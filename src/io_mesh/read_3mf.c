@@ -385,7 +385,7 @@ static bvx_status make_mesh(const model_file *f, bvx_mesh *mesh)
         return bvxi_fail(f->ctx, BVX_ERR_EMPTY, "3MF: the build has no item with triangles");
     BVXI_TRY(bvxi_make_positions(f->ctx, mesh, BVX_F64, f->build.vertices));
     BVXI_TRY(bvxi_make_triangles(f->ctx, mesh, f->build.triangles));
-    if (f->label_count > 0) BVXI_TRY(bvxi_make_materials(f->ctx, mesh));
+    if (f->label_count > 0) BVXI_TRY(bvxi_make_array(f->ctx, mesh, BVXI_MESH_MATERIALS));
     for (uint64_t i = 0; i < 3 * mesh->vertex_count; i++) {
         double const v = p[i] * f->unit;
 

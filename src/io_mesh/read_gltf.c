@@ -598,11 +598,11 @@ static bvx_status gltf_make_arrays(gltf_reader *r)
     BVXI_TRY(gltf_choose_type(r, &type));
     BVXI_TRY(bvxi_make_positions(ctx, m, type, r->vertices));
     BVXI_TRY(bvxi_make_triangles(ctx, m, r->triangles));
-    if (r->has[GLTF_COLOUR]) BVXI_TRY(bvxi_make_colours(ctx, m));
+    if (r->has[GLTF_COLOUR]) BVXI_TRY(bvxi_make_array(ctx, m, BVXI_MESH_COLOURS));
     if (r->has[GLTF_UV]) BVXI_TRY(bvxi_make_uvs(ctx, m, r->vertices));
-    if (r->has[GLTF_NORMAL]) BVXI_TRY(bvxi_make_normals(ctx, m));
-    if (r->has[GLTF_UV2]) BVXI_TRY(bvxi_make_uvs2(ctx, m));
-    if (r->f.list_count[BVXI_GLTF_MATERIAL] > 0) BVXI_TRY(bvxi_make_materials(ctx, m));
+    if (r->has[GLTF_NORMAL]) BVXI_TRY(bvxi_make_array(ctx, m, BVXI_MESH_NORMALS));
+    if (r->has[GLTF_UV2]) BVXI_TRY(bvxi_make_array(ctx, m, BVXI_MESH_UVS2));
+    if (r->f.list_count[BVXI_GLTF_MATERIAL] > 0) BVXI_TRY(bvxi_make_array(ctx, m, BVXI_MESH_MATERIALS));
     BVXI_TRY(gltf_make_parts(r));
     return bvxi_alloc(ctx, BVXI_SCRATCH, r->most_corners * 4, "the indices of a primitive", &r->corner);
 }

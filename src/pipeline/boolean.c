@@ -135,6 +135,7 @@ static const char boolean_name[] = "bvx_boolean";
 /* One of the meshes: its solid, and what is measured at the ends of the result's edges that it crosses. */
 typedef struct boolean_body {
     const bvx_mesh_view *mesh;
+    bvx_solid_report *report;
     bvx_grid solid;
     bvxi_thin thin;
     bvxi_sparse values; /* in doubles; triangles where edges are sharp */
@@ -237,7 +238,7 @@ static void advise_boolean(boolean_job *job, int32_t what, double voxels, double
 static bvx_status keep_thin_walls(boolean_job *job, int32_t i)
 {
     boolean_body *const b = &job->body[i];
-    bvx_solid_report *const r = i == 0 ? &job->report.solid_a : &job->report.solid_b;
+    bvx_solid_report *const r = b->report;
     int const keep = job->options->thin == BVX_THIN_KEEP;
     bvxi_walls walls;
 
@@ -260,7 +261,7 @@ static bvx_status keep_thin_walls(boolean_job *job, int32_t i)
  * side of its box in any case; 0 where it encloses nothing. */
 static int32_t resolution_of_lost_body(const boolean_job *job, int32_t i, double shortest)
 {
-    const bvx_solid_report *const r = i == 0 ? &job->report.solid_a : &job->report.solid_b;
+    const bvx_solid_report *const r = job->body[i].report;
     int32_t const of_box = bvxi_advised_resolution(&job->lattice, shortest, 2.0);
 
     /* Walls were found, but no resolution holds them. */
@@ -272,7 +273,7 @@ static int32_t resolution_of_lost_body(const boolean_job *job, int32_t i, double
 static bvx_status judge_body(boolean_job *job, int32_t i, uint64_t voxels)
 {
     bvxi_box_sides const sides = bvxi_sides_on_lattice(&job->box[i], &job->lattice);
-    const bvx_solid_report *const r = i == 0 ? &job->report.solid_a : &job->report.solid_b;
+    const bvx_solid_report *const r = job->body[i].report;
     const int32_t *const n = job->lattice.dims;
 
     if (voxels == 0 && sides.whole) {
@@ -324,10 +325,10 @@ static bvx_status fill_body(boolean_job *job, int32_t i)
 {
     boolean_body *const b = &job->body[i];
     /* Thin walls are looked for below. */
-    bvx_voxelize_options o = {
-        .struct_size = sizeof o, .fill = job->options->fill, .check_thin = BVX_CHECK_NEVER};
-
-    o.report = i == 0 ? &job->report.solid_a : &job->report.solid_b;
+    bvx_voxelize_options o = {.struct_size = sizeof o,
+                              .fill = job->options->fill,
+                              .check_thin = BVX_CHECK_NEVER,
+                              .report = b->report};
 
     /* The exact solid first: walls are what it has lost. */
     BVXI_TRY(
@@ -433,13 +434,10 @@ static bvx_status measure_nearby(boolean_job *job, boolean_body *b, int *all)
         status = measure_among(job, b, &near);
         for (uint64_t i = 0; i < b->values.count && status == BVX_OK; i++) *all &= distances[i] <= reach;
     }
-    /* None of them has an area. */
-    if (status == BVX_ERR_EMPTY) {
-        *all = 0;
-        status = BVX_OK;
-    }
     bvxi_drop(job->ctx, corner);
-    return status;
+    if (status != BVX_ERR_EMPTY) return status;
+    *all = 0; /* none of them has an area */
+    return BVX_OK;
 }
 
 static bvx_status measure_body(boolean_job *job, boolean_body *b)
@@ -471,8 +469,8 @@ static bvx_status measure_body(boolean_job *job, boolean_body *b)
 /* What the rules of open meshes see in their holes; other rules have no lids. */
 static bvx_status open_boolean_lids(boolean_job *job, int32_t i, bvxi_holes *holes)
 {
-    const bvx_solid_report *const r = i == 0 ? &job->report.solid_a : &job->report.solid_b;
     boolean_body *const b = &job->body[i];
+    const bvx_solid_report *const r = b->report;
     bvxi_winding *winding;
 
     b->lids.lattice = &job->lattice;
@@ -508,14 +506,6 @@ static bvx_status extract_boolean(boolean_job *job, bvx_mesh *result)
     return bvxi_field_surface(job->ctx, boolean_name, &job->inside, rule, &o, result);
 }
 
-static bvx_status flatten_boolean(boolean_job *job, bvx_mesh *result)
-{
-    bvxi_flat_body const bodies[BVXI_FLAT_BODIES] = {{&job->body[0].thin, &job->body[0].solid},
-                                                     {&job->body[1].thin, &job->body[1].solid}};
-
-    return bvxi_flatten(job->ctx, boolean_name, bodies, BVXI_FLAT_BODIES, result);
-}
-
 /* Sharp edges: as requested, or where one of the meshes has them. */
 static bvx_status choose_boolean_sharp(boolean_job *job)
 {
@@ -527,6 +517,9 @@ static bvx_status choose_boolean_sharp(boolean_job *job)
 
 static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
 {
+    bvxi_flat_body const bodies[BVXI_FLAT_BODIES] = {{&job->body[0].thin, &job->body[0].solid},
+                                                     {&job->body[1].thin, &job->body[1].solid}};
+
     BVXI_TRY(choose_boolean_lattice(job, result));
     job->report.lattice = job->lattice;
     BVXI_TRY(open_boolean_grids(job));
@@ -538,7 +531,9 @@ static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
     for (int i = 0; i < 2; i++)
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.6 + 0.08 * i, 0.68 + 0.08 * i, measure_body(job, &job->body[i])));
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.76, 0.86, BVXI_SCOPE(job->ctx, extract_boolean(job, result))));
-    return BVXI_SHARE(job->ctx, 0.86, 1.0, BVXI_SCOPE(job->ctx, flatten_boolean(job, result)));
+    return BVXI_SHARE(
+        job->ctx, 0.86, 1.0,
+        BVXI_SCOPE(job->ctx, bvxi_flatten(job->ctx, boolean_name, bodies, BVXI_FLAT_BODIES, result)));
 }
 
 /* ---- Warnings ---- */
@@ -552,7 +547,6 @@ static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
 static double shared_volume(const boolean_job *job)
 {
     const bvx_boolean_report *const r = &job->report;
-    const bvx_solid_report *const of[2] = {&r->solid_a, &r->solid_b};
     uint64_t const count[2] = {r->voxels_a, r->voxels_b};
     uint64_t const all = count[0] + (job->operation == BVX_BOOLEAN_DIFFERENCE ? 0 : count[1]);
     uint64_t const twice = job->operation == BVX_BOOLEAN_XOR ? 2 : 1;
@@ -560,8 +554,8 @@ static double shared_volume(const boolean_job *job)
     double shared[2] = {0.0, 1e300};
 
     for (int i = 0; i < 2; i++)
-        if (count[i] != 0 && of[i]->crossing_volume > 0.0)
-            shared[i] = of[i]->crossing_volume * voxels / (double)count[i];
+        if (count[i] != 0 && job->body[i].report->crossing_volume > 0.0)
+            shared[i] = job->body[i].report->crossing_volume * voxels / (double)count[i];
     return shared[0] < shared[1] ? shared[0] : shared[1];
 }
 
@@ -671,7 +665,7 @@ static bvx_status warn_of_operands_parts(boolean_job *job, uint64_t parts, doubl
 
 static void warn_of_operand(boolean_job *job, int32_t i)
 {
-    const bvx_solid_report *const r = i == 0 ? &job->report.solid_a : &job->report.solid_b;
+    const bvx_solid_report *const r = job->body[i].report;
 
     bvxi_warn_of_fill(job->ctx, r, i);
     if ((job->report.thin_kept & (i == 0 ? BVX_KEPT_A : BVX_KEPT_B)) == 0)
@@ -758,9 +752,11 @@ static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, cons
     job.options = &o;
     job.operation = operation;
 
-    job.body[0].mesh = job.source[0].mesh = a;
     mine = result->positions == NULL;
+    job.body[0].mesh = job.source[0].mesh = a;
+    job.body[0].report = &job.report.solid_a;
     job.body[1].mesh = job.source[1].mesh = b;
+    job.body[1].report = &job.report.solid_b;
     status = BVXI_SHARE(context, 0.0, 0.97, boolean_steps(&job, result));
     if (status == BVX_OK && o.report != NULL)
         status = BVXI_SHARE(context, 0.97, 1.0, warn_of_boolean(&job, result));

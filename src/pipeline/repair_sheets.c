@@ -48,20 +48,15 @@ static int is_whole_off(const bvxi_repair_job *job, const double middle[3], cons
 static int is_enclosed(const bvxi_repair_job *job, uint64_t t)
 {
     double const off = 0.5 * bvxi_largest_spacing(&job->lattice);
-    double p[3][3], middle[3], n[3], length = 0;
+    double p[3][3], middle[3], n[3];
 
     bvxi_view_corners(&job->mesh, t, p);
-
-    /* The middle and the normal; half a voxel off on both sides. */
-    for (int a = 0; a < 3; a++) {
-        int const i = (a + 1) % 3, j = (a + 2) % 3;
-        middle[a] = (p[0][a] + p[1][a] + p[2][a]) / 3.0;
-        n[a] = (p[1][i] - p[0][i]) * (p[2][j] - p[0][j]) - (p[1][j] - p[0][j]) * (p[2][i] - p[0][i]);
-        length += n[a] * n[a];
-    }
-    length = sqrt(length);
+    double const length = bvxi_facet_normal((const double(*)[3])p, n);
     if (!(length > 0)) return 0;
-    for (int a = 0; a < 3; a++) n[a] /= length;
+    for (int a = 0; a < 3; a++) {
+        middle[a] = (p[0][a] + p[1][a] + p[2][a]) / 3.0;
+        n[a] /= length;
+    }
     return is_whole_off(job, middle, n, -off) && is_whole_off(job, middle, n, off);
 }
 
@@ -187,10 +182,16 @@ static int has_solid_behind(const bvx_grid *solid, const double step[3], const d
     return 0;
 }
 
-static void corners_of_triangle(const bvx_mesh_view *mesh, uint64_t t, uint32_t c[3], double p[3][3])
+/* A triangle's piece and corners, and its normal as long as twice its area, which is returned. */
+static double normal_of(const bvxi_repair_job *job, const all_sums *sums, uint64_t t, piece_sums **piece,
+                        double p[3][3], double n[3])
 {
-    bvxi_view_triangle(mesh, t, c);
-    for (int k = 0; k < 3; k++) bvxi_view_position(mesh, c[k], p[k]);
+    uint32_t c[3];
+
+    bvxi_view_triangle(&job->mesh, t, c);
+    *piece = sums_of(job, sums, c[0]);
+    for (int k = 0; k < 3; k++) bvxi_view_position(&job->mesh, c[k], p[k]);
+    return bvxi_facet_normal((const double(*)[3])p, n);
 }
 
 static void take_into_piece(piece_sums *piece, const double p[3][3])
@@ -246,14 +247,10 @@ static void sum_areas(const bvxi_repair_job *job, all_sums *sums)
     /* A step of one voxel of the largest spacing along each axis. */
     for (int a = 0; a < 3; a++) step[a] = bvxi_largest_spacing(&job->lattice) / job->lattice.spacing[a];
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
-        double p[3][3], n[3], length;
+        double p[3][3], n[3];
         piece_sums *piece;
-        uint32_t c[3];
-        corners_of_triangle(&job->mesh, t, c, p);
-        piece = sums_of(job, sums, c[0]);
+        double const length = normal_of(job, sums, t, &piece, p, n);
         take_into_piece(piece, (const double(*)[3])p);
-        bvxi_facet_cross((const double(*)[3])p, n);
-        length = vector_length(n);
         /* Without area it covers nothing. */
         if (!(length > 0)) continue;
         piece->area += 0.5 * length;
@@ -389,38 +386,27 @@ static uint64_t ask_open_pieces(const bvxi_repair_job *job, const all_sums *sums
 static void sum_joined(const bvxi_repair_job *job, const uint8_t *answer, all_sums *sums)
 {
     double p[3][3], n[3];
-    uint32_t c[3];
+    piece_sums *piece;
 
     /* By the area of what lies on a common body's border. */
     for (uint64_t i = 0; i < sums->count; i++) sums->piece[i].joined = 0;
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
         if (answer[t] != BVXI_TRIANGLE_ENCLOSED) continue;
-        corners_of_triangle(&job->mesh, t, c, p);
-        bvxi_facet_cross((const double(*)[3])p, n);
-        sums_of(job, sums, c[0])->joined += 0.5 * vector_length(n);
+        double const length = normal_of(job, sums, t, &piece, p, n);
+        piece->joined += 0.5 * length;
     }
-}
-
-static void add_vector_area(const bvxi_repair_job *job, uint64_t t, double sum[3])
-{
-    double p[3][3], n[3];
-    uint32_t c[3];
-
-    corners_of_triangle(&job->mesh, t, c, p);
-    bvxi_facet_cross((const double(*)[3])p, n);
-    for (int a = 0; a < 3; a++) sum[a] += 0.5 * n[a];
 }
 
 /* The holes of bodies, as one vector: what a joined piece may be the lid of, as that of a pot is. */
 static void sum_open_bodies(const bvxi_repair_job *job, const all_sums *sums, double sum[3])
 {
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
-        const piece_sums *piece;
-        uint32_t c[3];
+        double p[3][3], n[3];
+        piece_sums *piece;
 
-        bvxi_view_triangle(&job->mesh, t, c);
-        piece = sums_of(job, sums, c[0]);
-        if (piece->open && !is_open_piece(piece) && !is_sheet(piece)) add_vector_area(job, t, sum);
+        normal_of(job, sums, t, &piece, p, n);
+        if (!piece->open || is_open_piece(piece) || is_sheet(piece)) continue;
+        for (int a = 0; a < 3; a++) sum[a] += 0.5 * n[a];
     }
 }
 
@@ -430,17 +416,16 @@ static uint64_t ask_joined_pieces(const bvxi_repair_job *job, all_sums *sums, ui
 {
     double all[3] = {0, 0, 0}, area = 0, p[3][3], n[3];
     uint64_t count = 0;
-    uint32_t c[3];
+    piece_sums *piece;
 
     /* One lid over all that remain: the sum of their vectors. */
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
         if (answer[t] == 0) continue;
-        corners_of_triangle(&job->mesh, t, c, p);
-        answer[t] = is_joined(sums_of(job, sums, c[0])) ? BVXI_TRIANGLE_ASKED : 0;
+        double const length = normal_of(job, sums, t, &piece, p, n);
+        answer[t] = is_joined(piece) ? BVXI_TRIANGLE_ASKED : 0;
         if (answer[t] == 0) continue;
-        bvxi_facet_cross((const double(*)[3])p, n);
         for (int a = 0; a < 3; a++) all[a] += 0.5 * n[a];
-        area += 0.5 * vector_length(n);
+        area += 0.5 * length;
         count++;
     }
     if (vector_length(all) < SHEET_LID * area) return count;
@@ -478,24 +463,14 @@ static bvx_status join_open_pieces(bvxi_repair_job *job, all_sums *sums)
 /* Number the pieces, and open their sums. */
 static bvx_status open_sums(bvxi_repair_job *job, all_sums *sums)
 {
-    bvx_status status;
-
     memset(sums, 0, sizeof *sums);
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->vertex_count * 4, "the pieces' numbers",
                         &sums->number));
     /* A piece is named after its least vertex. */
     for (uint64_t v = 0; v < job->given->vertex_count; v++)
         if (job->piece[v] == v) sums->number[v] = (uint32_t)sums->count++;
-    status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sums->count * sizeof *sums->piece, "the pieces' areas",
-                             &sums->piece);
-    if (status != BVX_OK) bvxi_drop(job->ctx, sums->number);
-    return status;
-}
-
-static void close_sums(bvxi_repair_job *job, all_sums *sums)
-{
-    bvxi_drop(job->ctx, sums->piece);
-    bvxi_drop(job->ctx, sums->number);
+    return bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sums->count * sizeof *sums->piece, "the pieces' areas",
+                           &sums->piece);
 }
 
 bvx_status bvxi_repair_part(bvxi_repair_job *job)
@@ -514,7 +489,8 @@ bvx_status bvxi_repair_part(bvxi_repair_job *job)
     BVXI_TRY(join_open_pieces(job, &sums));
     BVXI_TRY(list_parted(job, &sums));
     job->facts.thin_shelled = count_thin_shelled(&sums, bvxi_largest_spacing(&job->lattice));
-    close_sums(job, &sums);
+    bvxi_drop(job->ctx, sums.piece);
+    bvxi_drop(job->ctx, sums.number);
     job->report.shelled_triangles = job->sheets.triangle_count;
     return BVX_OK;
 }

@@ -1,5 +1,4 @@
-/* scenes.h - models set up for a picture: one voxel set or two drawn as one, and a mesh between drawing and
- * shading. Not installed. */
+/* scenes.h - one voxel set, or two drawn as one, set up for a picture. Not installed. */
 #ifndef BVXI_SCENES_H
 #define BVXI_SCENES_H
 
@@ -7,8 +6,6 @@
 #include "mesh/view.h"
 #include "render/picture.h"
 #include "render/raster.h"
-
-/* ---- One voxel set, or two drawn as one, set up for a picture ---- */
 
 /* Whose voxel a face belongs to. */
 enum { BVXI_FACE_FIRST = 1, BVXI_FACE_SECOND = 2 };
@@ -105,35 +102,5 @@ bvx_status bvxi_grid_scene_fit(bvx_context *ctx, bvxi_grid_scene *scene);
 
 /* Draw the faces that the eye can see; user is the scene. */
 void bvxi_grid_scene_draw(const void *user, const bvxi_raster *raster, bvxi_raster_rows rows);
-
-/* ---- A mesh set up for a picture, between drawing and shading ---- */
-
-/* A vertex in the frame. */
-typedef struct bvxi_scene_vertex {
-    int32_t x, y; /* right and down [Units: samples * 2^fraction_bits] */
-    float z;      /* towards the eye [Units: samples] */
-} bvxi_scene_vertex;
-
-typedef struct bvxi_mesh_scene {
-    const bvx_mesh_view *view;
-    bvxi_picture picture;
-    bvxi_cut cut;               /* [Units: world * unit] */
-    int32_t pieces;             /* of the work being done */
-    bvxi_camera_extent *extent; /* of each piece */
-    bvxi_scene_vertex *vertex;  /* [Size: view.vertex_count]; NULL: the mesh is cut */
-    float *normal;              /* three for each vertex, length 1 or 0; NULL: flat */
-    bvxi_triangle_bins bins;
-} bvxi_mesh_scene;
-
-/* Corners of a triangle: vertex indices, and places in the camera's axes:
- * right, up, towards the eye [Units: samples]. */
-void bvxi_mesh_scene_corners(const bvxi_mesh_scene *scene, uint32_t t, uint32_t c[3], double p[3][3]);
-
-/* Make what smooth pictures need; the caller frees scene.normal, 12 bytes a vertex. */
-bvx_status bvxi_mesh_scene_normals(bvx_context *ctx, bvxi_mesh_scene *scene);
-
-/* What a sample shows; user is the scene. */
-void bvxi_mesh_scene_see(const void *user, const bvxi_raster *raster, uint32_t id, int32_t x, int32_t y,
-                         bvxi_seen *seen);
 
 #endif
