@@ -20,6 +20,8 @@
 
 #include "core/core.h"
 
+#include <math.h>
+
 #define BVXI_SIMD_PASTE(name, level) name##level
 #define BVXI_SIMD_JOIN(name, level)  BVXI_SIMD_PASTE(name, level)
 #define BVXI_SIMD(name)              BVXI_SIMD_JOIN(name, BVXI_SIMD_LEVEL)
@@ -66,6 +68,36 @@ BVXI_SIMD_COLUMNS(bvxi_four_columns_f64_base, double)
 #if BVXI_HAVE_AVX2
 #include "core/simd_avx2.h"
 #endif
+
+/* One lane in place of four doubles: at the level _one a body serves a single element. */
+typedef double bvxi_four_one;
+typedef int bvxi_four_mask_one; /* 1 or 0 */
+#define BVXI_SIMD_CODE_one
+#define BVXI_ONE(name, type, parameters, expression)          \
+    BVXI_VECTOR_INLINE type bvxi_four_##name##_one parameters \
+    {                                                         \
+        return expression;                                    \
+    }
+BVXI_ONE(all, double, (double x), x)
+BVXI_ONE(load, double, (const double *from), *from)
+BVXI_ONE(store, double, (double *to, double x), *to = x)
+BVXI_ONE(first, double, (double x), x)
+BVXI_ONE(add, double, (double x, double y), x + y)
+BVXI_ONE(sub, double, (double x, double y), x - y)
+BVXI_ONE(mul, double, (double x, double y), x *y)
+BVXI_ONE(div, double, (double x, double y), x / y)
+BVXI_ONE(max, double, (double x, double y), x > y ? x : y)
+BVXI_ONE(sqrt, double, (double x), sqrt(x))
+BVXI_ONE(size, double, (double x), bvxi_absolute(x))
+BVXI_ONE(less, int, (double x, double y), x < y)
+BVXI_ONE(less_equal, int, (double x, double y), x <= y)
+BVXI_ONE(equal, int, (double x, double y), x == y)
+BVXI_ONE(and, int, (int m, int n), m &n)
+BVXI_ONE(but, int, (int m, int n), m & ~n)
+BVXI_ONE(choose, double, (int m, double yes, double no), m ? yes : no)
+BVXI_ONE(keep, double, (int m, double x), m ? x : 0.0)
+BVXI_ONE(drop, double, (int m, double x), m ? 0.0 : x)
+BVXI_ONE(bits, uint32_t, (int m), (uint32_t)m)
 
 /* ---- Names: x, y, yes and no are vectors, m and n are masks, which are set or not in each lane ---- */
 

@@ -102,14 +102,8 @@ typedef struct bvxi_sheet_answer {
 
 bvxi_sheet_answer bvxi_sheet_turns(const bvxi_sheet *sheet, const int64_t p[3], int32_t want_clear);
 
-/* Parts are opened until each is off by less; the last opens all. */
-enum { BVXI_SHEET_LEVELS = 3 };
-extern const double bvxi_sheet_near[BVXI_SHEET_LEVELS];
 #define BVXI_SHEET_ROUNDING 1e-8
 #define BVXI_SHEET_NO_BOUND 1e30
-
-/* What turns, off by less than error, say. Returns 1 when nothing is left open. */
-int bvxi_sheet_conclude(double turns, double error, int32_t want_clear, bvxi_sheet_answer *answer);
 
 /* The angle around a place: at p + h, |h| <= reach, it is turns + gradient h + what the near edges sweep on
  * the way, to rest + bend (|h| / reach)^2, and whole numbers where the way crosses the near triangles.
@@ -144,7 +138,7 @@ typedef struct bvxi_sheet_look {
 void bvxi_sheet_around(const bvxi_sheet *sheet, const int64_t p[3], double reach, double near,
                        double edge_rest, bvxi_sheet_look *look);
 
-/* sheet_four.c: the same for four places, some of which may be one. Angles have the same digits, near >= 0;
+/* The same for four places, some of which may be one. Angles have the same digits, near >= 0;
  * around the places, with one reach, what is reported is as right in others. */
 void bvxi_sheet_angles_four(const bvxi_sheet *sheet, const int64_t p[4][3], double near, double turns[4]);
 void bvxi_sheet_around_four(const bvxi_sheet *sheet, const int64_t p[4][3], double reach, double near,

@@ -1,21 +1,24 @@
-/* sheet_lanes_body.h - four places that a sheet is seen from: triangles and edges that are added to the sums
- * of all.
+/* sheet_lanes_body.h - places that a sheet is seen from, one a lane: triangles and edges that are added to the
+ * sums of all.
  *
- * What sheet.c does for one place, in the same order of operations. Included by sheet_four.c once for each
- * level of core/simd.h. */
+ * Included by sheet.c once for each level of core/simd.h: the same order of operations gives the same digits.
+ * What is rare (a place in a triangle's plane, near edges and triangles to be listed) is done lane by lane. */
 
 typedef struct four_point {
     doubles4 v[3], length;
 } four_point;
 
+/* What a question gathers. Near angles are a product of complex numbers and its turns, far ones a sum. */
 typedef struct four_sum {
     doubles4 at[3];
-    doubles4 re, im, rounds; /* as in sheet.c */
+    doubles4 re, im, rounds; /* of the angle of half a turn a turn */
     doubles4 turns, error;
     doubles4 gradient[3], edge_gradient[3], rest, bend, edge_bend;
     const int64_t (*place)[3];
-    bvxi_sheet_look *look; /* of each lane */
-    double near, reach, edge_rest;
+    bvxi_sheet_look *look; /* of each lane: gets near edges and triangles */
+    double near;           /* parts are opened until their error is below */
+    double reach;          /* 0: the place only, no gradients and bounds are gathered */
+    double edge_rest;
     int32_t factors;
     int alone;        /* 1: each lane opens parts for itself, the others stand still */
     four_mask active; /* alone: those that do not */
@@ -42,7 +45,7 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(see_four)(const bvxi_sheet *s, uint6
 BVXI_SIMD_CODE static void BVXI_SIMD(lane_of_point)(const four_point *p, int32_t lane, bvxi_seen_point *to)
 {
     /* Stored first, as lanes cannot be read one by one. */
-    double x[4][4];
+    double x[4][sheet_lanes];
 
     for (int a = 0; a < 3; a++) four_store(x[a], p->v[a]);
     four_store(x[3], p->length);
@@ -50,10 +53,11 @@ BVXI_SIMD_CODE static void BVXI_SIMD(lane_of_point)(const four_point *p, int32_t
     to->length = x[3][lane];
 }
 
+/* Add the angle of (re, im), which lies between -pi and pi; up: it counts as positive, also where im is 0. */
 BVXI_SIMD_CODE static inline void BVXI_SIMD(turn_four)(four_sum *sum, doubles4 re, doubles4 im, four_mask up)
 {
     doubles4 const zero = four_all(0.0), one = four_all(1.0);
-    /* The product of the complex numbers, as in turn_by. */
+    /* The product of two complex numbers adds their angles. */
     doubles4 x = four_sub(four_mul(sum->re, re), four_mul(sum->im, im));
     doubles4 y = four_add(four_mul(sum->re, im), four_mul(sum->im, re));
 
@@ -64,6 +68,7 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(turn_four)(four_sum *sum, doubles4 r
         y = four_choose(half, four_add(y, four_choose(up, four_sub(zero, hair), hair)), y);
     }
 
+    /* The sign of the imaginary part changes where the sum passes half a turn. */
     four_mask more = four_and(up, four_and(four_less_equal(zero, sum->im), four_less(y, zero)));
     four_mask less = four_but(four_and(four_less(sum->im, zero), four_less_equal(zero, y)), up);
     four_mask full = four_less(zero, one);
@@ -94,7 +99,7 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(turn_four)(four_sum *sum, doubles4 r
     sum->im = y;
 }
 
-/* As keep_near_triangle of sheet.c. */
+/* The triangle of node n goes to the looks of the lanes that it may lie within reach of. */
 BVXI_SIMD_CODE static inline void BVXI_SIMD(keep_near_of_four)(const bvxi_sheet_node *n,
                                                                const four_point *const p[3], doubles4 det,
                                                                const four_sum *sum)
@@ -104,7 +109,7 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(keep_near_of_four)(const bvxi_sheet_
                            four_sub(four_all(n->centre[1]), sum->at[1]),
                            four_sub(four_all(n->centre[2]), sum->at[2])};
     doubles4 u[3], w[3], normal[3];
-    double numbers[4][4];
+    double numbers[4][sheet_lanes];
     /* The ball first: most triangles are near no lane. */
     uint32_t lanes = four_bits(four_less_equal(four_dot(r, r), four_all(limit * limit)));
 
@@ -141,10 +146,10 @@ BVXI_SIMD_CODE static void BVXI_SIMD(touch_lanes)(const bvxi_sheet *s, const uin
                                                   const four_point *const q[3], uint32_t lanes,
                                                   const four_sum *sum, four_angle *angle)
 {
-    double dets[4], dens[4], ups[4];
+    double dets[sheet_lanes], dens[sheet_lanes], ups[sheet_lanes];
     const int32_t *fixed[3];
 
-    /* Rare, so each lane goes through the exact answer by itself. */
+    /* Near the plane, between the edges, rounding may choose the wrong side: integers decide. */
     for (int k = 0; k < 3; k++) fixed[k] = s->xyz + 3 * (uint64_t)s->holes->vertex[corner[k]];
     four_store(dets, angle->det);
     four_store(dens, angle->den);
@@ -166,6 +171,8 @@ BVXI_SIMD_CODE static void BVXI_SIMD(touch_lanes)(const bvxi_sheet *s, const uin
     angle->up = four_less(four_all(0.0), four_load(ups));
 }
 
+/* Half the solid angle of a triangle (its tan is det / den: Van Oosterom, Strackee), positive on the side away
+ * from its normal. */
 BVXI_SIMD_CODE static inline void BVXI_SIMD(add_triangle_to_four)(const bvxi_sheet *s,
                                                                   const uint64_t corner[3],
                                                                   const four_point *const q[3], four_sum *sum)
@@ -175,7 +182,6 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(add_triangle_to_four)(const bvxi_she
     doubles4 const most = four_mul(four_mul(four_mul(four_all(1e-10), la), lb), lc);
     doubles4 n[3];
 
-    /* The same sums in the same order as for one place, so that their digits agree. */
     four_cross(b, c, n);
     doubles4 det = four_dot(a, n);
     doubles4 const den_ab = four_add(four_mul(four_mul(la, lb), lc), four_mul(four_dot(a, b), lc));
@@ -199,7 +205,7 @@ BVXI_SIMD_CODE static void BVXI_SIMD(keep_edge_of_four)(const four_point *pa, co
                                                         const doubles4 c[3], doubles4 ab, uint32_t lanes,
                                                         const four_sum *sum)
 {
-    double numbers[4][4];
+    double numbers[4][sheet_lanes];
 
     for (int a = 0; a < 3; a++) four_store(numbers[a], c[a]);
     four_store(numbers[3], ab);
@@ -214,7 +220,7 @@ BVXI_SIMD_CODE static void BVXI_SIMD(keep_edge_of_four)(const four_point *pa, co
     }
 }
 
-/* As add_sheet_edge of sheet.c. */
+/* The segment from a to b is part of the edge of what was opened. */
 BVXI_SIMD_CODE static inline void BVXI_SIMD(add_edge_to_four)(const four_point *pa, const four_point *pb,
                                                               four_sum *sum)
 {
@@ -245,11 +251,11 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(add_edge_to_four)(const four_point *
                                    four_mul(four_all(4 * BVXI_PI), cube));
     doubles4 const rest = four_choose(too_near, four_all(BVXI_SHEET_NO_BOUND), bent);
 
-    /* Near edges are listed, as far as there is room. */
+    /* Edges that bend the angle most are listed, to be followed exactly; the others count into the bound. */
     four_mask is_near = four_less(four_all(sum->edge_rest), rest);
     if (four_bits(is_near) != 0) {
-        double room[4];
-        for (int32_t l = 0; l < 4; l++) room[l] = sum->look[l].edges < BVXI_LOOK_EDGES ? 1.0 : 0.0;
+        double room[sheet_lanes];
+        for (int32_t l = 0; l < sheet_lanes; l++) room[l] = sum->look[l].edges < BVXI_LOOK_EDGES ? 1.0 : 0.0;
         is_near = four_and(is_near, four_less(zero, four_load(room)));
         lanes = four_bits(is_near);
         BVXI_SIMD(keep_edge_of_four)(pa, pb, c, ab, lanes, sum);
