@@ -1,5 +1,5 @@
-// build.mjs FOLDER - the npm package bitvox in FOLDER/package: one module of JavaScript, WebAssembly inside; and the same without 128-bit
-// instructions, scalar.js, since both do not fit into one file of 250 kB.
+// build.mjs FOLDER - the npm package bitvox in FOLDER/package: modules of JavaScript, WebAssembly inside, each at most 250 kB gzipped.
+// bitvox.js; scalar.js, the same without 128-bit instructions; files.js, the formats, without these instructions as well.
 // Called by `make js`, from the repository root. EMCC: the compiler [emcc].
 import { execFile, execFileSync } from 'node:child_process';
 import { copyFileSync, mkdirSync, readFileSync, readdirSync, rmSync, statSync, writeFileSync } from 'node:fs';
@@ -17,18 +17,21 @@ mkdirSync(`${folder}/package`, { recursive: true });
 
 // ---- What the package calls and fills ----
 
-const source = ['machine', 'call', 'bitvox']
-    .map(name => readFileSync(`${here}/src/${name}.js`, 'utf8'))
-    .join('\n');
 const header = readHeader(['bitvox', 'bitvox_io'].map(name => readFileSync(`include/${name}.h`, 'utf8')).join('\n'));
-const structs = Object.keys(header.structs).filter(name => source.includes(`'${name.slice(4)}'`));
-const calls = [...new Set(source.match(/\bbvx_[a-z_]+\b/g).filter(name => !name.endsWith('_')))];
-for (const name of structs) {
-    if (['bvx_mesh', 'bvx_grid', 'bvx_buffer', 'bvx_image'].includes(name)) calls.push(`${name}_free`);
-}
 writeFileSync(`${folder}/layout.h`, layoutHeader(header));
 
-// ---- The module ----
+/** A module of the package: its text in JavaScript, structs and calls that this names, and whether it has 128-bit instructions. */
+function moduleOf(name, last, simd) {
+    const source = ['machine', 'call', 'library', last].map(part => readFileSync(`${here}/src/${part}.js`, 'utf8')).join('\n');
+    const structs = Object.keys(header.structs).filter(struct => source.includes(`'${struct.slice(4)}'`));
+    const calls = new Set(source.match(/\bbvx_[a-z_]+\b/g).filter(call => !call.endsWith('_')));
+    for (const struct of structs)
+        if (['bvx_mesh', 'bvx_grid', 'bvx_buffer', 'bvx_image'].includes(struct)) calls.add(`${struct}_free`);
+    return { name, simd, source, structs, calls };
+}
+const modules = [moduleOf('bitvox', 'bitvox', true), moduleOf('scalar', 'bitvox', false), moduleOf('files', 'files', false)];
+
+// ---- The modules ----
 
 // Where time goes, measured on levels, repairs, booleans and solids of scans: these files are compiled for
 // speed, all others for size.
@@ -40,6 +43,7 @@ const HOT = new Set(
 // Contraction would change results. With 128-bit instructions repairs take four fifths of the time. The stack lies
 // below all data, so a module whose stack overflows stops and does not write on.
 const emcc = process.env.EMCC ?? 'emcc';
+const SIMD = ['-msimd128'];
 const flagsOf = simd => [
     '-std=c11',
     '-ffp-contract=off',
@@ -51,7 +55,7 @@ const flagsOf = simd => [
     `-I${root}/src`,
     `-I${folder}`,
 ];
-const linkingOf = simd => [
+const linkingOf = (simd, calls) => [
     '-Oz',
     ...simd,
     '-mbulk-memory',
@@ -65,7 +69,7 @@ const linkingOf = simd => [
     '-Wl,--stack-first',
     '-sABORTING_MALLOC=0',
     '-sERROR_ON_UNDEFINED_SYMBOLS=0',
-    `-sEXPORTED_FUNCTIONS=${[...new Set([...calls, 'bridge_progress', 'malloc', 'free'])].map(name => '_' + name).join(',')}`,
+    `-sEXPORTED_FUNCTIONS=${[...calls, 'bridge_progress', 'malloc', 'free'].map(name => '_' + name).join(',')}`,
 ];
 
 const files = readdirSync('src')
@@ -77,9 +81,9 @@ const files = readdirSync('src')
     );
 files.push(`${root}/${here}/src/bridge.c`);
 
-/** One module, FOLDER/NAME.wasm. One compiler call for many files, on every processor. */
-async function compileAndLink(name, simd) {
-    const objects = `${folder}/objects-${name}`;
+/** All objects, with 128-bit instructions or without. One compiler call for many files, on every processor. */
+async function compileAll(simd) {
+    const objects = `${folder}/objects-${simd ? 'simd' : 'scalar'}`;
     rmSync(objects, { recursive: true, force: true });
     mkdirSync(objects);
 
@@ -87,22 +91,20 @@ async function compileAndLink(name, simd) {
     for (const hot of [true, false]) {
         const chosen = files.filter(file => HOT.has(basename(file, '.c')) === hot);
         for (let i = 0; i < chosen.length; i += 40)
-            batches.push([hot ? '-O2' : '-Oz', ...flagsOf(simd), '-c', ...chosen.slice(i, i + 40)]);
+            batches.push([hot ? '-O2' : '-Oz', ...flagsOf(simd ? SIMD : []), '-c', ...chosen.slice(i, i + 40)]);
     }
     const compile = async () => {
         for (let batch = batches.shift(); batch; batch = batches.shift())
             await run(emcc, batch, { cwd: objects, maxBuffer: 1 << 26 });
     };
     await Promise.all(Array.from({ length: availableParallelism() }, compile));
-    await run(emcc, [
-        ...linkingOf(simd),
-        ...files.map(file => `${objects}/${file.replace(/^.*\//, '').replace(/c$/, 'o')}`),
-        '-o',
-        `${folder}/${name}.wasm`,
-    ]);
+    return files.map(file => `${objects}/${file.replace(/^.*\//, '').replace(/c$/, 'o')}`);
 }
-await compileAndLink('bitvox', ['-msimd128']);
-await compileAndLink('scalar', []);
+for (const simd of [true, false]) {
+    const objects = await compileAll(simd);
+    for (const { name, calls } of modules.filter(made => made.simd === simd))
+        await run(emcc, [...linkingOf(simd ? SIMD : [], calls), ...objects, '-o', `${folder}/${name}.wasm`]);
+}
 
 // zopfli packs 4 % tighter in the same format; without it the package works as well and is 10 kB larger.
 const squeeze = file => {
@@ -120,18 +122,18 @@ const version = ['MAJOR', 'MINOR', 'PATCH']
     .map(part => readFileSync('include/bitvox.h', 'utf8').match(`#define BVX_VERSION_${part} (\\d+)`)[1])
     .join('.');
 // Comments stay in the repository: the file is small before it is anything else.
-const bare = source.replace(/^ *(\/\/.*|\/\*\*.*\*\/)\n/gm, '').replace(/\n{2,}/g, '\n');
-for (const name of ['bitvox', 'scalar']) {
+for (const { name, simd, source, structs } of modules) {
+    const bare = source.replace(/^ *(\/\/.*|\/\*\*.*\*\/)\n/gm, '').replace(/\n{2,}/g, '\n');
     const packed = squeeze(`${folder}/${name}.wasm`).toString('base64');
     const text =
         `// bitvox ${version}, MIT licence; made by make js\nconst LAYOUT = ${JSON.stringify(layoutTable(header, structs))};\n` +
-        `const SCALAR = ${name === 'scalar'};\nconst MODULE = '${packed}';\n${bare}`;
+        `const SCALAR = ${!simd};\nconst MODULE = '${packed}';\n${bare}`;
     writeFileSync(`${folder}/package/${name}.js`, text);
     console.log(
         `${process.argv[2]}/package/${name}.js: ${text.length} bytes, ${gzipSync(text, { level: 9 }).length} gzipped`,
     );
 }
-for (const file of ['index.d.ts', 'README.md']) copyFileSync(`${here}/${file}`, `${folder}/package/${file}`);
+for (const file of ['index.d.ts', 'files.d.ts', 'README.md']) copyFileSync(`${here}/${file}`, `${folder}/package/${file}`);
 copyFileSync('LICENSE', `${folder}/package/LICENSE`);
 const description = { ...JSON.parse(readFileSync(`${here}/package.json`, 'utf8')), version };
 delete description.private;

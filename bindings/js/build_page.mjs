@@ -15,7 +15,7 @@ await build({
     minify: true,
     format: 'esm',
     target: 'es2022',
-    alias: { bitvox: `${bitvox}/bitvox.js` },
+    alias: { 'bitvox/files': `${bitvox}/files.js`, bitvox: `${bitvox}/bitvox.js` },
     nodePaths: [resolve(process.env.NODE_TOOLS, 'node_modules')],
     legalComments: 'eof',
     logLevel: 'warning',

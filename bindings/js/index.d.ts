@@ -528,33 +528,18 @@ export class BitvoxError extends Error {
     private constructor();
 }
 
-/** The library in a WebAssembly module of its own. All calls work at once and on the thread that calls them. */
-export interface Bitvox {
+/** A part of the library in a WebAssembly module of its own. All calls work at once and on the thread that calls them. */
+export interface Library {
     /** Of the library, as "0.1.0". */
     readonly version: string;
     /** Bytes: of the module's memory, which grows and never shrinks, and the most that the last call held. */
     readonly memory: { module: number; peak: number };
     /** Give the module's memory back, by beginning anew. */
     reset(): void;
+}
 
-    /** The mesh format that a file name's ending stands for (".gz" is looked through). */
-    formatOfName(name: string): MeshFormatIn | undefined;
-    /** [bvx_read_mesh]; finite: triangles with a corner that is not finite are left out and counted. */
-    readMesh(
-        bytes: ArrayBuffer | ArrayBufferView,
-        format: MeshFormatIn,
-        options: CallOptions & { finite: true },
-    ): Mesh & { dropped: number };
-    readMesh(
-        bytes: ArrayBuffer | ArrayBufferView,
-        format: MeshFormatIn,
-        options?: CallOptions & { finite?: false | undefined },
-    ): Mesh;
-    /** [bvx_write_mesh] */
-    writeMesh(mesh: AnyMesh, format: MeshFormat, options?: WriteOptions): Uint8Array<ArrayBuffer>;
-    /** All levels in one file. [bvx_write_mesh] */
-    writeLevels(meshes: readonly AnyMesh[], format: 'glb', options?: WriteOptions): Uint8Array<ArrayBuffer>;
-
+/** All but files, which 'bitvox/files' has. */
+export interface Bitvox extends Library {
     /** [bvx_mesh_check]; weld takes vertices at equal positions for one. */
     check(mesh: AnyMesh, options?: CallOptions & { weld?: boolean | undefined }): Certificate;
     /** Pairs of triangles that cross. [bvx_mesh_crossings] */

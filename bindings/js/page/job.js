@@ -1,7 +1,9 @@
 // job.js - the worker: it reads the mesh, does the jobs and writes files. One message in, progress and one answer out.
 import { load } from 'bitvox';
+import { load as loadFiles } from 'bitvox/files';
 
 const ready = load();
+const filesReady = loadFiles();
 let source; // the mesh as it was read, and what it is
 let results = []; // meshes of the last job
 let peak = 0; // bytes, of the calls of one job
@@ -84,8 +86,9 @@ const jobs = {
     async open(bitvox, { bytes, name }, progress) {
         results = [];
         source = undefined;
+        const files = await filesReady;
         const mesh = name
-            ? bitvox.readMesh(await unpacked(bytes, name), bitvox.formatOfName(name), { progress })
+            ? files.readMesh(await unpacked(bytes, name), files.formatOfName(name), { progress })
             : sampleMesh();
         source = { mesh, certificate: certify(bitvox, mesh, true) };
         return { mesh: shown(mesh), certificate: source.certificate };
@@ -146,9 +149,10 @@ const jobs = {
         };
     },
 
-    save(bitvox, { format, level }) {
+    async save(bitvox, { format, level }) {
+        const files = await filesReady;
         const bytes =
-            format === 'glb' ? bitvox.writeLevels(results, 'glb') : bitvox.writeMesh(results[level], format);
+            format === 'glb' ? files.writeLevels(results, 'glb') : files.writeMesh(results[level], format);
         return { bytes, format };
     },
 };

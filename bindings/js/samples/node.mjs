@@ -1,10 +1,11 @@
 // node.mjs INPUT OUTPUT - four levels of a mesh as one GLB: node node.mjs scan.ply scan.glb
 import { readFileSync, writeFileSync } from 'node:fs';
 import { load } from 'bitvox';
+import { load as loadFiles } from 'bitvox/files';
 
 const [input, output] = process.argv.slice(2);
-const bitvox = await load();
-const mesh = bitvox.readMesh(readFileSync(input), bitvox.formatOfName(input));
+const [bitvox, files] = [await load(), await loadFiles()];
+const mesh = files.readMesh(readFileSync(input), files.formatOfName(input));
 const { levels } = bitvox.buildLevels(mesh, {
     progress: fraction => process.stderr.write(`\r${Math.round(100 * fraction)} %`),
 });
@@ -17,7 +18,7 @@ for (const { mesh: level, report } of levels) {
 }
 writeFileSync(
     output,
-    bitvox.writeLevels(
+    files.writeLevels(
         levels.map(level => level.mesh),
         'glb',
     ),

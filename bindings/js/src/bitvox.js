@@ -1,7 +1,4 @@
 // bitvox.js - the package: typed arrays in, typed arrays out, the C library between them.
-//
-// Each method makes a context, copies its arguments into the module's memory, calls one function of bitvox.h, copies the
-// result out and frees all that it took.
 
 const LATTICE_OPTIONS = ['lattice', 'resolution', 'axisResolution', 'spacing', 'padding'];
 
@@ -10,110 +7,11 @@ const without = (given, names) =>
 
 // ---- The package ----
 
-/** The library in a module of its own. */
-class Bitvox {
-    #module;
-    #machine;
-    #limit;
-
-    constructor(module, memoryLimit) {
-        this.#module = module;
-        this.#limit = memoryLimit;
-        this.#machine = new Machine(module);
-        const version = this.#machine.c.bvx_version();
-        this.version = `${Math.floor(version / 10000)}.${Math.floor(version / 100) % 100}.${version % 100}`;
-    }
-
-    /** Bytes: held by the module (it grows, and never shrinks), and the most that the last call held. */
-    get memory() {
-        return { module: this.#machine.c.memory.buffer.byteLength, peak: this.#machine.peak ?? 0 };
-    }
-
-    /** Give the module's memory back, by a module that is made anew. */
-    reset() {
-        this.#machine = new Machine(this.#module);
-    }
-
-    #call(name, options, body) {
-        if (options === null || typeof options !== 'object')
-            refuse(name, `options are ${options === null ? 'null' : typeof options}, not an object`);
-        if (this.#machine.broken) this.reset();
-        const machine = this.#machine;
-        const call = new Call(machine, name, options, this.#limit);
-        if (options.signal?.aborted)
-            throw new BitvoxError(`${name}: cancelled before it began`, {
-                status: 'cancelled',
-                reason: 'cancelled',
-                function: name,
-            });
-        try {
-            call.begin();
-            return body(call, machine);
-        } finally {
-            if (!machine.broken) call.end();
-        }
-    }
-
-    // ---- Files ----
-
-    formatOfName(name) {
-        const ending = String(name)
-            .toLowerCase()
-            .replace(/\.gz$/, '')
-            .match(/\.([a-z0-9]+)$/)?.[1];
-        return ['stl', 'obj', 'ply', 'off', 'glb', 'gltf', '3mf'].includes(ending) ? ending : undefined;
-    }
-
-    readMesh(bytes, format, options = {}) {
-        return this.#call('readMesh', options, (call, machine) => {
-            const mesh = call.result('mesh');
-            const [at, size] = call.bytesIn(bytes);
-            const kind = choiceOf('readMesh', 'format', 'format_', format);
-            const report = call.struct('read_report');
-            const given = call.options('read_options', { dropNonfinite: !!options.finite });
-            machine.setField('read_options', given, 'report', report);
-            call.do('bvx_read_mesh', at, size, kind, given, mesh);
-            const made = call.meshOut(mesh);
-            return options.finite ? { ...made, dropped: machine.read('read_report', report).dropped } : made;
-        });
-    }
-
-    writeMesh(mesh, format, options = {}) {
-        return this.#call('writeMesh', options, call => {
-            const file = call.result('buffer');
-            call.do(
-                'bvx_write_mesh',
-                call.mesh(mesh),
-                1n,
-                call.options('write_options', options),
-                choiceOf('writeMesh', 'format', 'format_', format),
-                file,
-            );
-            return call.bufferOut(file);
-        });
-    }
-
-    writeLevels(meshes, format, options = {}) {
-        return this.#call('writeLevels', options, call => {
-            const levels = call.struct('mesh', meshes.length);
-            const file = call.result('buffer');
-            meshes.forEach((mesh, i) => call.mesh(mesh, levels + i * STRUCTS.mesh.size));
-            call.do(
-                'bvx_write_mesh',
-                levels,
-                BigInt(meshes.length),
-                call.options('write_options', options),
-                choiceOf('writeLevels', 'format', 'format_', format),
-                file,
-            );
-            return call.bufferOut(file);
-        });
-    }
-
+class Bitvox extends Library {
     // ---- Questions ----
 
     check(mesh, options = {}) {
-        return this.#call('check', options, (call, machine) => {
+        return this._call('check', options, (call, machine) => {
             const certificate = call.struct('certificate');
             call.do('bvx_mesh_check', call.view(mesh), options.weld ? 1 : 0, certificate);
             return machine.read('certificate', certificate);
@@ -121,7 +19,7 @@ class Bitvox {
     }
 
     crossings(mesh, options = {}) {
-        return this.#call('crossings', options, (call, machine) => {
+        return this._call('crossings', options, (call, machine) => {
             const count = call.block(8),
                 view = call.view(mesh);
             call.do('bvx_mesh_crossings', view, count, 0, 0n);
@@ -134,7 +32,7 @@ class Bitvox {
     }
 
     distance(a, b, options = {}) {
-        return this.#call('distance', options, (call, machine) => {
+        return this._call('distance', options, (call, machine) => {
             const report = call.struct('distance_report');
             const samples = numberOf('distance', 'samples', 'u64', options.samples ?? 100000),
                 seed = numberOf('distance', 'seed', 'u64', options.seed ?? 1);
@@ -151,7 +49,7 @@ class Bitvox {
     }
 
     hash(meshOrGrid, options = {}) {
-        return this.#call('hash', options, (call, machine) => {
+        return this._call('hash', options, (call, machine) => {
             const hash = call.block(8);
             if (meshOrGrid?.words) call.do('bvx_grid_hash', call.grid(meshOrGrid), hash);
             else {
@@ -166,7 +64,7 @@ class Bitvox {
     // ---- Lattices and voxels ----
 
     fitLattice(mesh, options = {}) {
-        return this.#call('fitLattice', options, (call, machine) => {
+        return this._call('fitLattice', options, (call, machine) => {
             const lattice = call.struct('lattice');
             const view = mesh?.low && mesh.high ? call.corners(mesh) : call.view(mesh);
             call.do('bvx_lattice_fit_with', view, call.latticeOptions(options), lattice);
@@ -175,7 +73,7 @@ class Bitvox {
     }
 
     voxelize(mesh, options = {}) {
-        return this.#call('voxelize', options, (call, machine) => {
+        return this._call('voxelize', options, (call, machine) => {
             const view = call.view(mesh);
             const report = call.struct('solid_report'),
                 grid = call.result('grid');
@@ -190,7 +88,7 @@ class Bitvox {
     }
 
     voxelizeSurface(mesh, options = {}) {
-        return this.#call('voxelizeSurface', options, (call, machine) => {
+        return this._call('voxelizeSurface', options, (call, machine) => {
             const view = call.view(mesh);
             const report = call.struct('surface_report'),
                 grid = call.result('grid');
@@ -210,7 +108,7 @@ class Bitvox {
     }
 
     #extract(name, called, struct, grid, options) {
-        return this.#call(name, options, call => {
+        return this._call(name, options, call => {
             const mesh = call.result('mesh');
             call.do(called, call.grid(grid), call.options(struct, options), mesh);
             return call.meshOut(mesh);
@@ -220,7 +118,7 @@ class Bitvox {
     // ---- Sets of voxels ----
 
     count(grid, options = {}) {
-        return this.#call('count', options, (call, machine) => {
+        return this._call('count', options, (call, machine) => {
             const count = call.block(8);
             call.do('bvx_grid_count', call.grid(grid), count);
             return machine.get('u64', count);
@@ -228,7 +126,7 @@ class Bitvox {
     }
 
     #combine(name, operation, a, b, options) {
-        return this.#call(name, options, call => {
+        return this._call(name, options, call => {
             const made = call.result('grid');
             call.do('bvx_grid_combine', call.grid(a, 'the first grid'), call.grid(b, 'the second grid'), operation, made);
             return call.gridOut(made);
@@ -249,7 +147,7 @@ class Bitvox {
     }
 
     #make(name, options, called, grid, args = () => []) {
-        return this.#call(name, options, call => {
+        return this._call(name, options, call => {
             const made = call.result('grid');
             call.do(called, call.grid(grid), ...args(call), made);
             return call.gridOut(made);
@@ -297,7 +195,7 @@ class Bitvox {
     }
 
     hollow(grid, options = {}) {
-        return this.#call('hollow', options, (call, machine) => {
+        return this._call('hollow', options, (call, machine) => {
             const report = call.struct('hollow_report'),
                 made = call.result('grid');
             const given = call.options('hollow_options', options);
@@ -308,7 +206,7 @@ class Bitvox {
     }
 
     distances(grid, options = {}) {
-        return this.#call('distances', options, call => {
+        return this._call('distances', options, call => {
             const { type = 'f32', ...rest } = options;
             const voxels = grid?.size ? grid.size[0] * grid.size[1] * grid.size[2] : 0;
             const at = call.grid(grid);
@@ -330,7 +228,7 @@ class Bitvox {
     // ---- Meshes ----
 
     repair(mesh, options = {}) {
-        return this.#call('repair', options, (call, machine) => {
+        return this._call('repair', options, (call, machine) => {
             const report = call.struct('repair_report'),
                 made = call.result('mesh');
             const given = call.options('repair_options', options, {
@@ -344,7 +242,7 @@ class Bitvox {
     }
 
     boolean(a, b, operation, options = {}) {
-        return this.#call('boolean', options, (call, machine) => {
+        return this._call('boolean', options, (call, machine) => {
             const report = call.struct('boolean_report'),
                 made = call.result('mesh');
             const given = call.options('boolean_options', options, {
@@ -366,7 +264,7 @@ class Bitvox {
 
     #chain(name, called, struct, whole, mesh, options) {
         const { count, targetTriangles, targetErrors, locked, ...rest } = options;
-        return this.#call(name, options, (call, machine) => {
+        return this._call(name, options, (call, machine) => {
             for (const [what, list] of Object.entries({ targetTriangles, targetErrors })) {
                 if (list !== undefined && !(Array.isArray(list) || ArrayBuffer.isView(list)))
                     refuse(name, `${what} must be an array, one number a level`);
@@ -433,7 +331,7 @@ class Bitvox {
 
     buildLods(solid, options = {}) {
         const { resolutions, targetTriangles, ...rest } = options;
-        return this.#call('buildLods', options, (call, machine) => {
+        return this._call('buildLods', options, (call, machine) => {
             const targets = resolutions ?? targetTriangles;
             if (!targets?.length || (resolutions && targetTriangles))
                 refuse('buildLods', 'needs resolutions or targetTriangles, one number a level');
@@ -467,63 +365,7 @@ class Bitvox {
     }
 }
 
-// ---- Loading ----
-
-let compiled;
-
-/** The module: its bytes are packed, and text in this file. */
-async function compile() {
-    const bytes = Uint8Array.from(atob(MODULE), letter => letter.charCodeAt(0));
-    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'));
-    return WebAssembly.compile(await new Response(stream).arrayBuffer());
-}
-
-/** The smallest module with an instruction of 128 bits. */
-const SIMD_PROBE = Uint8Array.of(
-    0,
-    97,
-    115,
-    109,
-    1,
-    0,
-    0,
-    0,
-    1,
-    5,
-    1,
-    96,
-    0,
-    1,
-    123,
-    3,
-    2,
-    1,
-    0,
-    10,
-    10,
-    1,
-    8,
-    0,
-    65,
-    0,
-    253,
-    15,
-    253,
-    98,
-    11,
-);
-
-export async function load({ memoryLimit = 0 } = {}) {
-    const limit = numberOf('load', 'memoryLimit', 'u64', memoryLimit);
-    if (!SCALAR && !WebAssembly.validate(SIMD_PROBE)) {
-        throw new BitvoxError(
-            "load: WebAssembly has no 128-bit instructions here; import 'bitvox/scalar', which uses none",
-            { status: 'unsupported', function: 'load' },
-        );
-    }
-    compiled ??= compile();
-    return new Bitvox(await compiled, limit);
-}
+export const load = options => loadAs(Bitvox, options);
 
 /** Is voxel (x, y, z) of the grid's window set? */
 export function gridGet(grid, x, y, z) {

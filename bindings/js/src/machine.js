@@ -1,6 +1,6 @@
 // machine.js - errors, choices and numbers, and the module's memory: structs of the library by the table LAYOUT.
 //
-// build.mjs puts LAYOUT, the module's bytes, this file, call.js and bitvox.js one after the other into the package.
+// build.mjs puts LAYOUT, the module's bytes, this file, call.js, library.js and bitvox.js or files.js one after the other into a module.
 
 const { structs: STRUCTS, choices: CHOICES } = LAYOUT;
 const NAMES = Object.fromEntries(
@@ -26,6 +26,11 @@ export class BitvoxError extends Error {
         this.function = name;
         this.index = index;
         this.values = values;
+    }
+
+    /** Each module of the package has this class; an error of one is an error of all. */
+    static [Symbol.hasInstance](error) {
+        return error?.name === 'BitvoxError';
     }
 }
 

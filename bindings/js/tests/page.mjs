@@ -106,9 +106,9 @@ await browse(async browser => {
     await step("the hash is that of the program's mesh", async () => {
         await page.select('#level', '0');
         const shown = await cell('after-hash');
-        const { load } = await import(join(process.env.BITVOX_JS, 'bitvox.js'));
-        const bitvox = await load();
-        return shown === bitvox.hash(bitvox.readMesh(readFileSync(join(folder, 'program_0.ply')), 'ply'));
+        const [{ load }, { load: loadFiles }] = await Promise.all(['bitvox.js', 'files.js'].map(name => import(join(process.env.BITVOX_JS, name))));
+        const [bitvox, files] = [await load(), await loadFiles()];
+        return shown === bitvox.hash(files.readMesh(readFileSync(join(folder, 'program_0.ply')), 'ply'));
     });
 
     await step('a mesh with holes is repaired', async () => {

@@ -1,13 +1,15 @@
 // right.ts - uses that the types must allow; compiled by tsc --strict, never run.
 import { BitvoxError, gridGet, load } from 'bitvox';
+import { load as loadFiles, type Files } from 'bitvox/files';
 import type { Bitvox, Certificate, Grid, Lattice, LevelsOptions, Mesh, MeshIn } from 'bitvox';
 
 const bitvox: Bitvox = await load({ memoryLimit: 1e9 });
+const files: Files = await loadFiles();
 const triangle: MeshIn = { positions: [0, 0, 0, 1, 0, 0, 0, 1, 0], triangles: [0, 1, 2] };
 const bytes: ArrayBuffer = await (await fetch('scan.ply')).arrayBuffer();
 
-const mesh: Mesh = bitvox.readMesh(bytes, 'ply');
-const counted: number = bitvox.readMesh(bytes, 'stl', { finite: true }).dropped;
+const mesh: Mesh = files.readMesh(bytes, 'ply');
+const counted: number = files.readMesh(bytes, 'stl', { finite: true }).dropped;
 const found: Certificate = bitvox.check(mesh, { weld: true });
 const { grid, report } = bitvox.voxelize(mesh, { resolution: 128, fill: 'winding', checkThin: 'never' });
 const lattice: Lattice = grid.lattice;
@@ -20,7 +22,7 @@ const options: LevelsOptions = {
     progress: (fraction, stage) => console.log(fraction, stage),
 };
 for (const { mesh: level, report: of } of bitvox.buildLevels(triangle, options).levels) {
-    const file: Uint8Array = bitvox.writeMesh(level, 'stl', { rounding: 'allow' });
+    const file: Uint8Array = files.writeMesh(level, 'stl', { rounding: 'allow' });
     console.log(file.byteLength, of.certificate.closed, of.distance.mean);
 }
 const doubles: Float64Array = bitvox.distances(grid, { side: 'signed', type: 'f64' });

@@ -1,8 +1,10 @@
 // wrong.ts - uses that the types must refuse: each line says so, and tsc fails where one is allowed.
 import { BitvoxError, load } from 'bitvox';
+import { load as loadFiles } from 'bitvox/files';
 import type { Grid, Mesh } from 'bitvox';
 
 const bitvox = await load();
+const files = await loadFiles();
 declare const mesh: Mesh;
 declare const grid: Grid;
 
@@ -15,11 +17,11 @@ bitvox.voxelize(mesh, { resolution: '64' });
 // @ts-expect-error no mesh
 bitvox.voxelize([0, 0, 0]);
 // @ts-expect-error bytes
-bitvox.readMesh('scan.ply', 'ply');
+files.readMesh('scan.ply', 'ply');
 // @ts-expect-error glTF text is read, not written
-bitvox.writeMesh(mesh, 'gltf');
+files.writeMesh(mesh, 'gltf');
 // @ts-expect-error one level a file
-bitvox.writeLevels([mesh], 'stl');
+files.writeLevels([mesh], 'stl');
 // @ts-expect-error targets are a list
 bitvox.buildLevels(mesh, { targetTriangles: 1000 });
 // @ts-expect-error no such operation
@@ -37,7 +39,7 @@ bitvox.crossings(mesh).pairs;
 // @ts-expect-error results of the library alone
 new BitvoxError('mine');
 // @ts-expect-error not counted
-bitvox.readMesh(new Uint8Array(4), 'stl').dropped;
+files.readMesh(new Uint8Array(4), 'stl').dropped;
 // @ts-expect-error it is to be awaited
 load().version;
 // @ts-expect-error read only
