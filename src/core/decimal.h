@@ -5,8 +5,6 @@
 
 #include "core/core.h"
 
-/* ---- What reading and printing of decimal numbers share ---- */
-
 /* 10^k is the product of two table entries; the test proves the bound on its error for every k. */
 
 /* Significand bits with the leading one; exponents q of the smallest and largest finite numbers c * 2^q. */

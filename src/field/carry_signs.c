@@ -17,8 +17,6 @@ enum {
     CARRY_WORDS = 1 << 12 /* least words a task */
 };
 
-/* ---- spaces ---- */
-
 typedef struct carry_spaces {
     const bvx_grid *band;
     const uint64_t *inside; /* of the band */

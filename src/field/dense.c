@@ -6,8 +6,6 @@
 #include "nearest/closest.h"
 #include "mesh/view.h"
 
-/* ---- A field as an array with a number, or three, for every centre ---- */
-
 enum { DENSE_GRAIN = 1 << 15 /* centres of the smallest task */ };
 
 #define DENSE_TIME 10.0 /* a centre where the array's memory is new; reports go by it [Units: nanoseconds] */

@@ -3,6 +3,7 @@
  * The index of a value is that of its row's first one plus the set bits before it in the row, so no index of
  * the values is kept. Guarantee: what bvxi_field_check has passed can be read without further checks. */
 #include "field/room.h"
+#include "grid/sparse.h"
 
 static uint64_t field_rows(const bvx_field *field)
 {
@@ -22,34 +23,6 @@ void bvx_field_free(bvx_context *context, bvx_field *field)
     bvx_grid_free(context, &field->inside);
     bvx_grid_free(context, &field->band);
     memset(field, 0, sizeof *field);
-}
-
-static uint64_t field_row_values(const bvx_grid *grid, uint64_t row)
-{
-    const uint64_t *const w = grid->words + row * (uint64_t)grid->words_per_row;
-    uint64_t n = 0;
-    for (int32_t k = 0; k < grid->words_per_row; k++) n += bvxi_popcount(w[k]);
-    return n;
-}
-
-static bvx_status check_field_rows(bvx_context *ctx, const char *function, const bvx_field *field)
-{
-    uint64_t const rows = bvxi_grid_rows(&field->band);
-    uint64_t next = 0;
-
-    /* Ranks follow from the bits, so what is given is held to them, row by row. */
-    for (uint64_t r = 0; r < rows; r++) {
-        if (field->row_values[r] != next)
-            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
-                                 "%s: field.row_values[%i] is %u, but the rows before hold %u values",
-                                 function, r, field->row_values[r], next);
-        next += field_row_values(&field->band, r);
-    }
-    if (field->row_values[rows] != next || field->value_count != next)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: field.value_count is %u and the rows end at %u, but the band has %u voxels",
-                         function, field->value_count, field->row_values[rows], next);
-    return BVX_OK;
 }
 
 static bvx_status check_field_inside(bvx_context *ctx, const char *function, const bvx_field *field)
@@ -100,7 +73,7 @@ bvx_status bvxi_field_check(bvx_context *ctx, const char *function, const bvx_fi
     BVXI_TRY(bvxi_grid_check(ctx, function, &field->band));
     BVXI_TRY(bvxi_grid_check_past(ctx, function, &field->band));
     BVXI_TRY(check_field_inside(ctx, function, field));
-    return check_field_rows(ctx, function, field);
+    return bvxi_sparse_check(ctx, function, field);
 }
 
 bvx_status bvxi_field_check_vectors(bvx_context *ctx, const char *function, const bvx_field *field,

@@ -12,11 +12,8 @@
 
 #include <math.h>
 
-/* ---- Inside by the rules that fill solids ---- */
-
-/* At the same centres, so a field and a solid of one rule never disagree. */
-
-/* AUTO, PARITY, NONZERO, WINDING, VOTE: inside, which is open, becomes the solid by that rule; AUTO the one chosen. */
+/* AUTO, PARITY, NONZERO, WINDING, VOTE: inside, which is open, becomes the solid by that rule; AUTO the one chosen. At
+ * the same centres, so a field and a solid of one rule never disagree. */
 static bvx_status sign_by_solid(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t *sign, bvx_grid *inside)
 {
     bvx_solid_report report;
@@ -218,14 +215,9 @@ static bvx_status make_inside(bvx_context *ctx, const bvx_lattice *lattice, meas
                               f->half_width, job->mesh, &values, f->sign, &f->inside);
 }
 
-typedef struct negate_job {
-    bvx_field *field;
-} negate_job;
-
 static void negate_rows(void *user, uint64_t row, uint64_t end)
 {
-    const negate_job *const job = user;
-    const bvx_field *const f = job->field;
+    const bvx_field *const f = user;
     uint64_t const words = (uint64_t)f->band.words_per_row;
 
     /* Bits and values in the same order, so the rank is just counted along. */
@@ -243,11 +235,9 @@ static void negate_rows(void *user, uint64_t row, uint64_t end)
 static bvx_status negate_inside(bvx_context *ctx, bvx_field *field)
 {
     uint64_t const rows = bvxi_grid_rows(&field->band), each = field->value_count / rows;
-    negate_job job;
     if (field->inside.words == NULL) return BVX_OK;
-    job.field = field;
     return BVXI_SHARE(ctx, 0.97, 1.0,
-                      bvxi_for(ctx, measure_stage, rows, 1 + MEASURE_GRAIN / (1 + each), negate_rows, &job));
+                      bvxi_for(ctx, measure_stage, rows, 1 + MEASURE_GRAIN / (1 + each), negate_rows, field));
 }
 
 static bvx_status measure_distances_of(bvx_context *ctx, const bvx_lattice *lattice, measure_job *job)

@@ -71,3 +71,22 @@ bvxi_sparse bvxi_sparse_of_field(const bvx_field *field)
                            .features = field->features};
     return s;
 }
+
+bvx_status bvxi_sparse_check(bvx_context *ctx, const char *function, const bvx_field *field)
+{
+    uint64_t const rows = bvxi_grid_rows(&field->band), words = (uint64_t)field->band.words_per_row;
+    uint64_t next = 0;
+
+    for (uint64_t r = 0; r < rows; r++) {
+        if (field->row_values[r] != next)
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
+                                 "%s: field.row_values[%i] is %u, but the rows before hold %u values",
+                                 function, r, field->row_values[r], next);
+        for (uint64_t w = 0; w < words; w++) next += bvxi_popcount(field->band.words[r * words + w]);
+    }
+    if (field->row_values[rows] != next || field->value_count != next)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: field.value_count is %u and row_values ends at %u, but the band has %u voxels",
+                         function, field->value_count, field->row_values[rows], next);
+    return BVX_OK;
+}

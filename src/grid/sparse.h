@@ -37,6 +37,9 @@ uint64_t bvxi_sparse_number(const bvx_grid *where, uint64_t *first);
 /* The values of a caller's field, which stay the field's. */
 bvxi_sparse bvxi_sparse_of_field(const bvx_field *field);
 
+/* Refuse a field whose row_values and value_count are not those of its band's bits, by which no search checks them. */
+bvx_status bvxi_sparse_check(bvx_context *ctx, const char *function, const bvx_field *field);
+
 /* Index of the value at a voxel of the window that is set. */
 static inline uint64_t bvxi_sparse_index(const bvxi_sparse *s, int32_t x, int32_t y, int32_t z)
 {

@@ -113,7 +113,7 @@ static bvx_status collect_triangles(bvx_context *ctx, checker *c, double progres
         w.high[a] = r->box.low[a] = high[a];
     }
     r->degenerate = c->triangle_count = 0;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * sizeof *w.terms, "what triangles add", &w.terms));
+    BVXI_TRY(BVXI_ARRAY(ctx, room, "what triangles add", w.terms));
     for (; w.begin < all; w.begin += (uint64_t)w.count) {
         double const at = progress + 0.05 * (double)w.begin / (double)all;
         w.count = (int32_t)(all - w.begin < CHECK_ROUND ? all - w.begin : CHECK_ROUND);

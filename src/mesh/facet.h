@@ -7,8 +7,6 @@
 
 #include <math.h>
 
-/* ---- The normal of a flat triangle ---- */
-
 /* n becomes the normal by the right hand, as long as twice the area. */
 static inline void bvxi_facet_cross(const double t[3][3], double n[3])
 {
@@ -59,7 +57,9 @@ static inline void bvxi_order_corners(double t[3][3])
 
 /* ---- Smooth normals of vertices, weighted by area ---- */
 
-/* The same as scratch: BVXI_NORMAL_SUM bytes a vertex, freed by the caller. */
+/* For each vertex the sum of its triangles' normals, as long as twice their areas: the direction of a smooth normal.
+ * Coordinates are taken times scale, a power of two that keeps their products within doubles. Indices are in range.
+ * Scratch: BVXI_NORMAL_SUM bytes a vertex. */
 enum { BVXI_NORMAL_SUM = 24 };
 bvx_status bvxi_sum_normals(bvx_context *ctx, const bvx_mesh_view *view, double scale, double **sum);
 

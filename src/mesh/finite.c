@@ -71,7 +71,7 @@ bvx_status bvxi_mesh_drop_nonfinite(bvx_context *ctx, const char *function, bvx_
             return bvxi_view_fail_index(ctx, function, &view, t);
     }
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * sizeof *number, "the numbers of vertices", &number));
+    BVXI_TRY(BVXI_ARRAY(ctx, vertices, "the numbers of vertices", number));
     finite_pack_vertices(mesh, number);
     uint64_t kept = 0;
 

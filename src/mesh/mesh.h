@@ -4,8 +4,6 @@
 
 #include "core/core.h"
 
-/* ---- Meshes made to receive a result ---- */
-
 /* Give a mesh arrays for the counts: the caller's own where it brings them (positions of the type requested,
  * triangles, and keys when keys is 1) and they suffice, new ones otherwise. The counts are set, the frame is
  * zero. BVX_ERR_ARGUMENT, BVX_ERR_CAPACITY, BVX_ERR_MEMORY, BVX_ERR_BUDGET; *mesh is then unchanged. */

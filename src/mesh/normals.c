@@ -5,7 +5,7 @@
 #include "mesh/facet.h"
 #include "mesh/view.h"
 
-/* The normal of a triangle as bvxi_add_normals adds it. corner: vertex indices */
+/* The normal of a triangle, as long as twice its area. corner: vertex indices */
 static void triangle_normal(const bvx_mesh_view *view, double scale, const uint32_t corner[3],
                             double normal[3])
 {
@@ -15,22 +15,6 @@ static void triangle_normal(const bvx_mesh_view *view, double scale, const uint3
         for (int a = 0; a < 3; a++) p[k][a] *= scale;
     }
     bvxi_facet_normal((const double(*)[3])p, normal);
-}
-
-/* Add to each vertex the normals of its triangles, as long as twice their areas: the direction of a smooth
- * normal. Coordinates are taken times scale, a power of two that keeps their products within doubles.
- * sum [Size: vertex_count * 3], zeroed. Indices are in range. In the order of triangles, so the same on every
- * machine. */
-static void add_normals(const bvx_mesh_view *view, double scale, double *sum)
-{
-    double n[3];
-    uint32_t c[3];
-    for (uint64_t t = 0; t < view->triangle_count; t++) {
-        bvxi_view_triangle(view, t, c);
-        triangle_normal(view, scale, c, n);
-        for (int k = 0; k < 3; k++)
-            for (size_t a = 0; a < 3; a++) sum[(size_t)c[k] * 3 + a] += n[a];
-    }
 }
 
 void bvxi_unit_normal(const double sum[3], float normal[3])
@@ -57,8 +41,16 @@ void bvxi_unit_normal(const double sum[3], float normal[3])
 
 bvx_status bvxi_sum_normals(bvx_context *ctx, const bvx_mesh_view *view, double scale, double **sum)
 {
+    double n[3];
+    uint32_t c[3];
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, view->vertex_count * BVXI_NORMAL_SUM, "the normals", sum));
-    add_normals(view, scale, *sum);
+    /* In the order of triangles, so the same on every machine. */
+    for (uint64_t t = 0; t < view->triangle_count; t++) {
+        bvxi_view_triangle(view, t, c);
+        triangle_normal(view, scale, c, n);
+        for (int k = 0; k < 3; k++)
+            for (size_t a = 0; a < 3; a++) (*sum)[(size_t)c[k] * 3 + a] += n[a];
+    }
     return BVX_OK;
 }
 
@@ -81,11 +73,7 @@ static bvx_status run_mesh_normals(bvx_context *context, const bvx_mesh_view *me
 
     /* Sums are needed for vertices, and for facets only where these are averaged. */
     scale = bvxi_unit_scale(low, high);
-    if (vertex_normals != NULL || averaged) {
-        BVXI_TRY(
-            bvxi_alloc_zero(context, BVXI_SCRATCH, mesh->vertex_count * 24, "the normals of vertices", &sum));
-        add_normals(mesh, scale, sum);
-    }
+    if (vertex_normals != NULL || averaged) BVXI_TRY(bvxi_sum_normals(context, mesh, scale, &sum));
     for (size_t v = 0; vertex_normals != NULL && v < (size_t)mesh->vertex_count; v++)
         bvxi_unit_normal(sum + 3 * v, vertex_normals + 3 * v);
     for (size_t t = 0; facet_normals != NULL && t < (size_t)mesh->triangle_count; t++) {

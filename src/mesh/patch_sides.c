@@ -243,8 +243,7 @@ static bvx_status judge_axis(bvx_context *ctx, side_rays *r, int axis)
         count += r->used[n];
     }
 
-    BVXI_TRY(
-        bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *r->crossing, "the patches' crossings", &r->crossing));
+    BVXI_TRY(BVXI_ARRAY(ctx, count, "the patches' crossings", r->crossing));
     memset(r->used, 0, RAYS * sizeof *r->used);
     cross_rays(r, axes, 1);
     for (uint32_t n = 0; n < RAYS; n++)
@@ -268,7 +267,7 @@ static bvx_status judge_rays(bvx_context *ctx, const bvxi_patch_sides *in, patch
     }
     for (int a = 0; a < 3; a++) r.spacing[a] = (high[a] - r.low[a]) / SIDE_RAYS;
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, 2 * RAYS * sizeof *r.begin, "the patches' rays", &r.begin));
+    BVXI_TRY(BVXI_ARRAY(ctx, 2 * RAYS, "the patches' rays", r.begin));
     r.used = r.begin + RAYS;
     for (int axis = 0; axis < 3; axis++) BVXI_TRY(judge_axis(ctx, &r, axis));
     return BVX_OK;
@@ -291,7 +290,7 @@ bvx_status bvxi_patch_sides_turn(bvx_context *ctx, const bvxi_patch_sides *in)
 {
     patch_side *sides;
     if (in->patches < 2 || in->patches > MOST_PATCHES) return BVX_OK;
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, in->patches * sizeof *sides, "the patches' sides", &sides));
+    BVXI_TRY(BVXI_ZEROS(ctx, in->patches, "the patches' sides", sides));
     for (uint64_t t = 0; t < in->triangles; t++) {
         patch_side *const s = &sides[in->patch[t]];
         double const sign = in->turn[t] ? -1 : 1;

@@ -273,7 +273,7 @@ bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 24, "the patches' edges", &w.keys));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, "the patches' half-edges", &w.numbers));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the patches", &w.link));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, n * sizeof *w.sums, "the patches' sums", &w.sums));
+    BVXI_TRY(BVXI_ZEROS(ctx, n, "the patches' sums", w.sums));
     return bvxi_scratch_end(ctx, mark, find_patches(ctx, &w));
 }
 

@@ -249,38 +249,25 @@ static uint32_t vertex_at_extreme(const bvx_mesh_view *v, uint64_t first, int ax
     }
 }
 
-/* Whether one of n packed numbers is value, and whether one is above last. */
-BVXI_VECTOR_INLINE uint32_t block_mentions(const unsigned char *at, size_t n, uint32_t value)
+/* Whether one of n packed numbers is value, and whether none is above last. */
+static int indices_mention(const unsigned char *at, size_t n, uint32_t value)
 {
     uint32_t hit = 0, c;
     for (size_t i = 0; i < n; i++) {
         memcpy(&c, at + 4 * i, sizeof c);
         hit |= c == value;
     }
-    return hit;
+    return hit != 0;
 }
 
-BVXI_VECTOR_INLINE uint32_t block_passes(const unsigned char *at, size_t n, uint32_t last)
+static int indices_within(const unsigned char *at, size_t n, uint32_t last)
 {
     uint32_t beyond = 0, c;
     for (size_t i = 0; i < n; i++) {
         memcpy(&c, at + 4 * i, sizeof c);
         beyond |= c > last;
     }
-    return beyond;
-}
-
-/* A count that is known when compiling makes the loop of a whole block one of vectors without a remainder. */
-static int indices_mention(const unsigned char *at, size_t n, uint32_t value)
-{
-    return n == VIEW_INDEX_BLOCK ? block_mentions(at, VIEW_INDEX_BLOCK, value) != 0
-                                 : block_mentions(at, n, value) != 0;
-}
-
-static int indices_within(const unsigned char *at, size_t n, uint32_t last)
-{
-    return n == VIEW_INDEX_BLOCK ? block_passes(at, VIEW_INDEX_BLOCK, last) == 0
-                                 : block_passes(at, n, last) == 0;
+    return beyond == 0;
 }
 
 /* All triangles: *within is whether every index is a vertex, the result whether all wanted are used. */

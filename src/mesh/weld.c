@@ -116,7 +116,7 @@ bvx_status bvxi_weld(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *repr
 {
     uint64_t const size = view->vertex_count + view->vertex_count / 2 + 1;
     uint32_t *table;
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, size * sizeof *table, "the welding table", &table));
+    BVXI_TRY(BVXI_ZEROS(ctx, size, "the welding table", table));
     bvx_status const status = weld_into(ctx, view, table, size, representative, different);
     bvxi_drop(ctx, table);
     /* No vertex at all has been found different: the mark of a search that was given up. */
@@ -227,7 +227,7 @@ bvx_status bvxi_drop_duplicates(bvx_context *ctx, const bvx_mesh_view *view, con
 {
     uint64_t const size = view->triangle_count + view->triangle_count / 2 + 1;
     uint32_t *table;
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, size * sizeof *table, "the triangles' table", &table));
+    BVXI_TRY(BVXI_ZEROS(ctx, size, "the triangles' table", table));
     int const done = drop_by_table(view, representative, table, size, corner, kept);
     bvxi_drop(ctx, table);
     return done ? BVX_OK : drop_by_tree(ctx, view, representative, corner, kept);

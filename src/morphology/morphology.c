@@ -31,12 +31,6 @@ static bvx_status alloc_box(bvx_context *ctx, const char *stage, bvxi_bit_box *b
     return bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "a grid between two steps", &box->words);
 }
 
-static void free_box(bvx_context *ctx, bvxi_bit_box *box)
-{
-    bvxi_drop(ctx, box->words);
-    box->words = NULL;
-}
-
 /* A box around the grid's with room for the reach; *words are those along x. */
 static bvx_status widen_box(bvx_context *ctx, const bvxi_morph *morph, const bvx_grid *grid, int32_t room[3],
                             bvxi_bit_box *wide)
@@ -110,14 +104,11 @@ static bvx_status run_in_window(bvx_context *ctx, const bvxi_morph *morph, const
     int32_t const runs = morph->neighbourhood != 0 ? bvxi_step_sweeps(morph, &source) : morph->operations;
     const bvxi_bit_box *last;
     bvxi_bit_box between = source;
-    bvx_status status;
     /* The last run writes to the result, whatever their number is; a single one needs no box between. */
     if (runs == 1) return run_between(ctx, morph, &source, &target, &target, &last);
     BVXI_TRY(alloc_box(ctx, morph->stage, &between));
-    if (runs % 2 == 1) status = run_between(ctx, morph, &source, &target, &between, &last);
-    else status = run_between(ctx, morph, &source, &between, &target, &last);
-    free_box(ctx, &between);
-    return status;
+    return runs % 2 == 1 ? run_between(ctx, morph, &source, &target, &between, &last)
+                         : run_between(ctx, morph, &source, &between, &target, &last);
 }
 
 static bvx_status run_in_wide_box(bvx_context *ctx, const bvxi_morph *morph, const bvx_grid *grid,
@@ -132,8 +123,6 @@ static bvx_status run_in_wide_box(bvx_context *ctx, const bvxi_morph *morph, con
     copy_into_wide(grid, room, morph->beyond, &wide);
     BVXI_TRY(run_between(ctx, morph, &wide, &other, &wide, &last));
     cut_from_wide(last, room, result);
-    free_box(ctx, &other);
-    free_box(ctx, &wide);
     return BVX_OK;
 }
 

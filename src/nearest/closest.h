@@ -49,8 +49,6 @@ static inline void bvxi_curve_box(const bvxi_curve *curve, const double t[3][3],
     }
 }
 
-/* ---- The point of a mesh that is closest to a given point ---- */
-
 enum { BVXI_CLOSEST_WIDTH = 4, BVXI_CLOSEST_LEVELS = 16 }; /* 4^16 = 2^32 triangles */
 
 /* Boxes of four children side by side, in the tree's own units. */
@@ -109,21 +107,20 @@ static inline int bvxi_closest_children(uint64_t count, uint64_t first)
     return count - first < BVXI_CLOSEST_WIDTH ? (int)(count - first) : BVXI_CLOSEST_WIDTH;
 }
 
-/* Corners of the triangle at a place of the curve, scaled. */
-static inline void bvxi_closest_corners(const bvxi_closest_tree *tree, uint64_t place, double t[3][3])
+/* Corners of the triangle at a place of the curve, times scale: a power of two. */
+static inline void bvxi_closest_corners_by(const bvxi_closest_tree *tree, uint64_t place, double scale,
+                                           double t[3][3])
 {
-    if (tree->position_type == BVX_F32) {
-        const float *const f = (const float *)tree->corners + 9 * (size_t)place;
-        for (int k = 0; k < 3; k++)
-            for (int a = 0; a < 3; a++) t[k][a] = (double)f[3 * k + a] * tree->scale;
-    } else {
-        const double *const f = (const double *)tree->corners + 9 * (size_t)place;
-        for (int k = 0; k < 3; k++)
-            for (int a = 0; a < 3; a++) t[k][a] = f[3 * k + a] * tree->scale;
-    }
+    for (size_t k = 0; k < 9; k++)
+        t[k / 3][k % 3] = scale * (tree->position_type == BVX_F32
+                                       ? (double)((const float *)tree->corners)[9 * (size_t)place + k]
+                                       : ((const double *)tree->corners)[9 * (size_t)place + k]);
 }
 
-/* ---- What stands behind the public bvx_closest, for other rooms that require nearest points ---- */
+static inline void bvxi_closest_corners(const bvxi_closest_tree *tree, uint64_t place, double t[3][3])
+{
+    bvxi_closest_corners_by(tree, place, tree->scale, t);
+}
 
 struct bvx_closest {
     bvxi_closest_tree tree;
@@ -142,8 +139,6 @@ void bvxi_closest_ask(const bvx_closest *closest, const double point[3], uint32_
 /* Where on triangle t its closest point q to p lies, as in bvx_closest_point.feature. */
 int32_t bvxi_closest_feature(const double p[3], const double t[3][3], const double q[3]);
 
-/* ---- How far meshes are apart, where several are compared with the same one ---- */
-
 /* The search tree of a mesh, kept from one comparison to the next. Zeroed: not built yet. */
 typedef struct bvxi_distance_tree {
     bvxi_closest_tree tree;
@@ -156,8 +151,6 @@ bvx_status bvxi_mesh_distance(bvx_context *ctx, const bvx_mesh_view *a, bvxi_dis
                               const bvx_mesh_view *b, uint64_t samples, uint64_t seed,
                               bvx_distance_report *report);
 void bvxi_distance_forget(bvx_context *ctx, bvxi_distance_tree *kept);
-
-/* ---- All pairs of triangles that cross, for callers who have the mesh welded ---- */
 
 /* As bvx_mesh_crossings, of a welded mesh with triangles. Vertices that no triangle uses may be anything. */
 bvx_status bvxi_mesh_crossings(bvx_context *ctx, const char *function, const bvxi_welded *mesh,

@@ -275,8 +275,8 @@ static bvx_status run_closest_find(bvx_context *context, const bvx_closest *clos
     uint64_t const most = q.count < QUERY_TOGETHER ? q.count : QUERY_TOGETHER;
     /* A few points are not worth an order; none is work that says so. */
     if (q.count <= QUERY_GRAIN) return find_closest_batch(context, &q, 0.0, 1.0);
-    BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, most * sizeof *q.keys, "the points' keys", &q.keys));
-    BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, most * sizeof *q.order, "the points' order", &q.order));
+    BVXI_TRY(BVXI_ARRAY(context, most, "the points' keys", q.keys));
+    BVXI_TRY(BVXI_ARRAY(context, most, "the points' order", q.order));
     return find_closest_batches(context, &q);
 }
 

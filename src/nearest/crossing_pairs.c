@@ -48,16 +48,10 @@ typedef struct crossings_four {
 
 /* ---- Triangles along the curve ---- */
 
-/* Corners as the caller gave them: no scale, which could lose digits of subnormal numbers. */
+/* Corners as the caller gave them: a scale could lose digits of subnormal numbers. */
 static void crossings_positions(const bvxi_closest_tree *tree, uint64_t position, double t[3][3])
 {
-    if (tree->position_type == BVX_F32) {
-        const float *const f = (const float *)tree->corners + 9 * (size_t)position;
-        for (int k = 0; k < 3; k++)
-            for (int a = 0; a < 3; a++) t[k][a] = (double)f[3 * k + a];
-    } else {
-        memcpy(t, (const double *)tree->corners + 9 * (size_t)position, 9 * sizeof(double));
-    }
+    bvxi_closest_corners_by(tree, position, 1.0, t);
 }
 
 static void crossings_open_four(const crossings_job *job, uint64_t four, crossings_four *f)
@@ -246,8 +240,8 @@ static bvx_status write_crossings(bvx_context *ctx, crossings_job *job, uint64_t
 
     /* Pieces write side by side, and no thread shows. */
     (void)bvxi_place_counts(job->counts, (uint64_t)job->pieces);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *job->keys, "the crossings' keys", &job->keys));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, count * sizeof *numbers, "the crossings' numbers", &numbers));
+    BVXI_TRY(BVXI_ARRAY(ctx, count, "the crossings' keys", job->keys));
+    BVXI_TRY(BVXI_ZEROS(ctx, count, "the crossings' numbers", numbers));
     BVXI_TRY(bvxi_for_pieces(ctx, "crossings", 0.9, 1.0, job->pieces, job->tree.level_nodes[0],
                              write_crossings_piece, job));
 
@@ -270,8 +264,7 @@ static bvx_status search_crossings(bvx_context *ctx, crossings_job *job, uint64_
     BVXI_TRY(
         bvxi_alloc(ctx, BVXI_SCRATCH, job->tree.triangle_count * 12, "the crossings' corners", &job->corner));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, fours, "the crossings' marks", &job->marks));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)job->pieces * sizeof *job->counts,
-                        "the crossings' counts", &job->counts));
+    BVXI_TRY(BVXI_ARRAY(ctx, (uint64_t)job->pieces, "the crossings' counts", job->counts));
 
     BVXI_TRY(BVXI_SHARE(ctx, 0.3, 0.35,
                         bvxi_for(ctx, "crossings", fours, CROSSINGS_GRAIN, crossings_corners, job)));
@@ -340,9 +333,7 @@ static bvx_status run_mesh_crossings(bvx_context *context, const bvx_mesh_view *
         bvxi_alloc(context, BVXI_SCRATCH, mesh->vertex_count * 4, "the crossings' welding", &representative));
     welded.representative = representative;
     BVXI_TRY(bvxi_weld(context, mesh, representative, &welded.different));
-    BVXI_TRY(bvxi_mesh_crossings(context, function, &welded, count, pairs, capacity));
-    bvxi_drop(context, representative);
-    return BVX_OK;
+    return bvxi_mesh_crossings(context, function, &welded, count, pairs, capacity);
 }
 
 bvx_status bvx_mesh_crossings(bvx_context *context, const bvx_mesh_view *mesh, uint64_t *count,

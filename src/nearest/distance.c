@@ -43,31 +43,14 @@ static double distance_random(uint64_t key, uint64_t counter)
     return (double)(distance_mix(key + (counter + 1) * UINT64_C(0x9e3779b97f4a7c15)) >> 11) * 0x1p-53;
 }
 
-typedef struct area_work {
-    const bvxi_closest_tree *tree;
-    double *area_before;
-    int32_t pieces;
-} area_work;
-
-static void compute_curve_areas(void *user, int32_t index)
+/* One after the other, since sums of doubles depend on their order. */
+static void add_curve_areas(const bvxi_closest_tree *tree, double *area_before)
 {
-    const area_work *const w = user;
-    double t[3][3], n[3];
-    uint64_t begin, end;
-    bvxi_piece(w->tree->triangle_count, w->pieces, index, &begin, &end);
-    for (uint64_t i = begin; i < end; i++) {
-        bvxi_closest_corners(w->tree, i, t);
-        w->area_before[i] = bvxi_facet_normal((const double(*)[3])t, n);
+    double sum = 0.0, t[3][3], n[3];
+    for (uint64_t i = 0; i < tree->triangle_count; i++) {
+        bvxi_closest_corners(tree, i, t);
+        area_before[i] = sum += bvxi_facet_normal((const double(*)[3])t, n);
     }
-}
-
-static void add_curve_areas(bvx_context *ctx, const bvxi_closest_tree *tree, double *area_before)
-{
-    area_work w = {tree, area_before, bvxi_piece_count(tree->triangle_count, 4096)};
-    double sum = 0.0;
-    bvxi_tasks(ctx, w.pieces, compute_curve_areas, &w);
-    /* One after the other, since sums of doubles depend on their order. */
-    for (uint64_t i = 0; i < tree->triangle_count; i++) area_before[i] = sum += area_before[i];
 }
 
 /* Which place of the curve owns a share of the area; never that of a triangle without area. */
@@ -137,10 +120,9 @@ static bvx_status measure_distance_one_way(bvx_context *ctx, const bvxi_closest_
     distance_sums *sums = NULL;
     distance_work w = {from, to, NULL, samples, key, blocks, NULL};
 
-    BVXI_TRY(
-        bvxi_alloc(ctx, BVXI_SCRATCH, from->triangle_count * sizeof *areas, "the distance's areas", &areas));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)blocks * sizeof *sums, "the distance's sums", &sums));
-    add_curve_areas(ctx, from, areas);
+    BVXI_TRY(BVXI_ARRAY(ctx, from->triangle_count, "the distance's areas", areas));
+    BVXI_TRY(BVXI_ARRAY(ctx, (uint64_t)blocks, "the distance's sums", sums));
+    add_curve_areas(from, areas);
     w.area_before = areas;
     w.sums = sums;
     BVXI_TRY(bvxi_for_pieces(ctx, "distance", progress, progress + 0.4, blocks, w.samples,

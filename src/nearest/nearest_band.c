@@ -80,13 +80,11 @@ static bvx_status open_near_memo(bvx_context *ctx, const band_work *w)
 
     /* Only cubes that the mesh reaches get memory: far ones are most of a lattice. */
     bvxi_near_forget(ctx, m);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->plan.cubes * sizeof *m->cube_slot, "the field's cubes",
-                        &m->cube_slot));
+    BVXI_TRY(BVXI_ARRAY(ctx, w->plan.cubes, "the field's cubes", m->cube_slot));
     m->cubes = w->plan.cubes;
     for (uint64_t i = 0; i < w->plan.cubes; i++)
         m->cube_slot[i] = w->reached[i] ? (uint32_t)slots++ : BVXI_NEAR_NONE;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, slots * BVXI_NEAR_CUBE_SLOTS * sizeof *m->triangle,
-                        "the field's nearest triangles", &m->triangle));
+    BVXI_TRY(BVXI_ARRAY(ctx, slots * BVXI_NEAR_CUBE_SLOTS, "the field's nearest triangles", m->triangle));
     m->slots = slots;
     memcpy(m->low, w->band->low, sizeof m->low);
     memcpy(m->size, w->band->size, sizeof m->size);

@@ -57,8 +57,6 @@ static int near_is_first(const bvxi_nearest *n, const bvxi_near_pairs *pairs, in
     return order != 0 ? order < 0 : pairs->triangle[i] < other;
 }
 
-/* ---- The nearest triangles of a brick of 4 x 4 x 4 centres ---- */
-
 /* One search of the tree lists the leaves for all 64; then each 2 x 2 x 2 of them looks through the list.
  * Where floats leave one candidate it is the answer; where they leave more (a shared edge or corner: all of
  * its triangles are equally far) the evaluation in doubles decides by (distance squared, triangle index).

@@ -1,7 +1,7 @@
 /* nearest_pairs.c - closest points on triangles, four pairs of a point and a triangle at a time.
  *
- * Corners are gathered while the next are on their way; nearest/point_triangle_four.h evaluates them. Pairs
- * that it leaves go to point_triangle.c itself, and without vectors all pairs.
+ * nearest/point_triangle_four.h evaluates them. Pairs that it leaves go to point_triangle.c itself, and without
+ * vectors all pairs.
  * Guarantee: the same bits as bvxi_closest_on_triangle, but for the sign of zeros. */
 #include "nearest/nearest_brick.h"
 #include "nearest/closest.h"
@@ -19,27 +19,7 @@ static void order_near_corners(bvxi_near_pairs *p)
     }
 }
 
-/* Indices of all first, then positions: what is waited for is on its way together. */
-static void gather_near_packed(const bvxi_nearest *n, bvxi_near_pairs *p)
-{
-    const unsigned char *const positions = n->view.positions, *const indices = n->view.indices;
-    uint32_t c[BVXI_NEAR_PAIRS][3];
-
-    for (int32_t i = 0; i < p->count; i++) {
-        memcpy(c[i], indices + (size_t)p->triangle[i] * 12, sizeof c[i]);
-        for (int v = 0; v < 3; v++) BVXI_PREFETCH(positions + (size_t)c[i][v] * 12);
-    }
-
-    for (int32_t i = 0; i < p->count; i++)
-        for (int v = 0; v < 3; v++) {
-            float f[3];
-            memcpy(f, positions + (size_t)c[i][v] * 12, sizeof f);
-            for (int a = 0; a < 3; a++) p->corner[3 * v + a][i] = (double)f[a] * n->scale;
-        }
-    if (n->by_planes) order_near_corners(p);
-}
-
-static void gather_near_any(const bvxi_nearest *n, bvxi_near_pairs *p)
+static void gather_near_corners(const bvxi_nearest *n, bvxi_near_pairs *p)
 {
     for (int32_t i = 0; i < p->count; i++) {
         double t[3][3];
@@ -73,9 +53,7 @@ static void evaluate_near_pair(bvxi_near_pairs *p, int32_t i)
 
 void bvxi_near_evaluate(const bvxi_nearest *n, int32_t fast, bvxi_near_pairs *pairs)
 {
-    /* Packed arrays, the usual case, can be requested ahead: where a corner lies is known without reading. */
-    if (bvxi_view_packed_f32(&n->view) && bvxi_view_packed_u32(&n->view)) gather_near_packed(n, pairs);
-    else gather_near_any(n, pairs);
+    gather_near_corners(n, pairs);
 #if BVXI_HAVE_AVX2
     if (fast) {
         evaluate_near_fours_avx2(pairs);

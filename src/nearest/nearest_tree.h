@@ -8,8 +8,6 @@
 #include "mesh/view.h"
 #include "nearest/nearest.h"
 
-/* ---- A hierarchy of boxes over triangles that answers many centres at once ---- */
-
 /* Everything that is searched is in floats, in box units: a power of two of the world in which the lattice
  * lies within
  * [-1, 1] around its middle. Floats decide only what cannot win; what can is evaluated in doubles

@@ -158,8 +158,6 @@ static void cast_octree_ray(octree_ray *r)
         }
 }
 
-/* ---- many rays ---- */
-
 typedef struct octree_cast {
     const bvx_octree *tree;
     const double *rays;

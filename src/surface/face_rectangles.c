@@ -248,7 +248,7 @@ bvx_status bvxi_faces_merge(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
     m.f->face_count = bvxi_place_counts(m.before, (uint64_t)m.tasks);
     BVXI_TRY(bvxi_faces_check_counts(ctx, m.f));
     uint64_t const words = m.f->row_count * (uint64_t)m.f->words;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, m.f->face_count * sizeof *m.list, "the rectangles", &m.list));
+    BVXI_TRY(BVXI_ARRAY(ctx, m.f->face_count, "the rectangles", m.list));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, words * 8, "the corners", &m.corners));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bvxi_rank_bytes(words), "the corners' ranks", &m.prefix));
     BVXI_TRY(bvxi_parallel(ctx, "faces", 0.3, 0.6, m.tasks, cut_task, &m));

@@ -19,27 +19,6 @@ static const bvxi_option field_surface_rows[] = {
     BVXI_REAL(bvx_field_surface_options, offset, -BVXI_FINITE, BVXI_FINITE),
 };
 
-/* The numbers of the values must be those of the band's bits, as no search checks them again. */
-static bvx_status check_row_values(bvx_context *ctx, const char *function, const bvx_field *f)
-{
-    uint64_t const rows = bvxi_grid_rows(&f->band), words = (uint64_t)f->band.words_per_row;
-    uint64_t total = 0;
-
-    if (f->row_values == NULL) return bvxi_fail_null(ctx, function, "field.row_values");
-    for (uint64_t r = 0; r < rows; r++) {
-        if (f->row_values[r] != total)
-            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
-                                 "%s: field.row_values[%i] is %u, the band has %u values before it", function,
-                                 r, f->row_values[r], total);
-        for (uint64_t w = 0; w < words; w++) total += bvxi_popcount(f->band.words[r * words + w]);
-    }
-    if (f->row_values[rows] != total || f->value_count != total)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: the field has %u values and row_values ends at %u, the band has %u", function,
-                         f->value_count, f->row_values[rows], total);
-    return BVX_OK;
-}
-
 /* Doubles, where they are taken, must distinguish neighbouring positions. */
 static bvx_status check_doubles(bvx_context *ctx, const char *function, const bvx_grid *grid,
                                 const bvx_field_surface_options *o)
@@ -99,7 +78,8 @@ static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
                              "%s: field.value_type %d is neither BVX_F32 nor BVX_F64", function,
                              (int64_t)f->value_type);
-    BVXI_TRY(check_row_values(ctx, function, f));
+    if (f->row_values == NULL) return bvxi_fail_null(ctx, function, "field.row_values");
+    BVXI_TRY(bvxi_sparse_check(ctx, function, f));
     if (vectors && f->vectors == NULL && f->value_count != 0)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: the field has no vectors; measure it with them or take BVX_EDGE_SCALAR",

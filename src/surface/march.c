@@ -185,8 +185,7 @@ bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid
 
     /* How the work is divided follows from the shape only, never from the number of threads. */
     m->pieces = bvxi_piece_count(m->slot_count, SLOT_GRAIN);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (m->slot_count + 1) * sizeof *m->slots, "the rows' vertex indices",
-                        &m->slots));
+    BVXI_TRY(BVXI_ARRAY(ctx, (m->slot_count + 1), "the rows' vertex indices", m->slots));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)m->pieces * 24, "the counts", &m->piece_counts));
     BVXI_TRY(
         bvxi_alloc_zero(ctx, BVXI_SCRATCH, (uint64_t)grid->words_per_row * 8, "an empty row", &m->empty_row));

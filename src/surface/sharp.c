@@ -279,7 +279,7 @@ bvx_status bvxi_sharpen(bvx_context *ctx, const bvxi_march *march, const bvxi_cu
     BVXI_TRY(bvxi_for_ranges(ctx, "sharp edges", 0.0, 0.3, march->pieces, march->slot_count,
                              bvxi_sharp_count_piece, &w));
     BVXI_TRY(number_loops(ctx, &w, &count));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *w.loops, "the sharp cells", &w.loops));
+    BVXI_TRY(BVXI_ARRAY(ctx, count, "the sharp cells", w.loops));
     BVXI_TRY(bvxi_for_ranges(ctx, "sharp edges", 0.3, 0.6, march->pieces, march->slot_count,
                              bvxi_sharp_fill_piece, &w));
     uint32_t const kept = number_apexes(&w, count);

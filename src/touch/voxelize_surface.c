@@ -125,8 +125,7 @@ static bvx_status open_helpers(bvx_context *ctx, bvxi_surface_job *job)
     uint64_t const count = (uint64_t)job->helper_count, words = bvxi_grid_words(job->grid);
 
     if (count == 0) return BVX_OK;
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, count * sizeof *job->helpers, "the workers' surfaces",
-                             &job->helpers));
+    BVXI_TRY(BVXI_ZEROS(ctx, count, "the workers' surfaces", job->helpers));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * words * 8, "the workers' grids", &job->helper_words));
     /* All copies are made before anybody works on the first. */
     for (uint64_t h = 0; h < count; h++) {

@@ -235,7 +235,7 @@ bvx_status bvxi_cancel_lines(bvx_context *ctx, const bvxi_snapped *s, int odd_on
     /* ends have numbers of 32 bits; more edges than those only stay as they are */
     if (n < 2 || n > UINT32_MAX / 2) return BVX_OK;
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * sizeof *w.line, "the open edges' lines", &w.line));
+    BVXI_TRY(BVXI_ARRAY(ctx, n, "the open edges' lines", w.line));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, "the open edges' hashes", &w.key));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the open edges by line", &w.order));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 16, "the ends on a line", &w.place));

@@ -164,11 +164,9 @@ bvx_status bvxi_sheet_open(bvx_context *ctx, const bvxi_holes *holes, const bvxi
     if (sheet->strips.loops > 0) holes = &sheet->strips;
     sheet->holes = holes;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, holes->points * 24, "the holes' points", &sheet->point));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, holes->points * sizeof *sheet->node, "the sheet over the holes",
-                        &sheet->node));
+    BVXI_TRY(BVXI_ARRAY(ctx, holes->points, "the sheet over the holes", sheet->node));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, holes->loops * 4, "the holes' order", &sheet->order));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, holes->loops * sizeof *sheet->group, "the groups of holes",
-                        &sheet->group));
+    BVXI_TRY(BVXI_ARRAY(ctx, holes->loops, "the groups of holes", sheet->group));
     fill_sheet(sheet);
     BVXI_TRY(BVXI_SCOPE(ctx, group_loops(ctx, sheet)));
     return bvxi_sheet_tree_open(ctx, sheet, &sheet->tree);

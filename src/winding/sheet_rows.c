@@ -156,9 +156,3 @@ bvx_status bvxi_sheet_mesh_open(bvx_context *ctx, const bvx_mesh_view *view, con
     for (uint64_t i = 0; i < 3 * sheet->triangle_count; i++) corner[i] = holes->vertex[corner[i]];
     return BVX_OK;
 }
-
-void bvxi_sheet_mesh_close(bvx_context *ctx, bvx_mesh_view *sheet)
-{
-    bvxi_drop(ctx, (void *)(uintptr_t)sheet->indices);
-    sheet->indices = NULL;
-}

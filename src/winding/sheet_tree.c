@@ -228,8 +228,7 @@ static bvx_status make_sheet_cells(bvx_context *ctx, const bvxi_sheet *s, bvxi_s
     /* Counted first, so that cells are made in their exact number; then the same walk fills them. */
     BVXI_TRY(BVXI_SCOPE(ctx, order_sheet(ctx, s, tree, keys)));
     cut_sheet_cells(keys, tree);
-    BVXI_TRY(
-        bvxi_alloc(ctx, BVXI_SCRATCH, tree->cells * sizeof *tree->cell, "the sheet's cells", &tree->cell));
+    BVXI_TRY(BVXI_ARRAY(ctx, tree->cells, "the sheet's cells", tree->cell));
     cut_sheet_cells(keys, tree);
     /* Backwards, as halves stand after what they are halves of. */
     for (uint64_t c = tree->cells; c-- > 0;) fill_sheet_cell(s, tree, &tree->cell[c]);
@@ -260,8 +259,7 @@ bvx_status bvxi_sheet_tree_open(bvx_context *ctx, const bvxi_sheet *sheet, bvxi_
     bvxi_series_open(&t->table);
     t->triangles = holes->points - 2 * holes->loops;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, t->triangles * 12, "the sheet's triangles", &t->corner));
-    BVXI_TRY(
-        bvxi_alloc(ctx, BVXI_SCRATCH, t->triangles * sizeof *t->shape, "the triangles' shapes", &t->shape));
+    BVXI_TRY(BVXI_ARRAY(ctx, t->triangles, "the triangles' shapes", t->shape));
     BVXI_TRY(make_sheet_cells(ctx, sheet, t));
     *tree = t;
     return BVX_OK;

@@ -89,7 +89,6 @@ bvx_status bvxi_turns_run(bvx_context *ctx, bvxi_turns_job *job, double from, do
 /* The sheet's triangles as a mesh over the vertices of view; 12 bytes a point of the loops. */
 bvx_status bvxi_sheet_mesh_open(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_holes *holes,
                                 bvx_mesh_view *sheet);
-void bvxi_sheet_mesh_close(bvx_context *ctx, bvx_mesh_view *sheet);
 
 /* ---- Bricks of a block of turns: cut into eight, settled as wholes, or centre by centre ---- */
 

@@ -151,7 +151,6 @@ static bvx_status wind_over_holes(bvx_context *ctx, bvxi_solid_job *job, const b
     /* Windows have their own rows alone. */
     if (report->unbalanced_rows == 0 && memcmp(solid->size, solid->lattice.dims, sizeof solid->size) == 0)
         report->unbalanced_rows = rows_through(job->view, holes, &solid->lattice);
-    bvxi_sheet_mesh_close(ctx, &view);
     bvxi_sheet_close(ctx, &sheet);
     return BVX_OK;
 }
