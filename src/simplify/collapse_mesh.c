@@ -520,6 +520,16 @@ static void add_upright(bvxi_collapse *c, int32_t corner)
     add_plane(&m->at[v], plane, BORDER_WEIGHT * square * c->scale * c->scale);
 }
 
+/* 1: the triangle at the other side of the edge lies on this one. */
+static int is_folded(const bvxi_corners *m, int32_t corner)
+{
+    uint32_t const own = bvxi_corner_vertex_of(m, corner);
+    uint32_t const other = bvxi_corner_vertex_of(m, bvxi_corner_opposite(m, corner));
+
+    return own != BVXI_VERTEX_GHOST && other != BVXI_VERTEX_GHOST &&
+           memcmp(m->at[own].p, m->at[other].p, sizeof m->at[own].p) == 0;
+}
+
 /* An edge of a line; count: it is the first of its two sides, so that its ends count it once. */
 static void mark_line(bvxi_collapse *c, int32_t corner, int count)
 {
@@ -544,6 +554,10 @@ static void mark_lines(bvxi_collapse *c)
     for (int32_t corner = 0; corner < end && parted; corner += (corner & 3) == 2 ? 2 : 1)
         if (!bvxi_corner_is_ghost(m, bvxi_corner_opposite(m, corner)) && bvxi_attributes_part(c, corner))
             mark_line(c, corner, corner < bvxi_corner_opposite(m, corner));
+    /* Where a leaf with two sides ends, its planes alone would let the fold shrink. */
+    for (int32_t corner = 0; corner < end && c->options.borders == BVXI_BORDERS_CUT;
+         corner += (corner & 3) == 2 ? 2 : 1)
+        if (is_folded(m, corner)) add_upright(c, corner);
     for (int32_t ghost = end; ghost < end + (int32_t)(4 * m->ghosts); ghost += 4) {
         mark_line(c, bvxi_corner_opposite(m, ghost), 1);
         for (int k = 1; k < 3 && c->options.given.lock_border; k++)

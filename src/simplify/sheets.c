@@ -265,14 +265,21 @@ static double triangle_area(const sheet_work *w, uint64_t t)
     return bvxi_facet_normal((const double(*)[3])p, n);
 }
 
-/* Join triangles over edges of two; torn: where they disagree, by their root then. */
+/* The vertex opposite to a half-edge. */
+static uint32_t apex_of(const sheet_work *w, uint32_t half)
+{
+    return w->corner[next_of(next_of(half))];
+}
+
+/* Join triangles over edges of two; torn: where they disagree, by their root then. Where a sheet of two sides ends its
+ * last triangle is no patch with its own copy: it would leave the sheet. */
 static void join_all_sheets(sheet_work *w, patch_area *area)
 {
     for (uint64_t i = 0, n; i < 3 * w->triangles; i += n) {
         uint32_t differs;
 
         n = edge_halves(w, i);
-        if (n != 2) continue;
+        if (n != 2 || apex_of(w, w->half[i]) == apex_of(w, w->half[i + 1])) continue;
         if (!join_sheets(w->link, w->half[i] / 3, w->half[i + 1] / 3,
                          runs_up(w, w->half[i]) == runs_up(w, w->half[i + 1])))
             area[sheet_root(w->link, w->half[i] / 3, &differs)].torn++;
@@ -326,7 +333,7 @@ static bvx_status orient(sheet_work *w)
  * does not run along. */
 static double angle_of(const sheet_work *w, uint32_t half)
 {
-    uint32_t const a = w->corner[half], b = w->corner[next_of(half)], c = w->corner[next_of(next_of(half))];
+    uint32_t const a = w->corner[half], b = w->corner[next_of(half)], c = apex_of(w, half);
     double low[3], high[3], apex[3], e[3], f[3], u[3] = {0, 0, 0}, v[3], x = 0, y = 0, sum;
     int least = 0;
 

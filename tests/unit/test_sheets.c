@@ -530,7 +530,7 @@ static void test_an_edge_in_one_body_is_parted_too(void)
     assert_bodies(1, 1, 10, 1);
 }
 
-/* A leaf with two sides keeps both; what lies on a sheet a second time does not. */
+/* A leaf with two sides keeps both, as one piece; what lies on a sheet a second time does not. */
 static void test_both_sides_of_a_leaf_stay(void)
 {
     size_t triangles;
@@ -541,7 +541,11 @@ static void test_both_sides_of_a_leaf_stay(void)
     maker_flip(&mesh, triangles, mesh.triangles);
     build(0);
     TEST_ASSERT_EQUAL_UINT64(0, levels_report.doubles + levels_report.cut);
-    for (int i = 0; i < 2; i++) TEST_ASSERT_TRUE(certificate_of(&level[i]).closed);
+    for (int i = 0; i < 2; i++) {
+        TEST_ASSERT_TRUE(certificate_of(&level[i]).closed);
+        TEST_ASSERT_EQUAL_UINT64(1, report[i].certificate.components);
+        TEST_ASSERT_TRUE(report[i].met);
+    }
 }
 
 int main(void)
