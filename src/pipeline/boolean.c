@@ -153,7 +153,8 @@ typedef struct boolean_job {
     bvx_grid inside;
     uint64_t grid_bytes;
     bvx_boolean_report report;
-    uint64_t holes; /* of both meshes */
+    uint64_t between; /* edges that both bodies cross and the result does not */
+    uint64_t holes;   /* of both meshes */
     bvxi_rim longest_rim;
 } boolean_job;
 
@@ -338,6 +339,32 @@ static bvx_status fill_body(boolean_job *job, int32_t i)
     return keep_thin_walls(job, i);
 }
 
+/* Edges between centres that both bodies cross and the result does not: there a wall or a gap between the bodies may
+ * be lost, of a voxel at most. */
+static uint64_t count_between(const boolean_job *job)
+{
+    const bvx_grid *const g = &job->inside;
+    const uint64_t *const in[3] = {job->body[0].solid.words, job->body[1].solid.words, g->words};
+    uint64_t const row = (uint64_t)g->words_per_row, slice = row * (uint64_t)g->size[1];
+    uint64_t const words = bvxi_grid_words(g);
+    uint64_t count = 0;
+
+    for (uint64_t i = 0; i < words; i++) {
+        uint64_t x[3], y[3], z[3];
+
+        for (int k = 0; k < 3; k++) {
+            uint64_t const w = in[k][i];
+            /* The last bit of a row stands beside none; beyond the last row and slice there is nothing. */
+            x[k] = w ^ (w >> 1 | ((i + 1) % row != 0 ? in[k][i + 1] << 63 : 0));
+            y[k] = i % slice + row < slice ? w ^ in[k][i + row] : 0;
+            z[k] = i + slice < words ? w ^ in[k][i + slice] : 0;
+        }
+        count += bvxi_popcount(x[0] & x[1] & ~x[2]) + bvxi_popcount(y[0] & y[1] & ~y[2]) +
+                 bvxi_popcount(z[0] & z[1] & ~z[2]);
+    }
+    return count;
+}
+
 static bvx_status fill_boolean(boolean_job *job)
 {
     bvx_grid *const a = &job->body[0].solid, *const b = &job->body[1].solid;
@@ -350,6 +377,7 @@ static bvx_status fill_boolean(boolean_job *job)
     BVXI_TRY(bvx_grid_count(job->ctx, a, &job->report.voxels_a));
     BVXI_TRY(bvx_grid_count(job->ctx, b, &job->report.voxels_b));
     BVXI_TRY(bvx_grid_count(job->ctx, &job->inside, &job->report.voxels));
+    if (job->options->report != NULL) job->between = count_between(job);
 
     /* After the counts, so that a body that was lost is named before an empty result could be taken for an
      * answer. */
@@ -675,28 +703,139 @@ static void warn_of_operand(boolean_job *job, int32_t i)
         BVXI_WARN(job->ctx, BVX_WARN_FEW, bvxi_advised(job->report.advised_resolution))->input = i;
 }
 
-/* What is compared with the operands: the volume about the middle, and how many parts there are. All vertices of
- * the result are of triangles, and those of a part hang together through edges. */
-static bvx_status measure_result(boolean_job *job, const bvx_mesh_view *result, double *volume,
-                                 uint64_t *parts)
+/* What is compared: the volume about the middle, how many parts and handles there are, and crumbs that went. */
+typedef struct boolean_shape {
+    double volume;
+    uint64_t parts, handles, crumbs;
+} boolean_shape;
+
+/* All vertices of a result are of triangles, those of a part hang together through edges, and each edge has two
+ * triangles. */
+static bvx_status measure_result(boolean_job *job, const bvx_mesh *mesh, boolean_shape *shape)
 {
     double low[3], high[3], centre[3];
+    bvx_mesh_view result;
     uint32_t *part;
 
-    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, result->vertex_count * 4, "the result's parts", &part));
-    bvxi_view_used_bounds(result, low, high);
+    *shape = (boolean_shape){.parts = mesh->vertex_count, .crumbs = job->report.crumbs};
+    if (mesh->triangle_count == 0) return BVX_OK;
+    bvx_mesh_view_of(mesh, &result);
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, result.vertex_count * 4, "the result's parts", &part));
+    bvxi_view_used_bounds(&result, low, high);
     for (int a = 0; a < 3; a++) centre[a] = 0.5 * low[a] + 0.5 * high[a];
-    for (uint64_t v = 0; v < result->vertex_count; v++) part[v] = (uint32_t)v;
-    *parts = result->vertex_count;
-    *volume = 0.0;
-    for (uint64_t t = 0; t < result->triangle_count; t++) {
+    for (uint64_t v = 0; v < result.vertex_count; v++) part[v] = (uint32_t)v;
+    for (uint64_t t = 0; t < result.triangle_count; t++) {
         uint32_t c[3];
 
-        bvxi_view_triangle(result, t, c);
-        *parts -= (uint64_t)(bvxi_join(part, c[0], c[1]) + bvxi_join(part, c[0], c[2]));
-        *volume += bvxi_patches_volume(result, t, centre) / 6.0;
+        bvxi_view_triangle(&result, t, c);
+        shape->parts -= (uint64_t)(bvxi_join(part, c[0], c[1]) + bvxi_join(part, c[0], c[2]));
+        shape->volume += bvxi_patches_volume(&result, t, centre) / 6.0;
     }
     bvxi_drop(job->ctx, part);
+    shape->handles = (2 * shape->parts + result.triangle_count / 2 - result.vertex_count) / 2;
+    return BVX_OK;
+}
+
+/* ---- A finer look ---- */
+
+#define FINER_SMALL (UINT64_C(1) << 14) /* words of a lattice that is always looked at */
+#define FINER_LARGE (UINT64_C(1) << 19) /* where the volume is in question */
+#define FINER_AGREE 0.005
+
+static int is_near_volume(double a, double b)
+{
+    return bvxi_absolute(a - b) <= FINER_AGREE * b;
+}
+
+static int is_same_shape(const boolean_shape *a, const boolean_shape *b)
+{
+    return a->parts == b->parts && a->handles == b->handles && is_near_volume(a->volume, b->volume);
+}
+
+/* The same operation on a lattice of half the spacing, on which meshes are snapped as on this one; *seen becomes 0
+ * where that has no result. */
+static bvx_status look_closer(const boolean_job *job, bvx_lattice *lattice, boolean_shape *shape, int *seen)
+{
+    bvx_boolean_options o = *job->options;
+    boolean_job closer = {.ctx = job->ctx, .options = &o, .operation = job->operation};
+    bvx_mesh result = {0};
+    bvx_status status;
+
+    for (int a = 0; a < 3; a++) {
+        lattice->spacing[a] *= 0.5;
+        lattice->dims[a] *= 2;
+    }
+    lattice->fraction_bits--;
+    o.fit.lattice = lattice;
+    o.report = NULL;
+    for (int i = 0; i < 2; i++) closer.body[i].mesh = closer.source[i].mesh = job->body[i].mesh;
+    status = boolean_steps(&closer, &result);
+    if (status == BVX_OK) status = measure_result(&closer, &result, shape);
+    bvx_mesh_free(job->ctx, &result);
+    *seen = status == BVX_OK;
+
+    /* What was asked for is there, whatever a look that nobody requested would need. */
+    return status == BVX_ERR_BUDGET || status == BVX_ERR_EMPTY || status == BVX_ERR_RANGE ? BVX_OK : status;
+}
+
+/* What finer lattices have. *looks is how many there were: two, and one more for a volume that still moves; *settled
+ * becomes 1 where the last two agree and no wall broke in the last. */
+static bvx_status look_finer(const boolean_job *job, boolean_shape *shape, int *looks, int *settled)
+{
+    uint64_t const words = bvxi_grid_words(&job->inside);
+    bvx_lattice lattice = job->lattice;
+    int more = 1, seen = 1;
+
+    *settled = 0;
+    for (*looks = 0; more; ++*looks) {
+        boolean_shape closer = *shape;
+
+        if ((*looks != 0 && words << 3 * *looks > FINER_LARGE) || lattice.fraction_bits <= BVXI_MIN_FRACTION)
+            return BVX_OK;
+        for (int a = 0; a < 3; a++)
+            if (lattice.dims[a] > BVXI_MAX_SIDE / 2) return BVX_OK;
+        BVXI_TRY(BVXI_SCOPE(job->ctx, look_closer(job, &lattice, &closer, &seen)));
+        if (!seen) return BVX_OK;
+        *settled = is_same_shape(shape, &closer) && closer.crumbs < BOOLEAN_CRUMBS;
+        more = !*settled && (*looks == 0 || (*looks == 1 && !is_near_volume(shape->volume, closer.volume)));
+        *shape = closer;
+    }
+    return BVX_OK;
+}
+
+/* Is the result what finer lattices have? *same becomes 1 where it is. */
+static bvx_status compare_finer(boolean_job *job, const boolean_shape *shape, double finer, int *same)
+{
+    uint64_t const words = bvxi_grid_words(&job->inside), warned = bvxi_warned(job->ctx);
+    boolean_shape seen = *shape;
+    int looks, settled;
+
+    *same = 0;
+    if (job->options->parts.least_part > 1 || words > FINER_LARGE ||
+        (words > FINER_SMALL && (double)job->between <= BOOLEAN_OFF * (double)job->report.voxels))
+        return BVX_OK;
+    BVXI_TRY(look_finer(job, &seen, &looks, &settled));
+    if (looks == 0 || !(seen.volume > 0.0)) return BVX_OK;
+    *same = settled && is_same_shape(shape, &seen);
+
+    /* The last look but one was as good. */
+    if (looks > 2) finer = bvxi_advised(2.0 * finer);
+    if (shape->parts == 0) {
+        if ((warned >> BVX_WARN_FEW_RESULT & 1) == 0) BVXI_WARN(job->ctx, BVX_WARN_FEW_RESULT, finer);
+        return BVX_OK;
+    }
+    if (bvxi_absolute(shape->volume - seen.volume) > BOOLEAN_OFF * seen.volume &&
+        (warned >> BVX_WARN_VOLUME & 1) == 0)
+        BVXI_WARN(job->ctx, BVX_WARN_VOLUME, shape->volume, seen.volume, shape->volume / seen.volume - 1.0,
+                  finer);
+
+    /* Counts that change from look to look are not known. */
+    if (!settled) return BVX_OK;
+    if (seen.parts != shape->parts && (warned & (1 << BVX_WARN_PARTS | 1 << BVX_WARN_JOINED)) == 0)
+        BVXI_WARN(job->ctx, seen.parts < shape->parts ? BVX_WARN_PARTS : BVX_WARN_JOINED,
+                  (double)shape->parts, (double)seen.parts, finer);
+    if (seen.handles != shape->handles)
+        BVXI_WARN(job->ctx, BVX_WARN_HANDLES, (double)shape->handles, (double)seen.handles, finer);
     return BVX_OK;
 }
 
@@ -706,7 +845,8 @@ static bvx_status warn_of_boolean(boolean_job *job, const bvx_mesh *result)
     const int32_t *const n = job->lattice.dims;
     double const longest = n[0] > n[1] ? (n[0] > n[2] ? n[0] : n[2]) : (n[1] > n[2] ? n[1] : n[2]);
     double const finer = bvxi_advised(2.0 * (longest - 2.0));
-    bvx_mesh_view view;
+    boolean_shape shape;
+    int same;
 
     for (int32_t i = 0; i < 2; i++) warn_of_operand(job, i);
     /* Often wrong units or a wrong place. */
@@ -714,20 +854,17 @@ static bvx_status warn_of_boolean(boolean_job *job, const bvx_mesh *result)
         bvxi_warn(job->ctx, BVX_WARN_APART, 0, NULL)->input = 1;
     if ((r->few & BVX_FEW_RESULT) != 0)
         BVXI_WARN(job->ctx, BVX_WARN_FEW_RESULT, bvxi_advised(r->advised_resolution));
-    /* Of walls that arise between both bodies: one or two come off acute edges. */
-    if (job->operation != BVX_BOOLEAN_UNION && r->crumbs >= BOOLEAN_CRUMBS)
-        BVXI_WARN(job->ctx, BVX_WARN_CRUMBS, (double)r->crumbs, finer);
     /* Their room is what the check needs. */
     for (int32_t i = 0; i < 2; i++) bvxi_sparse_close(job->ctx, &job->body[i].values);
+    BVXI_TRY(measure_result(job, result, &shape));
     if (result->triangle_count != 0 && job->operation != BVX_BOOLEAN_INTERSECTION) {
-        uint64_t parts;
-        double volume;
-
-        bvx_mesh_view_of(result, &view);
-        BVXI_TRY(measure_result(job, &view, &volume, &parts));
-        BVXI_TRY(warn_of_operands_parts(job, parts, finer));
-        BVXI_TRY(warn_of_operands_volume(job, volume, finer));
+        BVXI_TRY(warn_of_operands_parts(job, shape.parts, finer));
+        BVXI_TRY(warn_of_operands_volume(job, shape.volume, finer));
     }
+    BVXI_TRY(compare_finer(job, &shape, finer, &same));
+    /* Of walls that arise between both bodies: one or two come off acute edges. */
+    if (job->operation != BVX_BOOLEAN_UNION && r->crumbs >= BOOLEAN_CRUMBS && !same)
+        BVXI_WARN(job->ctx, BVX_WARN_CRUMBS, (double)r->crumbs, finer);
     /* A vertex for each crossed edge. */
     if (result->triangle_count != 0)
         bvxi_warn_of_lids(job->ctx, (double)r->surface.lids / (double)result->vertex_count, job->holes,

@@ -15,10 +15,9 @@ from made_meshes import Mesh, ball, box, flip, polyhedron_volume, prism, ring
 
 OFF, OFF_VOXELS = 0.02, 0.01
 OF_INPUT = ('BVX_WARN_LIDS', 'BVX_WARN_ROWS', 'BVX_WARN_AREA', 'BVX_WARN_APART')  # say what the input or the area has, whatever came of the volume
-# What is not so yet: handles of parts that cross are not known; lines of centres see a bar of less than 1.5 voxels badly, and a slit
-# between two centres inside not at all; walls that arise between two bodies are told only where three crumbs or more are left of them.
-KNOWN = ('bars_3 boolean', 'bars_3 voxelize', 'rod_10 voxelize', 'comb_0 boolean', 'heap_5 boolean', 'heap_13 repair', 'pair_2 intersection', 'pair_11 intersection',
-         'pair_13 union')
+# What is not so yet: handles of parts that cross are not known to repair; lines of centres see a bar of less than 1.5 voxels badly; parts
+# of pairs that finer lattices do not see either, or of which they count others at each look, are not told of.
+KNOWN = ('bars_3 voxelize', 'rod_10 voxelize', 'heap_13 repair', 'pair_11 intersection')
 THIN = ('rod', 'rods', 'plate', 'bars', 'comb', 'frame', 'shell', 'ring', 'specks', 'gap')  # walls of voxels may be lost
 RESOLUTION = 48
 program = os.path.abspath(sys.argv[1] if len(sys.argv) > 1 else os.environ.get('BITVOX', 'build/bitvox'))
@@ -221,13 +220,12 @@ def run(*words):
     r = subprocess.run([program, *words, '--json', '--quiet'], capture_output=True, text=True)
     if r.returncode not in (0, 1):
         raise SystemExit('%s: status %d: %s' % (' '.join(words), r.returncode, r.stderr))
-    report = json.loads(r.stdout)
-    return report if report['status'] == 'done' else None
+    return json.loads(r.stdout)
 
 
 def judge(name, what, good):
-    # Of all pairs, unions answer for volume and parts.
-    between = large and name.startswith('pair_') and not ('union' in name and ('volume' in what or 'parts' in what))
+    # All pairs answer for volume, unions for parts as well.
+    between = large and name.startswith('pair_') and 'volume' not in what and not ('union' in name and 'parts' in what)
     known = not good and (name in KNOWN or between and 'no warning' in what)
     counts['passed' if good else 'skipped' if known else 'failed'] += 1
     if not good:
@@ -297,7 +295,7 @@ def check(name, kind, mesh, truth):
         jobs.append((['voxelize', path, '-o', 'x.npy', '--resolution', at], truth))
     for words, wanted in jobs:
         report = run(*words)
-        if report is None:
+        if report['status'] != 'done':
             counts['passed'] += 1  # a refusal is a word, too
             continue
         if words[0] == 'voxelize':
@@ -336,8 +334,8 @@ def check_pair(i):
     for operation, rule in (('union', lambda a, b: a or b), ('intersection', lambda a, b: a and b), ('difference', lambda a, b: a and not b)):
         truth = count_boxes(heaps[0] + heaps[1], lambda at: rule(in_boxes(heaps[0], at), in_boxes(heaps[1], at)))
         report = run('boolean', operation, 'a.off', 'b.off', '-o', 'x.off', '--resolution', str(RESOLUTION))
-        if report is None:
-            judge('pair_%d %s' % (i, operation), 'nothing for %g' % truth[0], truth[0] < 0.001)
+        if report['status'] != 'done':
+            judge('pair_%d %s' % (i, operation), 'nothing for %g' % truth[0], truth[0] < 0.001 or len(report['warnings']) != 0)
         else:
             check_result('pair_%d %s' % (i, operation), report, truth, count(*read_off('x.off')))
 
@@ -346,7 +344,7 @@ def check_file(name, path):
     """Of files no truth is known but what is claimed of results."""
     for words in (['repair', path, '-o', 'x.off', '--resolution', '64'], ['voxelize', path, '-o', 'x.npy', '--resolution', '64']):
         report = run(*words)
-        if report is not None:
+        if report['status'] == 'done':
             found = count(*read_off('x.off')) if words[0] == 'repair' else (report['solid']['volume'], None, None)
             check_claims(name + ' ' + words[0], report['warnings'], None, found)
 
