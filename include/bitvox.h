@@ -2065,7 +2065,9 @@ typedef struct bvx_complex {
     uint64_t face_count, label_count;
     int32_t low[3], size[3]; /**< the volume's window */
     int32_t owned; /**< 1 when bvx_complex_free frees the arrays */
-    int32_t reserved[3];
+    int32_t single; /**< 1: simplified, so face f is the triangle f alone, cells is NULL, and junctions is not 0 of
+                         vertices with an edge of more than two faces */
+    int32_t reserved[2];
 } bvx_complex;
 
 typedef struct bvx_labels_options {
@@ -2077,7 +2079,9 @@ typedef struct bvx_labels_options {
                                 [Default: BVX_POSITION_AUTO] */
     int32_t local_frame; /**< 1: as in bvx_extract_options [Limit: 0..1] [Default: 0] */
     int32_t reserved;
-    uint64_t reserved2[2];
+    uint64_t triangles; /**< at most so many in all, not on a staircase [Limit: any] [Default: 0, as they come] */
+    double error; /**< in place of triangles: largest mean distance of both directions to the faces as they come
+                       [Units: world] [Limit: >= 0] [Default: 0] */
 } bvx_labels_options;
 
 /** The surfaces of all labels at once, with shared faces. A face lies between two voxels that share a side and
