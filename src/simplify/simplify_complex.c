@@ -51,7 +51,7 @@ typedef struct complex_round {
     double low[3], scale;
 } complex_round;
 
-static int is_gone(const complex_round *r, uint32_t corner)
+static int is_corner_gone(const complex_round *r, uint32_t corner)
 {
     return r->triangle[corner / 3 * 3 + 1] >> 31 != 0;
 }
@@ -59,7 +59,7 @@ static int is_gone(const complex_round *r, uint32_t corner)
 /* The first corner of v's triangles from one on. */
 static uint32_t alive_from(const complex_round *r, uint32_t corner)
 {
-    while (corner != BVXI_VERTEX_NONE && is_gone(r, corner)) corner = r->next[corner];
+    while (corner != BVXI_VERTEX_NONE && is_corner_gone(r, corner)) corner = r->next[corner];
     return corner;
 }
 
@@ -228,7 +228,7 @@ static void collapse_line(complex_round *r, uint32_t u, uint32_t v, const bvxi_q
 
     for (uint32_t c = last; c != BVXI_VERTEX_NONE; c = r->next[c]) {
         last = c;
-        if (is_gone(r, c)) continue;
+        if (is_corner_gone(r, c)) continue;
         r->left -= across_from(r, c, u) != BVXI_VERTEX_NONE;
         if (across_from(r, c, u) == BVXI_VERTEX_NONE) r->triangle[c] = u;
         else r->triangle[c / 3 * 3 + 1] = ~r->triangle[c / 3 * 3 + 1];
@@ -300,7 +300,7 @@ static bvx_status collapse_lines(complex_round *r, uint64_t wanted)
                 collapse_line(r, u, v, &q, p);
         }
         idle = done == r->lines ? idle + 1 : 0;
-        BVXI_TRY(bvxi_progress(r->ctx, "lines", 0.1));
+        BVXI_TRY(bvxi_progress(r->ctx, "lines", 0.02));
     }
     return BVX_OK;
 }
@@ -320,7 +320,7 @@ static bvx_status hold_crossings(complex_round *r, uint64_t *count)
 
     memcpy(tree.low, r->low, sizeof tree.low);
     BVXI_TRY(bvxi_crossing_tree_open(r->ctx, &tree));
-    BVXI_TRY(bvxi_crossings_find(r->ctx, &tree, 0.1, 0.1, &pairs, count));
+    BVXI_TRY(bvxi_crossings_find(r->ctx, &tree, 0.02, 0.02, &pairs, count));
     for (uint64_t i = 0; i < 2 * *count; i++)
         for (uint64_t k = 0; k < 3; k++) r->met[r->triangle[3 * (size_t)pairs[i] + k]] = 1;
     for (uint32_t v = 0; v < r->from->mesh.vertex_count && *count != 0; v++) {
@@ -333,7 +333,7 @@ static bvx_status hold_crossings(complex_round *r, uint64_t *count)
 }
 
 /* The complex as the round found it. */
-static void load_round(complex_round *r)
+static void load_complex_round(complex_round *r)
 {
     const bvx_mesh *const mesh = &r->from->mesh;
     bvx_mesh_view view;
@@ -355,14 +355,14 @@ static void load_round(complex_round *r)
 }
 
 /* Lines get longer edges as triangles get larger ones. What would cross is held, and all is done anew. */
-static bvx_status thin_lines(complex_round *r, uint64_t target)
+static bvx_status thin_junction_lines(complex_round *r, uint64_t target)
 {
     double const share = sqrt((double)target / (double)r->from->mesh.triangle_count);
 
     for (int tries = 0;; tries++) {
         uint64_t crossings = 0;
 
-        load_round(r);
+        load_complex_round(r);
         if (tries == LINE_TRIES) return BVX_OK;
         BVXI_TRY(BVXI_SCOPE(r->ctx, collapse_lines(r, (uint64_t)(share * (double)list_lines(r, NULL)))));
         BVXI_TRY(BVXI_SCOPE(r->ctx, hold_crossings(r, &crossings)));
@@ -372,13 +372,13 @@ static bvx_status thin_lines(complex_round *r, uint64_t target)
 
 /* ---- Sheets ---- */
 
-static int same_sheet(const complex_round *r, uint32_t c, uint32_t d)
+static int same_label_sheet(const complex_round *r, uint32_t c, uint32_t d)
 {
     return memcmp(r->from->sides + c / 3 * 2, r->from->sides + d / 3 * 2, 8) == 0;
 }
 
 /* A vertex of lines is one of each sheet around it: view becomes the mesh of all sheets. */
-static bvx_status part_sheets(complex_round *r, bvx_mesh_view *view)
+static bvx_status part_label_sheets(complex_round *r, bvx_mesh_view *view)
 {
     uint32_t *number, *indices, count = 0;
     double *positions;
@@ -392,14 +392,14 @@ static bvx_status part_sheets(complex_round *r, bvx_mesh_view *view)
     for (uint64_t v = 0; v < r->from->mesh.vertex_count; v++) EACH_CORNER(r, v, c)
         {
             uint32_t d = alive_from(r, r->first[v]);
-            while (d != c && r->kind[v] != 0 && !same_sheet(r, c, d)) d = alive_from(r, r->next[d]);
+            while (d != c && r->kind[v] != 0 && !same_label_sheet(r, c, d)) d = alive_from(r, r->next[d]);
             number[c] = d == c ? count : number[d];
             if (d != c) continue;
             r->source[count] = (uint32_t)v;
             r->owner[count++] = c / 3;
         }
     for (uint32_t c = 0; c < 3 * r->from->mesh.triangle_count; c++)
-        if (!is_gone(r, c)) indices[written++] = number[c];
+        if (!is_corner_gone(r, c)) indices[written++] = number[c];
     BVXI_TRY(bvxi_alloc(r->ctx, BVXI_SCRATCH, (uint64_t)count * 24, "the sheets' positions", &positions));
     for (uint64_t i = 0; i < count; i++) memcpy(positions + 3 * i, r->at[r->source[i]].p, 24);
     *view = (bvx_mesh_view){.positions = positions,
@@ -412,7 +412,7 @@ static bvx_status part_sheets(complex_round *r, bvx_mesh_view *view)
 }
 
 /* What is left of the sheets, with shared vertices, which keep their order. */
-static bvx_status join_sheets(complex_round *r, const bvxi_collapse *c, complex_parts *to)
+static bvx_status join_label_sheets(complex_round *r, const bvxi_collapse *c, complex_parts *to)
 {
     const bvx_mesh *const from = &r->from->mesh;
     const bvxi_corners *const m = &c->mesh;
@@ -454,16 +454,16 @@ static bvx_status collapse_sheets(complex_round *r, uint64_t target, complex_par
 
     options.given.position_type = r->from->mesh.position_type;
     options.given.lock_border = 1;
-    BVXI_TRY(part_sheets(r, &sheets.view));
+    BVXI_TRY(part_label_sheets(r, &sheets.view));
     BVXI_TRY(bvxi_collapse_open(r->ctx, r->function, &sheets.view, &sheets, &options, &c));
     BVXI_TRY(bvxi_collapse_to(c, target, 0.2, 1.0));
-    return join_sheets(r, c, to);
+    return join_label_sheets(r, c, to);
 }
 
 /* ---- Rounds ---- */
 
-static bvx_status run_round(bvx_context *ctx, const char *function, const complex_parts *from,
-                            uint64_t target, complex_parts *to)
+static bvx_status run_complex_round(bvx_context *ctx, const char *function, const complex_parts *from,
+                                    uint64_t target, complex_parts *to)
 {
     uint64_t const vertices = from->mesh.vertex_count, triangles = from->mesh.triangle_count;
     complex_round r = {.ctx = ctx, .function = function, .from = from};
@@ -484,11 +484,11 @@ static bvx_status run_round(bvx_context *ctx, const char *function, const comple
     r.fresh = r.held + vertices;
     r.busy = r.fresh + vertices;
     r.met = r.busy + vertices;
-    BVXI_TRY(thin_lines(&r, target));
+    BVXI_TRY(thin_junction_lines(&r, target));
     return collapse_sheets(&r, target, to);
 }
 
-static void free_parts(bvx_context *ctx, const bvx_complex *complex, complex_parts *parts)
+static void free_complex_parts(bvx_context *ctx, const bvx_complex *complex, complex_parts *parts)
 {
     bvxi_free(ctx, parts->sides, parts->mesh.triangle_count * 8);
     parts->sides = NULL;
@@ -498,16 +498,9 @@ static void free_parts(bvx_context *ctx, const bvx_complex *complex, complex_par
     bvx_mesh_free(ctx, &parts->mesh);
 }
 
-/* Triangles for the next try by error, as in levels.c. */
-static uint64_t next_target(uint64_t triangles, double share)
-{
-    double const by = share < 0.25 ? 0.5 : sqrt(share);
-    return (uint64_t)((double)triangles * (by < 0.95 ? by : 0.95));
-}
-
 /* Rounds down to a count, or as long as the mean distance keeps the error. */
-static bvx_status run_rounds(bvx_context *ctx, const char *function, const bvx_complex *complex,
-                             uint64_t triangles, double error, complex_parts *now)
+static bvx_status run_complex_rounds(bvx_context *ctx, const char *function, const bvx_complex *complex,
+                                     uint64_t triangles, double error, complex_parts *now)
 {
     bvxi_distance_tree kept = {.built = 0};
     bvx_status status = BVX_OK;
@@ -517,12 +510,15 @@ static bvx_status run_rounds(bvx_context *ctx, const char *function, const bvx_c
     bvx_mesh_view_of(&complex->mesh, &view);
     while (status == BVX_OK && now->mesh.triangle_count > triangles) {
         uint64_t const before = now->mesh.triangle_count, near = before / ROUND_SHARE;
-        uint64_t const target = error > 0 ? next_target(before, share) : near > triangles ? near : triangles;
+        uint64_t const target = error > 0          ? bvxi_collapse_next_try(before, share)
+                                : near > triangles ? near
+                                                   : triangles;
         double const to = 0.5 + 0.5 * at;
         complex_parts next = {.sides = NULL};
         bvx_distance_report d;
 
-        status = BVXI_SHARE(ctx, at, to, BVXI_SCOPE(ctx, run_round(ctx, function, now, target, &next)));
+        status = BVXI_SHARE(ctx, at, to,
+                            BVXI_SCOPE(ctx, run_complex_round(ctx, function, now, target, &next)));
         if (status == BVX_OK && error > 0) {
             bvx_mesh_view_of(&next.mesh, &view_next);
             status = bvxi_mesh_distance(ctx, &view, &kept, &view_next, ERROR_SAMPLES, ERROR_SEED, &d);
@@ -530,7 +526,7 @@ static bvx_status run_rounds(bvx_context *ctx, const char *function, const bvx_c
         }
         at = to;
         int const better = status == BVX_OK && share <= 1 && next.mesh.triangle_count < before;
-        free_parts(ctx, complex, better ? now : &next);
+        free_complex_parts(ctx, complex, better ? now : &next);
         if (!better) break;
         *now = next;
     }
@@ -547,11 +543,15 @@ bvx_status bvxi_complex_simplify(bvx_context *ctx, const char *function, bvx_com
     complex_parts now = {.mesh = complex->mesh, .junctions = complex->junctions};
     bvx_status status;
 
+    if (count > INT32_MAX / 4)
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: %u triangles are too many to collapse; %u are possible, take windows",
+                             function, count, (uint64_t)INT32_MAX / 4);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, count * 8, "the triangles' labels", &now.sides));
     for (uint64_t t = 0; t < count; t++) memcpy(now.sides + 2 * t, complex->sides + t / 2 * 2, 8);
-    status = run_rounds(ctx, function, complex, triangles, error, &now);
+    status = run_complex_rounds(ctx, function, complex, triangles, error, &now);
     if (status != BVX_OK) {
-        free_parts(ctx, complex, &now);
+        free_complex_parts(ctx, complex, &now);
         return status;
     }
     bvxi_free(ctx, complex->sides, complex->face_count * 8);
