@@ -1667,7 +1667,10 @@ typedef struct bvx_complex {
                              more than two faces [Size: vertices] */
     uint64_t face_count, label_count;
     int32_t low[3], size[3]; /**< the volume's window */
-    int32_t owned, reserved[3]; /**< 1 when bvx_complex_free frees the arrays */
+    int32_t owned; /**< 1 when bvx_complex_free frees the arrays */
+    int32_t single; /**< 1: simplified, so face f is the triangle f alone, cells is NULL, and junctions is not 0 of
+                         vertices with an edge of more than two faces */
+    int32_t reserved[2];
 } bvx_complex;
 typedef struct bvx_labels_options {
     size_t struct_size;
@@ -1675,7 +1678,9 @@ typedef struct bvx_labels_options {
     int32_t staircase; /**< 1: vertices stay at the corners of voxels, unsmoothed */
     int32_t position_type; /**< see Types */
     int32_t local_frame, reserved; /**< see Types */
-    uint64_t reserved2[2];
+    uint64_t triangles; /**< at most so many in all, not on a staircase; 0: as they come [Limit: any] */
+    double error; /**< in place of triangles: largest mean distance of both directions to the faces as they come
+                       [Units: world] [Limit: >= 0] */
 } bvx_labels_options;
 /** The surfaces of all labels at once, with shared faces. A face lies between two voxels that share a side and have
  *  different labels; its corners are vertices of the four cells around that side, a cell being the box between eight

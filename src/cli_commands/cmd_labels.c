@@ -28,6 +28,11 @@ static const cli_argument labels_rows[] = {
     LONG("--background", "N", OWN(surfaces.background), 0, 9223372036854774784.0,
          "the label that is no body [0]"),
     FLAG("--staircase", OWN(surfaces.staircase), "vertices stay at the corners of voxels [smoothed]"),
+    LONG("--triangles", "N", OWN(surfaces.triangles), 1, 4294967295.0,
+         "fewer triangles, so many of all labels together; faces stay shared [all]"),
+    BETWEEN("--error", "D", OWN(surfaces.error), 0, 1e30,
+            "fewer triangles, the fewest found whose mean distance from all is D at\n"
+            "most, in the volume's unit"),
     LIST("--window", "A,B,C,D,E,F", SHARED(window), 0, LARGEST_SIDE, 6, 6,
          "only voxels A..D-1, B..E-1, C..F-1 of the volume"),
     {.also = cli_takes_raw},
@@ -63,6 +68,8 @@ enum { IS_VOLUME = 1 << CLI_FIRST_FACT, HAS_TWO = 2 << CLI_FIRST_FACT /* %s */ }
 
 static const cli_rule labels_rules[] = {
     {.unless = IS_VOLUME, .message = "labels are of volumes (.nrrd .nhdr .npy .vti .raw), which %i is not"},
+    {.given = "--triangles", .beside = "--error", .message = "%o and %b exclude each other"},
+    {.given = "--triangles --error", .beside = "--staircase", .message = "%o and %b exclude each other"},
     {.also = cli_to_mesh_rules},
     {.also = cli_mesh_file_rules},
     {.when = HAS_TWO, .message = "%f: the name has two %s"},
@@ -356,8 +363,8 @@ const cli_command cli_labels = {
         "is the label's name, which NRRD files of 3D Slicer have, or its number. Without %s a .glb has a node\n"
         "for each label, with its name and color. 'bitvox voxelize --label' makes a grid of one label.",
     .example = "bitvox labels fixtures/labels.npy -o body_%s.ply\n"
-               "bitvox labels fixtures/labels.npy -o bodies.glb --only 1,7",
-    .most = "--only --background --staircase --window --threads --memory-limit --json",
+               "bitvox labels fixtures/labels.npy -o bodies.glb --only 1,7 --triangles 1000",
+    .most = "--only --background --staircase --triangles --error --window --threads --memory-limit --json",
     .rows = labels_rows,
     .start = start_labels,
     .own = sizeof(labels_options),

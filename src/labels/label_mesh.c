@@ -16,14 +16,14 @@
 
 static const char label_mesh_name[] = "bvx_label_mesh";
 
-enum { MOST_CORNERS = 12 + 3 + 6 * 4 };
-
 typedef struct body_work {
     const bvx_complex *complex;
     uint64_t label, count; /* faces */
+    uint64_t each;         /* corners of a face */
     const uint32_t *faces;
-    uint64_t *vertex; /* of each corner, sorted; then the result's vertex of each corner [Size: 4 * count] */
-    uint32_t *corner; /* 4 * face + place in it */
+    uint64_t *vertex;       /* of each corner, sorted [Size: each * count] */
+    uint32_t *corner;       /* 4 * face + place in it */
+    uint32_t *parent, *fan; /* of the corners of one vertex: joined, and the result's vertices */
     uint64_t stride[3];
 } body_work;
 
@@ -149,18 +149,17 @@ static uint64_t vertex_beyond(const body_work *w, const cell_node *node, int32_t
     return c->cells[next] == beyond ? next : last;
 }
 
-/* Join corners that have an edge in common; 0 where four have. Corners at a vertex: 12 of edges, a flap's for 3 edges
- * of the cell and 4 of each cell beside it. */
+/* Join corners that have an edge in common; 0 where four have. */
 static int join_by_edges(const body_work *w, uint64_t from, uint32_t count, uint32_t *parent)
 {
     for (uint32_t i = 0; i < count; i++) parent[i] = i;
     for (uint32_t i = 0; i < count; i++)
-        for (int32_t n = 1; n < 4; n += 2) {
+        for (int32_t n = 1, before = (int32_t)w->each - 1; n <= before; n += before - 1) {
             uint32_t const own = w->corner[from + i], vertex = corner_beside(w, own, n);
             uint32_t met = 0;
             for (uint32_t k = 0; k < count; k++)
                 if (corner_beside(w, w->corner[from + k], 1) == vertex ||
-                    corner_beside(w, w->corner[from + k], 3) == vertex) {
+                    corner_beside(w, w->corner[from + k], before) == vertex) {
                     met++;
                     bvxi_join(parent, i, k);
                 }
@@ -170,15 +169,11 @@ static int join_by_edges(const body_work *w, uint64_t from, uint32_t count, uint
 }
 
 /* Fans of the vertex whose corners begin at from, as roots of parent. */
-static uint32_t find_label_fans(const body_work *w, uint64_t from, uint32_t parent[MOST_CORNERS])
+static void find_label_fans(const body_work *w, uint64_t from, uint32_t corners)
 {
     cell_node nodes[12], others[12];
-    uint32_t corners = 0;
 
-    while (from + corners < 4 * w->count && w->vertex[from + corners] == w->vertex[from] &&
-           corners < MOST_CORNERS)
-        corners++;
-    if (join_by_edges(w, from, corners, parent)) return corners;
+    if (join_by_edges(w, from, corners, w->parent)) return;
 
     /* Only on the staircase. */
     uint32_t const count = read_nodes(w, from, nodes);
@@ -190,41 +185,47 @@ static uint32_t find_label_fans(const body_work *w, uint64_t from, uint32_t pare
         uint64_t const beyond = find_vertex(w, vertex_beyond(w, &nodes[in[0]], turned));
         if (double_side(others, read_nodes(w, beyond, others)) != (turned ^ 1)) turned = -1;
     }
-    join_fans(nodes, count, turned, parent);
-    return count;
+    join_fans(nodes, count, turned, w->parent);
 }
 
-/* The end of the corners of one vertex, whose fans get numbers from next on. */
-static uint64_t number_fans(const body_work *w, uint64_t from, uint32_t *next, uint32_t number[MOST_CORNERS])
+static uint64_t end_of_vertex(const body_work *w, uint64_t from)
 {
-    uint64_t const vertex = w->vertex[from], corners = 4 * w->count;
     uint64_t end = from;
+    while (end < w->each * w->count && w->vertex[end] == w->vertex[from]) end++;
+    return end;
+}
 
-    if (w->complex->junctions[vertex] == 0) {
-        while (end < corners && w->vertex[end] == vertex) end++;
-        number[0] = (*next)++;
-        return end;
+/* The vertices of the result for the corners of one, from next on. */
+static void number_fans(const body_work *w, uint64_t from, uint64_t end, uint32_t *next)
+{
+    int const single = w->complex->junctions[w->vertex[from]] == 0;
+
+    if (!single) find_label_fans(w, from, (uint32_t)(end - from));
+    for (uint32_t i = 0; i < end - from; i++) {
+        uint32_t const root = single ? 0 : bvxi_root(w->parent, i);
+        w->fan[i] = root == i ? (*next)++ : w->fan[root];
     }
-    uint32_t parent[MOST_CORNERS];
-    uint32_t const count = find_label_fans(w, from, parent);
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t const root = bvxi_root(parent, i);
-        number[i] = root == i ? (*next)++ : number[root];
-    }
-    return from + count;
 }
 
 static bvx_status sort_body_corners(bvx_context *ctx, body_work *w)
 {
-    uint64_t const corners = 4 * w->count;
+    uint64_t const corners = w->each * w->count;
+    uint64_t most = 0;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, corners * 8, "the corners' vertices", &w->vertex));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, corners * 4, "the corners", &w->corner));
     for (uint64_t i = 0; i < corners; i++) {
-        w->vertex[i] = bvxi_face_vertex(w->complex, w->faces[i / 4], (int32_t)(i % 4));
-        w->corner[i] = (uint32_t)i;
+        w->vertex[i] = bvxi_face_vertex(w->complex, w->faces[i / w->each], (int32_t)(i % w->each));
+        w->corner[i] = (uint32_t)(i / w->each * 4 + i % w->each);
     }
-    return bvxi_radix_sort(ctx, w->vertex, w->corner, corners);
+    BVXI_TRY(bvxi_radix_sort(ctx, w->vertex, w->corner, corners));
+    for (uint64_t i = 0, end; i < corners; i = end) {
+        end = end_of_vertex(w, i);
+        most = end - i > most ? end - i : most;
+    }
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, most * 8, "the corners of a vertex", &w->parent));
+    w->fan = w->parent + most;
+    return BVX_OK;
 }
 
 static void copy_position(const bvx_mesh *from, uint64_t vertex, bvx_mesh *to, uint64_t index)
@@ -238,13 +239,15 @@ static void put_body(const body_work *w, const uint32_t *number, bvx_mesh *mesh)
 {
     for (uint64_t f = 0; f < w->count; f++) {
         const uint32_t *const n = number + 4 * f;
-        uint32_t *const t = mesh->triangles + 6 * f;
+        uint32_t *const t = mesh->triangles + 3 * (w->each - 2) * f;
         /* Faces look away from their back. */
         int const outwards = w->complex->sides[2 * (size_t)w->faces[f]] == w->label;
 
-        t[0] = t[3] = n[0];
+        t[0] = n[0];
         t[1] = n[outwards ? 1 : 2];
         t[2] = n[outwards ? 2 : 1];
+        if (w->each == 3) continue;
+        t[3] = n[0];
         t[4] = n[outwards ? 2 : 3];
         t[5] = n[outwards ? 3 : 2];
     }
@@ -253,20 +256,22 @@ static void put_body(const body_work *w, const uint32_t *number, bvx_mesh *mesh)
 static bvx_status make_body(bvx_context *ctx, body_work *w, bvx_mesh *mesh)
 {
     const bvx_mesh *const from = &w->complex->mesh;
-    uint32_t *number, vertices = 0, fan[MOST_CORNERS] = {0};
+    uint64_t const corners = w->each * w->count;
+    uint32_t *number, vertices = 0;
     int const mine = mesh->owned || mesh->positions == NULL;
 
     BVXI_TRY(sort_body_corners(ctx, w));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->count * 16, "the body's vertices", &number));
-    for (uint64_t i = 0, end; i < 4 * w->count; i = end) {
-        end = number_fans(w, i, &vertices, fan);
-        int const single = w->complex->junctions[w->vertex[i]] == 0;
-        for (uint64_t k = i; k < end; k++) number[w->corner[k]] = fan[single ? 0 : k - i];
+    for (uint64_t i = 0, end; i < corners; i = end) {
+        end = end_of_vertex(w, i);
+        number_fans(w, i, end, &vertices);
+        for (uint64_t k = i; k < end; k++) number[w->corner[k]] = w->fan[k - i];
     }
 
-    BVXI_TRY(bvxi_mesh_open(ctx, label_mesh_name, from->position_type, 0, vertices, 2 * w->count, mesh));
+    BVXI_TRY(bvxi_mesh_open(ctx, label_mesh_name, from->position_type, 0, vertices, (w->each - 2) * w->count,
+                            mesh));
     memcpy(mesh->frame, from->frame, sizeof mesh->frame);
-    for (uint64_t i = 0; i < 4 * w->count; i++) copy_position(from, w->vertex[i], mesh, number[w->corner[i]]);
+    for (uint64_t i = 0; i < corners; i++) copy_position(from, w->vertex[i], mesh, number[w->corner[i]]);
     put_body(w, number, mesh);
     return bvxi_mesh_made(ctx, bvxi_progress(ctx, "body", 1.0), mine, mesh);
 }
@@ -283,6 +288,7 @@ static bvx_status run_label_mesh(bvx_context *ctx, const bvx_complex *complex, u
                          complex->label_count);
     w.count = complex->first[label + 1] - complex->first[label];
     w.faces = complex->faces + complex->first[label];
+    w.each = complex->single ? 3 : 4;
     w.stride[0] = 1;
     w.stride[1] = (uint64_t)complex->size[0] + 1;
     w.stride[2] = w.stride[1] * ((uint64_t)complex->size[1] + 1);

@@ -12,6 +12,7 @@
 #include "bits/bits.h"
 #include "labels/labels.h"
 #include "mesh/mesh.h"
+#include "simplify/room.h"
 #include "surface/march.h"
 #include "volume/room.h"
 
@@ -24,7 +25,7 @@ static const bvxi_option labels_rows[] = {
     BVXI_CHOICE(bvx_labels_options, position_type, BVX_POSITION_AUTO, BVX_F64),
     BVXI_SWITCH(bvx_labels_options, local_frame),
     BVXI_RESERVED(bvx_labels_options, reserved),
-    BVXI_RESERVED(bvx_labels_options, reserved2),
+    BVXI_REAL(bvx_labels_options, error, 0.0, BVXI_FINITE),
 };
 
 typedef struct cell_row {
@@ -614,7 +615,6 @@ static bvx_status make_complex(label_work *w)
     BVXI_TRY(bvxi_parallel(ctx, "faces", 0.4, 0.6, w->pieces, work_piece, w));
     bvxi_drop(ctx, w->scratch);
     close_flaps(w);
-    BVXI_TRY(list_faces(w));
     w->net.complex = c;
     if (!w->options.staircase) {
         BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.8, bvxi_net_smooth(ctx, &w->net)));
@@ -631,6 +631,10 @@ static bvx_status check_label_options(label_work *w)
     bvx_grid shape = {.lattice = w->volume->lattice};
 
     BVXI_TRY(bvxi_check_options(ctx, surfaces_name, o, BVXI_OPTIONS(labels_rows)));
+    if ((o->triangles != 0) + (o->error > 0) + (o->staircase != 0) > 1)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: staircase, triangles and error exclude each other; set one of them",
+                             surfaces_name);
     if (w->volume->sample_type >= BVX_SAMPLE_F32)
         return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: the samples are floats; labels are whole numbers",
                          surfaces_name);
@@ -669,7 +673,13 @@ static bvx_status run_label_surfaces(bvx_context *ctx, const bvx_volume_view *vo
     BVXI_TRY(bvxi_take_options(ctx, surfaces_name, options, &w.options, sizeof w.options));
     BVXI_TRY(bvxi_volume_check(ctx, surfaces_name, volume, w.stride));
     BVXI_TRY(check_label_options(&w));
-    status = make_complex(&w);
+    int const fewer = w.options.triangles != 0 || w.options.error > 0;
+    status = BVXI_SHARE(ctx, 0.0, fewer ? 0.3 : 1.0, BVXI_SCOPE(ctx, make_complex(&w)));
+    if (status == BVX_OK && fewer)
+        status = BVXI_SHARE(
+            ctx, 0.3, 1.0,
+            bvxi_complex_simplify(ctx, surfaces_name, &made, w.options.triangles, w.options.error));
+    if (status == BVX_OK) status = list_faces(&w);
     if (status == BVX_OK) {
         bvx_complex_free(ctx, complex);
         *complex = made;

@@ -42,10 +42,11 @@ static inline int32_t bvxi_edge_offset(int32_t e, int32_t axis)
     return axis == first ? e & 1 : e >> 1 & 1;
 }
 
-/* The corners of a face in their order, of which the first and the third are on its diagonal. */
+/* The corners of a face in their order, of which the first and the third of four are on its diagonal. */
 static inline uint32_t bvxi_face_vertex(const bvx_complex *complex, uint32_t face, int32_t place)
 {
     static const uint8_t at[4] = {0, 1, 2, 5};
+    if (complex->single) return complex->mesh.triangles[3 * (size_t)face + (size_t)place % 3];
     return complex->mesh.triangles[6 * (size_t)face + at[place & 3]];
 }
 

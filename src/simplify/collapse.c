@@ -268,6 +268,26 @@ static int star_in_range(const collapse_sweep *s, uint64_t range, const collapse
 
 enum { RANGE_ALL = -1 };
 
+/* 1: vertices of a sheet's border would get an edge or a triangle that another sheet may have too; or a vertex edges to
+ * two of these that are one beyond the sheet. */
+static int meets_sheets(const bvxi_collapse *c, const bvxi_edge_planned *plan, const collapse_star *star)
+{
+    const uint32_t *const source = c->mesh.source;
+    int const locked = c->kind[plan->u] == VERTEX_LOCKED;
+
+    for (int32_t i = 0; i < star->count && c->options.sheets; i++) {
+        uint32_t const x = star->link[i];
+
+        if (x == BVXI_VERTEX_GHOST || c->kind[x] != VERTEX_LOCKED) continue;
+        if (locked && i > 0 && i < star->of_v) return 1;
+        if (locked && i == 0 && star->of_v == 1 && c->kind[star->link[1]] == VERTEX_LOCKED) return 1;
+        if (source[x] == source[plan->u]) return 1;
+        for (int32_t k = 0; k < i; k++)
+            if (star->link[k] != BVXI_VERTEX_GHOST && source[star->link[k]] == source[x]) return 1;
+    }
+    return 0;
+}
+
 /* Collapse the cheapest edge of a vertex where that is safe, and it is its other end's cheapest too. */
 static void try_vertex(const collapse_sweep *s, collapse_range *r, int64_t range, uint32_t v)
 {
@@ -285,7 +305,7 @@ static void try_vertex(const collapse_sweep *s, collapse_range *r, int64_t range
     }
     if (c->least[x] < c->least[v] || c->least[y] < c->least[v]) return;
     if (bvxi_edge_plan(c, bvxi_corner_previous(edge), &plan) && !is_crumpled(s, &plan, plan.d) &&
-        gather_star(m, &plan, &r->star)) {
+        gather_star(m, &plan, &r->star) && !meets_sheets(c, &plan, &r->star)) {
         /* What was refused once may leave needles: thin plates cannot do without. */
         double const cost = (double)c->least[v];
         int const needles = plan.cost * 2 < cost;

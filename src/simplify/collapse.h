@@ -32,6 +32,9 @@ int bvxi_collapse_has_seams(const bvxi_collapse *collapse);
 bvx_status bvxi_collapse_crossings(bvxi_collapse *collapse, uint64_t *count);
 uint64_t bvxi_collapse_triangles(const bvxi_collapse *collapse);
 const bvxi_collapse_counts *bvxi_collapse_tried(const bvxi_collapse *collapse);
+/* Triangles for the next try. Errors grow about as triangles become fewer, so n * part of them would take up
+ * all of it; a collapse cannot be undone, so half of that way is gone, by ratios, and at least a twentieth. */
+uint64_t bvxi_collapse_next_try(uint64_t triangles, double part);
 const bvxi_closed *bvxi_collapse_closed(const bvxi_collapse *collapse);
 void bvxi_collapse_close(bvxi_collapse *collapse);
 

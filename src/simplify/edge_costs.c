@@ -10,43 +10,6 @@ enum { COSTS_GRAIN = 4096 }; /* vertices of a task */
 
 /* ---- Cost ---- */
 
-/* The sum of both vertices' quadrics about u; offset leads from u to v. */
-BVXI_VECTOR_INLINE void join_quadrics(const bvxi_quadric *u, const bvxi_quadric *v, const double offset[3],
-                                      bvxi_quadric *q)
-{
-    double const x = offset[0], y = offset[1], z = offset[2];
-    double const way[3] = {v->a[0] * x + v->a[1] * y + v->a[2] * z, v->a[1] * x + v->a[3] * y + v->a[4] * z,
-                           v->a[2] * x + v->a[4] * y + v->a[5] * z};
-
-    /* About u the other one has b - A offset, and c - 2 b' offset + offset' A offset. */
-    for (int i = 0; i < 6; i++) q->a[i] = u->a[i] + v->a[i];
-    q->c = u->c + v->c;
-    for (int i = 0; i < 3; i++) {
-        q->b[i] = u->b[i] + (v->b[i] - way[i]);
-        q->c += offset[i] * (way[i] - 2 * v->b[i]);
-    }
-}
-
-/* Of the trace: a pivot within rounding is a direction that no plane fixes. */
-#define SOLVE_LEAST 1e-13
-
-/* Solve A d = -b by elimination; 0: A is singular within rounding. A is symmetric and not negative, so each pivot
- * bounds its row, and none need be chosen. Where no plane fixes a direction the caller takes an end of the edge,
- * which lies on the surface. NaN fails the comparison too. */
-static int solve_least(const double a[6], const double b[3], double d[3])
-{
-    double const least = (a[0] + a[3] + a[5]) * SOLVE_LEAST;
-    double const by_x = 1 / a[0], to_y = a[1] * by_x, to_z = a[2] * by_x;
-    double const y = a[3] - to_y * a[1], yz = a[4] - to_y * a[2], by_y = 1 / y, y_to_z = yz * by_y;
-    double const z = (a[5] - to_z * a[2]) - y_to_z * yz, right_y = to_y * b[0] - b[1];
-
-    if (!((a[0] > least) & (y > least) & (z > least))) return 0;
-    d[2] = ((to_z * b[0] - b[2]) - y_to_z * right_y) / z;
-    d[1] = right_y * by_y - y_to_z * d[2];
-    d[0] = ((0 - b[0] * by_x) - to_y * d[1]) - to_z * d[2];
-    return 1;
-}
-
 static void offset_between(const bvxi_collapse *c, uint32_t u, uint32_t v, double offset[3])
 {
     for (int k = 0; k < 3; k++) offset[k] = (c->mesh.at[v].p[k] - c->mesh.at[u].p[k]) * c->scale;
@@ -114,7 +77,7 @@ static int plan_ends(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *pl
 static void join_ends(const bvxi_collapse *c, bvxi_edge_planned *plan)
 {
     offset_between(c, plan->u, plan->v, plan->offset);
-    join_quadrics(&c->mesh.at[plan->u].q, &c->mesh.at[plan->v].q, plan->offset, &plan->q);
+    bvxi_quadrics_join(&c->mesh.at[plan->u].q, &c->mesh.at[plan->v].q, plan->offset, &plan->q);
     plan->all = plan->q;
     if (c->attributes.channels > 0 && c->options.given.attribute_weight > 0)
         bvxi_attributes_add(c, plan->edge, plan->offset, plan->all.a, plan->all.b, &plan->all.c);
@@ -132,7 +95,7 @@ int bvxi_edge_plan(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *plan
     if (plan->still && freedom(c, plan->u) != freedom(c, plan->v)) return 1;
 
     /* Nearly parallel planes meet far away, exactly but uselessly: a vertex there would be a spike. */
-    if (!kept && !plan->still && solve_least(plan->all.a, plan->all.b, plan->d)) {
+    if (!kept && !plan->still && bvxi_quadric_solve(plan->all.a, plan->all.b, plan->d)) {
         double reach = 0, length = 0;
 
         for (int k = 0; k < 3; k++) {

@@ -21,6 +21,43 @@ static inline double bvxi_quadric_at(const bvxi_quadric *q, const double d[3])
     return value > 0 ? value : 0;
 }
 
+/* The sum of both vertices' quadrics about u; offset leads from u to v. */
+BVXI_VECTOR_INLINE void bvxi_quadrics_join(const bvxi_quadric *u, const bvxi_quadric *v,
+                                           const double offset[3], bvxi_quadric *q)
+{
+    double const x = offset[0], y = offset[1], z = offset[2];
+    double const way[3] = {v->a[0] * x + v->a[1] * y + v->a[2] * z, v->a[1] * x + v->a[3] * y + v->a[4] * z,
+                           v->a[2] * x + v->a[4] * y + v->a[5] * z};
+
+    /* About u the other one has b - A offset, and c - 2 b' offset + offset' A offset. */
+    for (int i = 0; i < 6; i++) q->a[i] = u->a[i] + v->a[i];
+    q->c = u->c + v->c;
+    for (int i = 0; i < 3; i++) {
+        q->b[i] = u->b[i] + (v->b[i] - way[i]);
+        q->c += offset[i] * (way[i] - 2 * v->b[i]);
+    }
+}
+
+/* Of the trace: a pivot within rounding is a direction that no plane fixes. */
+#define SOLVE_LEAST 1e-13
+
+/* Solve A d = -b by elimination; 0: A is singular within rounding. A is symmetric and not negative, so each pivot
+ * bounds its row, and none need be chosen. Where no plane fixes a direction the caller takes an end of the edge,
+ * which lies on the surface. NaN fails the comparison too. */
+static inline int bvxi_quadric_solve(const double a[6], const double b[3], double d[3])
+{
+    double const least = (a[0] + a[3] + a[5]) * SOLVE_LEAST;
+    double const by_x = 1 / a[0], to_y = a[1] * by_x, to_z = a[2] * by_x;
+    double const y = a[3] - to_y * a[1], yz = a[4] - to_y * a[2], by_y = 1 / y, y_to_z = yz * by_y;
+    double const z = (a[5] - to_z * a[2]) - y_to_z * yz, right_y = to_y * b[0] - b[1];
+
+    if (!((a[0] > least) & (y > least) & (z > least))) return 0;
+    d[2] = ((to_z * b[0] - b[2]) - y_to_z * right_y) / z;
+    d[1] = right_y * by_y - y_to_z * d[2];
+    d[0] = ((0 - b[0] * by_x) - to_y * d[1]) - to_z * d[2];
+    return 1;
+}
+
 /* 1: further at d from the planes, by the mean square over their area, than so many mean edges of a mesh of so many
  * triangles. Both sides are multiplied by that count and the trace, so that nothing is divided by an area of 0. */
 static inline int bvxi_quadric_is_far(const bvxi_collapse *c, const bvxi_quadric *q, const double d[3],

@@ -30,7 +30,7 @@ BVXI_SIMD_CODE static void BVXI_SIMD(costs_of_four)(const bvxi_corner_vertex *u,
         c = four_add(c, four_mul(offset[i], four_sub(way[i], four_mul(two, at_v[9 + i]))));
     }
 
-    /* As solve_least. */
+    /* As bvxi_quadric_solve. */
     by[0] = four_div(four_all(1.0), a[0]);
     doubles4 const to_y = four_mul(a[1], by[0]), to_z = four_mul(a[2], by[0]);
     doubles4 const y = four_sub(a[3], four_mul(to_y, a[1])), yz = four_sub(a[4], four_mul(to_y, a[2]));

@@ -182,9 +182,7 @@ static bvx_status measure_now(bvx_context *ctx, bvxi_level_chain *c, bvxi_collap
     return status;
 }
 
-/* Triangles for the next try. Errors grow about as triangles become fewer, so n * part of them would take up
- * all of it; a collapse cannot be undone, so half of that way is gone, by ratios, and at least a twentieth. */
-static uint64_t next_try(uint64_t triangles, double part)
+uint64_t bvxi_collapse_next_try(uint64_t triangles, double part)
 {
     double const half_way = part < 0.25 ? 0.5 : sqrt(part);
 
@@ -277,7 +275,7 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
 
         before = bvxi_collapse_triangles(collapse);
         BVXI_TRY(BVXI_SHARE(ctx, measured, collapsed,
-                            bvxi_collapse_to(collapse, next_try(before, part), 0.0, 1.0)));
+                            bvxi_collapse_to(collapse, bvxi_collapse_next_try(before, part), 0.0, 1.0)));
         at = collapsed;
     } while (bvxi_collapse_triangles(collapse) < before);
     return BVX_OK;

@@ -35,6 +35,7 @@ typedef struct bvxi_collapse_options {
     int32_t simple;  /* 1: the mesh is known to be welded, closed, manifold and oriented */
     int32_t borders; /* BVXI_BORDERS_...: what becomes of a mesh that is not closed */
     int32_t counted; /* 1: crossings are, those that were there before too */
+    int32_t sheets;  /* 1: no edge comes to be that joins two locked vertices, and no triangle of three */
 } bvxi_collapse_options;
 
 /* Handles that were cut and holes that were filled, and the way around the longest of them. */
@@ -91,6 +92,10 @@ bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *chain, const bvx
 /* Warn of what the reports of levels say, each fact once; from: of what they were made; sheets: NULL, or as above. */
 void bvxi_levels_warn(bvx_context *ctx, const bvxi_level_chain *chain, const bvx_certificate *from,
                       const bvxi_sheets_report *sheets);
+/* Fewer triangles in a smoothed complex: so many, or with error above 0 as few as keep that mean distance. From then
+ * on each face is one triangle (bvx_complex.single); lists of faces are made anew. Scratch: 190 bytes a triangle. */
+bvx_status bvxi_complex_simplify(bvx_context *ctx, const char *function, bvx_complex *complex,
+                                 uint64_t triangles, double error);
 /* Free what the library made of levels, and empty those in arrays of the caller's. */
 void bvxi_levels_drop(bvx_context *ctx, bvx_mesh *levels, uint64_t count);
 

@@ -120,6 +120,8 @@ static bvx_status do_labels(void *user, bvx_context *ctx)
     return status;
 }
 
+static uint64_t fewer;
+
 static bvx_status do_surfaces(void *user, bvx_context *ctx)
 {
     bvx_complex complex_ = {0};
@@ -133,7 +135,8 @@ static bvx_status do_surfaces(void *user, bvx_context *ctx)
     part.strides[0] = 2;
     part.strides[1] = 2 * VOLUME_X;
     part.strides[2] = 2 * VOLUME_X * VOLUME_Y;
-    status = bvx_label_surfaces(ctx, &part, NULL, &complex_);
+    bvx_labels_options const o = {.struct_size = sizeof o, .triangles = fewer};
+    status = bvx_label_surfaces(ctx, &part, &o, &complex_);
     left_behind |= status != BVX_OK && complex_.mesh.positions != NULL;
     if (status == BVX_OK) status = bvx_label_mesh(ctx, &complex_, 1, &mesh);
     left_behind |= status != BVX_OK && mesh.positions != NULL;
@@ -142,6 +145,14 @@ static bvx_status do_surfaces(void *user, bvx_context *ctx)
     mark ^= hash;
     bvx_mesh_free(ctx, &mesh);
     bvx_complex_free(ctx, &complex_);
+    return status;
+}
+
+static bvx_status do_fewer(void *user, bvx_context *ctx)
+{
+    fewer = 64;
+    bvx_status const status = do_surfaces(user, ctx);
+    fewer = 0;
     return status;
 }
 
@@ -187,6 +198,7 @@ static fault_row operations[] = {
     {"surface", do_scalar, 1, 1, 0},
     {"labels", do_labels, 1, 1, 0},
     {"surfaces of labels", do_surfaces, 1, 1, 0},
+    {"surfaces of labels, fewer triangles", do_fewer, 1, 1, 0},
     {"text", do_text, 1, 1, 0},
     {"packed", do_packed, 1, 1, 0},
 };

@@ -275,6 +275,7 @@ static void fuzz_label_surfaces(bvx_context *ctx, bvx_context *other, fuzz_input
     if (v->floats) return;
     o.staircase = fuzz_range(in, 0, 1);
     o.local_frame = 1;
+    if (!o.staircase && fuzz_range(in, 0, 1)) o.triangles = (uint64_t)fuzz_range(in, 1, 500);
     fuzz_must(ctx, bvx_label_surfaces(ctx, &v->view, &o, &complex_));
     fuzz_must(other, bvx_label_surfaces(other, &v->view, &o, &twin));
     fuzz_good_calls += 2;

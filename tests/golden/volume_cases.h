@@ -245,6 +245,40 @@ static void label_surface_values(golden *g, uint8_t *memory)
     golden_end(g);
 }
 
+/* Slabs that are askew to each other: junctions of three labels and points of four. */
+static void label_fewer_values(golden *g, uint8_t *memory)
+{
+    enum { SLABS = 24 };
+    static double const origin[3] = {-7, 0.5, 100}, spacing[3] = {1, 0.75, 1.5};
+    static int32_t const dims[3] = {SLABS, SLABS, SLABS};
+    bvx_volume_view view = {.samples = memory, .sample_type = BVX_SAMPLE_U8, .size = {SLABS, SLABS, SLABS}};
+
+    golden_begin(g, "label surfaces, fewer triangles");
+    for (int32_t n = 0; n < SLABS * SLABS * SLABS; n++) {
+        int32_t const x = n % SLABS, y = n / SLABS % SLABS, z = n / SLABS / SLABS;
+        memory[n] = (uint8_t)((x + 2 * y) / 13 + (3 * z + y) / 17 * 3) % 7;
+    }
+    if (!golden_good(g, bvx_lattice_make(g->context, origin, spacing, dims, &view.lattice))) return;
+    for (int32_t by_error = 0; by_error < 2; by_error++) {
+        bvx_labels_options o = {.struct_size = sizeof o, .position_type = by_error ? BVX_F64 : BVX_F32};
+        bvx_complex complex_ = {0};
+        uint64_t whole = 0;
+
+        o.triangles = by_error ? 0 : 2000;
+        o.error = by_error ? 0.05 : 0;
+        if (!golden_good(g, bvx_label_surfaces(g->context, &view, &o, &complex_)) ||
+            !golden_good(g, bvx_mesh_hash(g->context, &complex_.mesh, &whole)))
+            continue;
+        golden_u64(g, by_error ? "error" : "count", complex_.face_count);
+        golden_hex(g, "whole", whole);
+        for (uint64_t i = 0; i < 2 * complex_.face_count; i++)
+            whole = whole * UINT64_C(0x9E3779B97F4A7C15) + complex_.sides[i]; /* of any byte order */
+        golden_hex(g, "sides", whole);
+        bvx_complex_free(g->context, &complex_);
+    }
+    golden_end(g);
+}
+
 /* ---- Files ---- */
 
 /* The numbers of a volume whatever its layout, and where they stand in the world. */
@@ -403,6 +437,7 @@ static void volume_cases(golden *g)
     scalar_values(g, memory);
     label_values(g, memory);
     label_surface_values(g, memory);
+    label_fewer_values(g, memory);
     read_values(g);
 }
 

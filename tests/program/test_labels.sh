@@ -28,6 +28,10 @@ gives 'standard output' 0 '^ply' labels "$labels" -o - --only 7
 gives 'the report' 0 '"labels": \[{"value": 1, "name": "1", "voxels": 3071, "low": \[' labels "$labels" -o r_%s.ply --json
 gives 'corners of voxels' 0 'closed, manifold, volume 3071, 1 surface' labels "$labels" -o s_%s.ply --staircase
 gives 'smoothed within 0.1 %' 0 'volume 307[01]' labels "$labels" -o s_%s.ply --only 1
+gives 'fewer triangles' 0 'f_1.ply: .* closed, manifold' labels "$labels" -o f_%s.ply --triangles 900
+gives 'within an error' 0 'e_7.ply: .* closed, manifold' labels "$labels" -o e_%s.ply --error 0.1
+gives 'not of the staircase' 2 'exclude each other' labels "$labels" -o e_%s.ply --error 0.1 --staircase
+gives 'by one of both' 2 'exclude each other' labels "$labels" -o e_%s.ply --error 0.1 --triangles 9
 gives 'another background' 0 'b_0.ply: ' labels "$labels" -o b_%s.ply --background 2
 holds 'is no body' [ ! -f b_2.ply ]
 gives 'a window' 0 'w_1.ply: ' labels "$labels" -o w_%s.ply --window 0,0,0,20,20,20

@@ -393,7 +393,7 @@ static bvx_status list_labels(const world *w)
 static bvx_status label_surfaces(const world *w)
 {
     TAKE_OPTIONS(labels, o);
-    TAKE_RESERVED(o.reserved2[1]);
+    TAKE_RESERVED(o.reserved);
     SPOIL(o);
     return bvx_label_surfaces(w->ctx, w->volume, &o, (bvx_complex *)w->out);
 }

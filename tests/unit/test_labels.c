@@ -1,6 +1,6 @@
 /* test_labels.c - surfaces of labels: every pattern of labels in a cell and every pair of cells of two labels,
  * held against faces found voxel by voxel; bodies against the certificate; types, layouts, threads; smoothing's
- * bounds, volumes and crossings. */
+ * bounds, volumes and crossings; fewer triangles against solids of all bodies in quarter voxels. */
 #include "suite.h"
 
 #include <math.h>
@@ -60,7 +60,8 @@ static bvx_certificate body(uint64_t label)
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &c));
     TEST_ASSERT_TRUE(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented);
     TEST_ASSERT_EQUAL_UINT64(0, c.duplicates + c.collapsed + c.unused_vertices);
-    TEST_ASSERT_EQUAL_UINT64(2 * (complex_.first[label + 1] - complex_.first[label]), c.triangles);
+    TEST_ASSERT_EQUAL_UINT64((complex_.single ? 1 : 2) * (complex_.first[label + 1] - complex_.first[label]),
+                             c.triangles);
     return c;
 }
 
@@ -459,6 +460,125 @@ static void test_labels_smoothed_are_a_ball(void)
     TEST_ASSERT_EQUAL_INT64(2, c.euler);
 }
 
+/* ---- Fewer triangles ---- */
+
+static void make_fewer(bvx_context *c, const bvx_volume_view *v, uint64_t triangles, double error,
+                       bvx_complex *to)
+{
+    bvx_labels_options const o = {.struct_size = sizeof o, .triangles = triangles, .error = error};
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_label_surfaces(c, v, &o, to), bvx_last_message(c));
+    TEST_ASSERT_EQUAL_INT32(1, to->single);
+    TEST_ASSERT_NULL(to->cells);
+    TEST_ASSERT_EQUAL_UINT64(to->mesh.triangle_count, to->face_count);
+}
+
+/* Noise has junctions everywhere: hardly anything can go, and whatever does leaves bodies. */
+static void test_labels_with_fewer_triangles_are_bodies(void)
+{
+    static uint8_t noise[16 * 16 * 16];
+    uint64_t before;
+
+    for (int32_t round = 0; round < 4; round++) {
+        int32_t const side = 4 + 4 * round;
+        for (int32_t n = 0; n < side * side * side; n++) noise[n] = (uint8_t)below(5);
+        bvx_volume_view const v = view_of(noise, BVX_SAMPLE_U8, side, side, side);
+        make_fewer(ctx, &v, 1, 0, &complex_);
+        check_bodies(0);
+    }
+    fill_cells();
+    bvx_volume_view const v = view_of(cells, BVX_SAMPLE_U8, SIDE, SIDE, SIDE);
+    make(&v, 0, 0);
+    before = complex_.mesh.triangle_count;
+    bvx_complex const all = complex_;
+    memset(&complex_, 0, sizeof complex_);
+    make_fewer(ctx, &v, before / 3, 0, &complex_);
+    TEST_ASSERT_TRUE(complex_.face_count <= before / 3);
+    check_bodies(0);
+
+    bvx_context *const other = suite_context(3, BVX_CPU_BEST);
+    make_fewer(other, &v, before / 3, 0, &twin);
+    TEST_ASSERT_EQUAL_UINT64(complex_.face_count, twin.face_count);
+    TEST_ASSERT_EQUAL_MEMORY(complex_.mesh.positions, twin.mesh.positions, twin.mesh.vertex_count * 12);
+    TEST_ASSERT_EQUAL_MEMORY(complex_.mesh.triangles, twin.mesh.triangles, twin.face_count * 12);
+    TEST_ASSERT_EQUAL_MEMORY(complex_.sides, twin.sides, twin.face_count * 8);
+    bvx_complex_free(other, &twin);
+    bvx_context_destroy(other);
+
+    /* By error, measured anew. */
+    bvx_mesh_view from, to;
+    bvx_distance_report d;
+    make_fewer(ctx, &v, 0, 0.08, &complex_);
+    TEST_ASSERT_TRUE(complex_.face_count < before / 2);
+    check_bodies(0);
+    bvx_mesh_view_of(&all.mesh, &from);
+    bvx_mesh_view_of(&complex_.mesh, &to);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_distance(ctx, &from, &to, 20000, 3, &d));
+    TEST_ASSERT_TRUE(d.mean < 0.085 && d.mean > 0.03);
+    twin = all;
+}
+
+/* Solids of all bodies at the centres of quarter voxels: together they are that of what lies between them and the
+ * background, and have as many. */
+static void test_labels_with_a_tenth_of_the_triangles_leave_no_gap(void)
+{
+    enum { WIDE = 128, BODIES = 9 };
+    static uint8_t map[WIDE * WIDE * WIDE];
+    static double const origin[3] = {-0.5, -0.5, -0.5}, quarter[3] = {0.25, 0.25, 0.25};
+    static int32_t const dims[3] = {4 * WIDE + 4, 4 * WIDE + 4, 4 * WIDE + 4};
+    bvx_voxelize_options const parity = {.struct_size = sizeof parity, .fill = BVX_FILL_PARITY};
+    int32_t seeds[BODIES][3];
+    bvx_lattice fine;
+    bvx_grid whole = {0}, one = {0}, outer = {0};
+    bvx_mesh_view view;
+    uint64_t sum = 0, count, hash[2], outside = 0;
+
+    for (int i = 0; i < BODIES; i++)
+        for (int a = 0; a < 3; a++) seeds[i][a] = (int32_t)below(WIDE);
+    for (int32_t n = 0; n < WIDE * WIDE * WIDE; n++) {
+        int32_t const p[3] = {n % WIDE, n / WIDE % WIDE, n / WIDE / WIDE};
+        int32_t best = INT32_MAX;
+        for (int i = 0; i < BODIES; i++) {
+            int32_t far = 0;
+            for (int a = 0; a < 3; a++) far += (p[a] - seeds[i][a]) * (p[a] - seeds[i][a]);
+            if (far >= best) continue;
+            best = far;
+            map[n] = (uint8_t)(i + 1);
+        }
+    }
+    bvx_volume_view const v = view_of(map, BVX_SAMPLE_U8, WIDE, WIDE, WIDE);
+    make(&v, 0, 0);
+    uint64_t const tenth = complex_.mesh.triangle_count / 10;
+    make_fewer(ctx, &v, tenth, 0, &complex_);
+    TEST_ASSERT_TRUE(complex_.face_count <= tenth && complex_.face_count > tenth - 64);
+
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, quarter, dims, &fine));
+    for (uint64_t i = 0; i < complex_.label_count; i++) {
+        (void)body(i);
+        bvx_mesh_view_of(&mesh, &view);
+        bvx_grid *const to = i == 0 ? &whole : &one;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_solid(ctx, &view, &fine, &parity, to));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_count(ctx, to, &count));
+        sum += count;
+        if (i != 0)
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_combine(ctx, &whole, &one, BVX_BOOLEAN_UNION, &whole));
+    }
+    for (uint64_t f = 0; f < complex_.face_count; f++)
+        if (complex_.sides[2 * f + 1] == complex_.label_count)
+            memmove(complex_.mesh.triangles + 3 * outside++, complex_.mesh.triangles + 3 * f, 12);
+    bvx_mesh_view_of(&complex_.mesh, &view);
+    view.triangle_count = outside;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_solid(ctx, &view, &fine, &parity, &outer));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_count(ctx, &whole, &count));
+    TEST_ASSERT_EQUAL_UINT64(count, sum);
+    TEST_ASSERT_TRUE(count > UINT64_C(512) * 512 * 500);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_hash(ctx, &whole, &hash[0]));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_hash(ctx, &outer, &hash[1]));
+    TEST_ASSERT_EQUAL_HEX64(hash[1], hash[0]);
+    bvx_grid_free(ctx, &whole);
+    bvx_grid_free(ctx, &one);
+    bvx_grid_free(ctx, &outer);
+}
+
 /* ---- Refusals ---- */
 
 static void test_labels_refuse(void)
@@ -473,6 +593,11 @@ static void test_labels_refuse(void)
     o.background = 256;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_label_surfaces(ctx, &v, &o, &complex_));
     o.background = -1;
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_label_surfaces(ctx, &v, &o, &complex_));
+    o = (bvx_labels_options){.struct_size = sizeof o, .triangles = 9, .error = 1};
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_label_surfaces(ctx, &v, &o, &complex_));
+    o.triangles = 0;
+    o.staircase = 1;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_label_surfaces(ctx, &v, &o, &complex_));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_label_surfaces(ctx, &v, NULL, NULL));
     make(&v, 1, 0);
@@ -501,6 +626,8 @@ int main(void)
     RUN_TEST(test_labels_smoothed_collapse_no_triangle);
     RUN_TEST(test_labels_smoothed_stay_near_planes);
     RUN_TEST(test_labels_smoothed_are_a_ball);
+    RUN_TEST(test_labels_with_fewer_triangles_are_bodies);
+    RUN_TEST(test_labels_with_a_tenth_of_the_triangles_leave_no_gap);
     RUN_TEST(test_labels_refuse);
     return UNITY_END();
 }

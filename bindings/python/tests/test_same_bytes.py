@@ -90,6 +90,9 @@ def labels(at):
     at.run("labels", FIXTURES / "labels.npy", "-o", at / "l_%s.ply")
     for value, mesh in bitvox.read_volume(FIXTURES / "labels.npy").surfaces().items():
         at.same(mesh, f"l_{value}.ply")
+    at.run("labels", FIXTURES / "labels.npy", "-o", at / "f_%s.ply", "--triangles", 2000)
+    for value, mesh in bitvox.read_volume(FIXTURES / "labels.npy").surfaces(triangles=2000).items():
+        at.same(mesh, f"f_{value}.ply")
 
 
 def repair(at):

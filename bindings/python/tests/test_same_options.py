@@ -279,6 +279,8 @@ ROWS = {
     ),
     "labels": (
         ("LABELS --only 2", "ply", lambda at: bitvox.read_volume(LABELS).surfaces()[2]),
+        ("LABELS --only 7 --triangles 900", "ply", lambda at: bitvox.read_volume(LABELS).surfaces(triangles=900)[7]),
+        ("LABELS --only 2 --error 0.1", "ply", lambda at: bitvox.read_volume(LABELS).surfaces(error=0.1)[2]),
         ("LABELS --only 1 --staircase --background 2 --normals --output-origin 1,2,3", "ply",
          lambda at: only(bitvox.read_volume(LABELS).surfaces(background=2, smooth=False)[1], normals=True, origin=(1, 2, 3))),
         ("LABELS --only 1 --window 0,0,0,20,20,20", "ply",

@@ -339,6 +339,23 @@ def test_surfaces_of_labels_share_faces(smooth):
         bodies[4]
 
 
+def test_surfaces_with_fewer_triangles_share_faces():
+    v = bitvox.Volume(thirds())
+    all_of_it = v.surfaces().complex
+    for few in (v.surfaces(triangles=len(all_of_it.faces) // 4), v.surfaces(error=0.1)):
+        whole = few.complex
+        assert len(whole.sides) == len(whole.faces) <= len(all_of_it.faces) // 3
+        for value, mesh in few.items():
+            certificate = mesh.check()
+            assert certificate.closed and certificate.edge_manifold and certificate.vertex_manifold
+            assert mesh.n_faces == (whole.sides == value).sum()
+        assert len(bitvox.Mesh(whole.vertices, whole.faces).crossings()) == 0
+    with pytest.raises(bitvox.ArgumentError, match="contradict"):
+        v.surfaces(triangles=9, error=0.1)
+    with pytest.raises(bitvox.ArgumentError, match="exclude"):
+        v.surfaces(triangles=9, smooth=False)
+
+
 def test_surfaces_take_background_type_and_direction():
     v = bitvox.Volume(thirds())
     assert list(v.surfaces(background=7)) == [-3, 5, 9]

@@ -68,7 +68,7 @@ class Complex(NamedTuple):
     vertices
         (n, 3) positions, shared by all bodies [world].
     faces
-        (m, 3) vertex indices; two after one another make the face between two voxels.
+        (m, 3) vertex indices; two after one another make the face between two voxels, unless there are fewer triangles.
     sides
         (m, 2) the labels behind each triangle and in front of it, from where it is seen counter-clockwise.
 
@@ -151,7 +151,7 @@ class Surfaces(Mapping[int, Mesh]):
         mesh = self._place(Mesh._made(whole))
         values = np.array([*(one.value for one in self.labels), self._background], self._type)
         sides = arrays.array_at(self._c.sides, "uint32", (self._c.face_count, 2), self._c)
-        return Complex(mesh.vertices, mesh.faces, np.repeat(values[sides], 2, axis=0))
+        return Complex(mesh.vertices, mesh.faces, values[sides] if self._c.single else np.repeat(values[sides], 2, axis=0))
 
     def to_pyvista(self) -> Any:
         """A pyvista.MultiBlock with a block for each label, by its name; each has its value and color as field data.
@@ -199,12 +199,13 @@ class Surfaces(Mapping[int, Mesh]):
         return f"Surfaces({len(self)} labels, {self._c.mesh.triangle_count} faces)"
 
 
-def label_surfaces(view: Any, background: int, smooth: bool, dtype: Any, unsigned: bool, place: Callable[[Mesh], Mesh],
+def label_surfaces(view: Any, background: int, smooth: bool, targets: dict[str, Any], dtype: Any, unsigned: bool, place: Callable[[Mesh], Mesh],
                    segments: Mapping[int, Segment], *, threads: int | None, memory_limit: int | None, progress: Progress) -> Surfaces:
     """The surfaces of a checked view."""
     options = options_of("labels_options")
     options.background = background - 2**64 if background >= 2**63 else background
     options.staircase = int(not smooth)
+    options.triangles, options.error = targets.get("triangles", 0), targets.get("error", 0)
     options.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
     made = ffi.gc(ffi.new("bvx_complex *"), lib.bvxpy_free_complex)
     with Run(threads, memory_limit, progress) as run:

@@ -526,8 +526,8 @@ class Volume:
         labels = [record(found[i]) for i in range(count[0])]
         return [one._replace(value=one.value % 2**64) for one in labels] if unsigned else labels
 
-    def surfaces(self, *, background: int = 0, smooth: bool = True, dtype: Any = None, threads: int | None = None,
-                 memory_limit: int | None = None, progress: Progress = None) -> Surfaces:
+    def surfaces(self, *, background: int = 0, smooth: bool = True, triangles: int | None = None, error: float | None = None,
+                 dtype: Any = None, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Surfaces:
         """The surfaces of all labels of integer samples at once, as a mapping from each value to its `Mesh`.
 
         Bodies that touch share positions and faces, so nothing lies in none or in two. Each is closed and manifold; no two triangles cross.
@@ -539,6 +539,9 @@ class Volume:
         smooth
             vertices move within half a voxel, and labels keep their volumes to 0.1 %, but where most faces are at junctions. False: the voxels' own
             sides.
+        triangles, error
+            fewer triangles, so many in all, or as many as keep that mean distance of both directions to all of them [world]. Bodies still share
+            faces, and junctions of labels.
         dtype
             of positions; None takes float32 where it distinguishes neighbors.
 
@@ -550,11 +553,12 @@ class Volume:
         >>> bodies.labels[0].voxels, round(bodies[1].check().volume), bodies[2].check().closed
         (256, 256, True)
         """
+        targets = level_target(triangles, error, None)
         unsigned = self._c.sample_type == lib.BVX_SAMPLE_U64
         background = in_range("background", background, -(2**63), 2**64 - 1)
         if self._turn is not None and dtype is None:
             dtype = "float64"  # turned positions need more digits than the lattice's own
-        return label_surfaces(self._c, background, smooth, dtype, unsigned, self._in_world, self.segments,
+        return label_surfaces(self._c, background, smooth, targets, dtype, unsigned, self._in_world, self.segments,
                               threads=threads, memory_limit=memory_limit, progress=progress)
 
     def surface(self, level: float = 0.0, *, below: bool = False, dtype: Any = None, open_sides: str | Iterable[str] = (), keys: bool = False,
