@@ -198,7 +198,7 @@ static bvx_status open_specks(bvx_context *ctx, uint64_t n, speck_work *w)
 }
 
 /* The kind that more than half of all are of, if any, is the last to lead (Boyer, Moore 1981). */
-static void count_beside(speck_work *w, uint32_t root, uint64_t kinds)
+static void count_speck_beside(speck_work *w, uint32_t root, uint64_t kinds)
 {
     if (w->lead[root] == 0) w->beside[root] = (uint8_t)bvxi_lowest(kinds);
     w->lead[root] += (kinds >> w->beside[root] & 1) != 0 ? 1 : UINT32_MAX;
@@ -214,7 +214,7 @@ static void look_at_surface_edge(const bvxi_joint_cut *cut, speck_work *w, uint6
     /* Contours of the body on the surface: its part there is wanted. */
     if (common != 0 && other < first) w->count[root] = UINT32_MAX;
     if (common != 0 || other < first) return;
-    count_beside(w, root, cut->among[other] & ~(uint64_t)JOINT_OUTSIDE);
+    count_speck_beside(w, root, cut->among[other] & ~(uint64_t)JOINT_OUTSIDE);
 }
 
 static int crossings_of(const bvxi_tetra *t, uint64_t first)
@@ -305,7 +305,7 @@ static void find_speck_kinds(const bvxi_oblique *o, const bvxi_joint_cut *cut, s
             w->count[root] |= n == BVXI_NONE || o->vertex[v].sign == BVXI_JOINT_BEYOND ||
                               (o->vertex[v].sign != 0 && bvxi_first_plane(o, v) != BVXI_NONE);
             if (n == BVXI_NONE || cut->kind[n] == cut->kind[t]) continue;
-            count_beside(w, root, UINT64_C(1) << cut->kind[n]);
+            count_speck_beside(w, root, UINT64_C(1) << cut->kind[n]);
         }
     }
 }
