@@ -92,17 +92,6 @@ static void reverse_loop(bvxi_plane *p, const bvxi_contour *c)
     }
 }
 
-uint32_t bvxi_contour_of(const bvxi_plane *p, uint32_t point)
-{
-    uint32_t low = 0, high = p->contour_count;
-    while (high - low > 1) {
-        uint32_t const middle = low + (high - low) / 2;
-        if (p->contour[middle].first <= point) low = middle;
-        else high = middle;
-    }
-    return low;
-}
-
 void bvxi_loop_box(const bvxi_plane *p, const bvxi_contour *c, int32_t box[4])
 {
     for (int k = 0; k < 2; k++) box[k] = box[k + 2] = p->q[c->first][k];

@@ -269,7 +269,16 @@ int32_t bvxi_snap_steps(const bvxi_stack *stack, int k, double along);
 /* 1 when a loop encloses a point of none of its segments. */
 int bvxi_loop_contains(const bvxi_plane *plane, const bvxi_contour *contour, const int32_t *at);
 /* The number of the contour that a point is one of. */
-uint32_t bvxi_contour_of(const bvxi_plane *plane, uint32_t point);
+static inline uint32_t bvxi_contour_of(const bvxi_plane *p, uint32_t point)
+{
+    uint32_t low = 0, high = p->contour_count;
+    while (high - low > 1) {
+        uint32_t const middle = low + (high - low) / 2;
+        if (p->contour[middle].first <= point) low = middle;
+        else high = middle;
+    }
+    return low;
+}
 /* Least u and v, then largest, of a loop in fixed point. */
 void bvxi_loop_box(const bvxi_plane *plane, const bvxi_contour *contour, int32_t box[4]);
 /* box: scratch, one a loop. */

@@ -206,12 +206,18 @@ uint32_t bvxi_knot_after(const bvxi_oblique *o, uint32_t plane, uint32_t segment
 
 #define BVXI_RASTER_STEP 2.0 /* cells */
 
+/* oblique_raster.c */
 bvx_status bvxi_oblique_raster(bvxi_oblique *o);
 /* The signed distance on a plane with contours to a curve through their points. hint: as of
  * bvxi_plane_distance. */
 double bvxi_oblique_curved(const bvxi_oblique *o, uint32_t plane, const double uv[2], uint32_t *hint);
 /* Each row of the rasters of all planes. */
 typedef void bvxi_row_fn(const bvxi_oblique *o, const bvxi_oblique_plane *plane, int32_t row);
+bvx_status bvxi_oblique_rows(const bvxi_oblique *o, bvxi_row_fn *row);
+/* What a raster of a plane has at a place's foot point. */
+double bvxi_oblique_raster_at(const bvxi_oblique_plane *p, const float *raster, const double at[3]);
+/* The distance of a place's foot point on a plane. */
+double bvxi_oblique_distance(const bvxi_oblique *o, uint32_t plane, const double at[3]);
 
 /* oblique_field.c: what the smooth number leaves of the distances, once it is made. */
 bvx_status bvxi_oblique_rest(bvxi_oblique *o);
