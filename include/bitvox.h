@@ -1643,8 +1643,7 @@ BVX_API bvx_status bvx_octree_cast(bvx_context *context, const bvx_octree *tree,
 /** The leaves by base voxel (z, y, x), within it along the curve that takes x first, then y, then z at each level. */
 BVX_API bvx_status bvx_octree_leaves(bvx_context *context, const bvx_octree *tree, int32_t states,
                                      bvx_octree_leaf *leaves, uint64_t capacity, uint64_t *count);
-/** The voxels of one level as a grid. Above the last level a voxel that is split counts as surface. window is one of
- *  the level's lattice; NULL or all zero: all of it. */
+/** The voxels of one level as a grid, of its window. Above the last level a voxel that is split counts as surface. */
 BVX_API bvx_status bvx_octree_expand(bvx_context *context, const bvx_octree *tree, int32_t level, int32_t states,
                                      const bvx_window *window, bvx_grid *grid);
 /** The closed surface of the last level's voxels, block by block, with the bytes of bvx_extract_surface on all of it.
@@ -1668,8 +1667,7 @@ typedef struct bvx_complex {
     uint64_t face_count, label_count;
     int32_t low[3], size[3]; /**< the volume's window */
     int32_t owned; /**< 1 when bvx_complex_free frees the arrays */
-    int32_t single; /**< 1: simplified, so face f is the triangle f alone, cells is NULL, and junctions is not 0 of
-                         vertices with an edge of more than two faces */
+    int32_t single; /**< 1: simplified. Face f is triangle f alone, cells is NULL, junctions is 0 off them */
     int32_t reserved[2];
 } bvx_complex;
 typedef struct bvx_labels_options {
@@ -1679,14 +1677,12 @@ typedef struct bvx_labels_options {
     int32_t position_type; /**< see Types */
     int32_t local_frame, reserved; /**< see Types */
     uint64_t triangles; /**< at most so many in all, not on a staircase; 0: as they come [Limit: any] */
-    double error; /**< in place of triangles: largest mean distance of both directions to the faces as they come
-                       [Units: world] [Limit: >= 0] */
+    double error; /**< instead: mean distance to the faces as they come, both ways [Units: world] [Limit: >= 0] */
 } bvx_labels_options;
 /** The surfaces of all labels at once, with shared faces. A face lies between two voxels that share a side and have
- *  different labels; its corners are vertices of the four cells around that side, a cell being the box between eight
- *  centres. Vertices are in order (z, y, x) of their cell, faces in order (z, y, x, axis) of their lower voxel. Labels
- *  keep the volume of their voxels to 0.1 %, but where most faces are at junctions. Where labels touch themselves, and
- *  how vertices are smoothed: docs/rules.md. complex brings no arrays. Empty where there is no label.
+ *  different labels; its corners are vertices of the four cells around that side. Vertices are in order (z, y, x) of
+ *  their cell, faces in order (z, y, x, axis) of their lower voxel. Labels keep the volume of their voxels to 0.1 %,
+ *  but where most faces are at junctions; more: docs/rules.md. complex brings no arrays. Empty without labels.
  *  Returns BVX_ERR_UNSUPPORTED (samples that are floats), BVX_ERR_ARGUMENT (also a background that samples cannot
  *  have), BVX_ERR_RANGE (2^32 - 1 vertices or 2^30 faces; positions too coarse). */
 BVX_API bvx_status bvx_label_surfaces(bvx_context *context, const bvx_volume_view *volume,
