@@ -227,7 +227,9 @@ static bvx_status plan_and_build(bvxi_call call, const bvx_mesh_view *view, cons
     b.curve.scale = scale;
     b.curve.units = tree->box_scale;
     memcpy(b.curve.centre, tree->centre, sizeof tree->centre);
-    return bvxi_scratch_keep(call.ctx, mark, build_closest_tree(call, &b));
+    bvx_status const status = bvxi_scratch_keep(call.ctx, mark, build_closest_tree(call, &b));
+    if (status != BVX_OK) memset(tree, 0, sizeof *tree);
+    return status;
 }
 
 bvx_status bvxi_closest_build(bvxi_call call, const bvx_mesh_view *view, const double low[3],

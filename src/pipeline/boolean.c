@@ -769,12 +769,14 @@ static bvx_status look_closer(const boolean_job *job, bvx_lattice *lattice, bool
     o.fit.lattice = lattice;
     o.report = NULL;
     for (int i = 0; i < 2; i++) closer.body[i].mesh = closer.source[i].mesh = job->body[i].mesh;
+    closer.body[0].report = &closer.report.solid_a;
+    closer.body[1].report = &closer.report.solid_b;
     status = boolean_steps(&closer, &result);
     if (status == BVX_OK) status = measure_result(&closer, &result, shape);
     bvx_mesh_free(job->ctx, &result);
     *seen = status == BVX_OK;
 
-    /* What was asked for is there, whatever a look that nobody requested would need. */
+    /* The result is there, whatever a look that nobody requested would need. */
     return status == BVX_ERR_BUDGET || status == BVX_ERR_EMPTY || status == BVX_ERR_RANGE ? BVX_OK : status;
 }
 
