@@ -121,8 +121,9 @@ static void fuzz_bodies(bvx_context *ctx, bvx_context *other, fuzz_input *in, co
     fuzz_certified(ctx, &mesh, "a boolean that is not certified");
     fuzz_require((mesh.triangle_count > 0) == (report.voxels > 0),
                  "a mesh without voxels, or voxels without a mesh");
+    o.report = NULL; /* which asks for finer looks too, and they change no mesh */
     fuzz_must(other, bvx_boolean(other, &a->view, &b->view, operation, &o, &twin));
-    fuzz_meshes_equal(ctx, &mesh, &twin, "another boolean with more threads");
+    fuzz_meshes_equal(ctx, &mesh, &twin, "another boolean with more threads and no report");
     bvx_mesh_free(ctx, &mesh);
     bvx_mesh_free(other, &twin);
 }
