@@ -488,6 +488,36 @@ static bvx_status run_complex_round(bvx_context *ctx, const char *function, cons
     return collapse_sheets(&r, target, to);
 }
 
+/* 1: each body has two triangles at each of its edges. Label none is no body. */
+static bvx_status bodies_hold(bvx_context *ctx, const complex_parts *parts, uint64_t none, int *hold)
+{
+    uint64_t const edges = 3 * parts->mesh.triangle_count;
+    const uint32_t *const triangles = parts->mesh.triangles;
+    uint64_t *keys, end;
+    uint32_t *order;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, edges * 8, "the edges' keys", &keys));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, edges * 4, "the edges' order", &order));
+    for (uint64_t e = 0; e < edges; e++) {
+        uint64_t const a = triangles[e], b = triangles[e - e % 3 + (e % 3 + 1) % 3];
+        keys[e] = a < b ? a << 32 | b : b << 32 | a;
+        order[e] = (uint32_t)e;
+    }
+    BVXI_TRY(bvxi_radix_sort(ctx, keys, order, edges));
+    *hold = 1;
+    for (uint64_t first = 0; first < edges; first = end) {
+        for (end = first; end < edges && keys[end] == keys[first];) end++;
+        for (uint64_t i = 2 * first; i < 2 * end; i++) {
+            uint32_t const label = parts->sides[order[i / 2] / 3 * 2 + i % 2];
+            int met = 0;
+            for (uint64_t k = 2 * first; k < 2 * end; k++)
+                met += parts->sides[order[k / 2] / 3 * 2 + k % 2] == label;
+            *hold &= met == 2 || label == none;
+        }
+    }
+    return BVX_OK;
+}
+
 static void free_complex_parts(bvx_context *ctx, const bvx_complex *complex, complex_parts *parts)
 {
     bvxi_free(ctx, parts->sides, parts->mesh.triangle_count * 8);
@@ -524,8 +554,10 @@ static bvx_status run_complex_rounds(bvx_context *ctx, const char *function, con
             status = bvxi_mesh_distance(ctx, &view, &kept, &view_next, ERROR_SAMPLES, ERROR_SEED, &d);
             share = d.mean / error;
         }
+        int hold = 0;
+        if (status == BVX_OK) status = BVXI_SCOPE(ctx, bodies_hold(ctx, &next, complex->label_count, &hold));
         at = to;
-        int const better = status == BVX_OK && share <= 1 && next.mesh.triangle_count < before;
+        int const better = status == BVX_OK && hold && share <= 1 && next.mesh.triangle_count < before;
         free_complex_parts(ctx, complex, better ? now : &next);
         if (!better) break;
         *now = next;
