@@ -173,9 +173,9 @@ static void find_label_fans(const body_work *w, uint64_t from, uint32_t corners)
 {
     cell_node nodes[12], others[12];
 
-    if (join_by_edges(w, from, corners, w->parent)) return;
+    if (join_by_edges(w, from, corners, w->parent) || w->complex->single) return;
 
-    /* Only on the staircase. */
+    /* Only on the staircase, where vertices have cells. */
     uint32_t const count = read_nodes(w, from, nodes);
     int32_t turned = double_side(nodes, count);
 
