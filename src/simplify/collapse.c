@@ -268,6 +268,19 @@ static int star_in_range(const collapse_sweep *s, uint64_t range, const collapse
 
 enum { RANGE_ALL = -1 };
 
+/* 1: the vertex of a corner has an edge to another fan of a vertex of the view. */
+static int has_edge_to(const bvxi_corners *m, int32_t corner, uint32_t source)
+{
+    int32_t at = corner;
+
+    do {
+        uint32_t const x = bvxi_corner_vertex_of(m, bvxi_corner_next(at));
+        if (x != BVXI_VERTEX_GHOST && m->source[x] == source) return 1;
+        at = bvxi_corner_turn_left(m, at);
+    } while (at != corner);
+    return 0;
+}
+
 /* 1: vertices of a sheet's border would get an edge or a triangle that another sheet may have too; or a vertex edges to
  * two of these that are one beyond the sheet. */
 static int meets_sheets(const bvxi_collapse *c, const bvxi_edge_planned *plan, const collapse_star *star)
@@ -278,7 +291,11 @@ static int meets_sheets(const bvxi_collapse *c, const bvxi_edge_planned *plan, c
     for (int32_t i = 0; i < star->count && c->options.sheets; i++) {
         uint32_t const x = star->link[i];
 
-        if (x == BVXI_VERTEX_GHOST || c->kind[x] != VERTEX_LOCKED) continue;
+        if (x == BVXI_VERTEX_GHOST) continue;
+        if (locked && c->mesh.split != 0 && i > 0 && i < star->of_v &&
+            has_edge_to(&c->mesh, bvxi_corner_next(star->corner[i]), source[plan->u]))
+            return 1;
+        if (c->kind[x] != VERTEX_LOCKED) continue;
         if (locked && i > 0 && i < star->of_v) return 1;
         if (locked && i == 0 && star->of_v == 1 && c->kind[star->link[1]] == VERTEX_LOCKED) return 1;
         if (source[x] == source[plan->u]) return 1;

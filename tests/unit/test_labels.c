@@ -472,6 +472,27 @@ static void make_fewer(bvx_context *c, const bvx_volume_view *v, uint64_t triang
     TEST_ASSERT_EQUAL_UINT64(to->mesh.triangle_count, to->face_count);
 }
 
+/* Faces between two labels of blocks of noise meet at vertices in several fans. None of that ends the collapse. */
+static void test_blocks_of_noise_become_fewer_triangles(void)
+{
+    enum { WIDE = 14 };
+    static uint8_t blocks[WIDE * WIDE * WIDE];
+    uint8_t label[WIDE / 2 * WIDE / 2 * WIDE / 2];
+
+    for (int32_t round = 0; round < 6; round++) {
+        for (int32_t n = 0; n < (int32_t)sizeof label; n++) label[n] = (uint8_t)below(3);
+        for (int32_t n = 0; n < WIDE * WIDE * WIDE; n++)
+            blocks[n] =
+                label[n % WIDE / 2 + WIDE / 2 * (n / WIDE % WIDE / 2 + WIDE / 2 * (n / WIDE / WIDE / 2))];
+        bvx_volume_view const v = view_of(blocks, BVX_SAMPLE_U8, WIDE, WIDE, WIDE);
+        make(&v, 0, 0);
+        uint64_t const before = complex_.mesh.triangle_count;
+        make_fewer(ctx, &v, before / 20, 0, &complex_);
+        check_bodies(0);
+        TEST_ASSERT_TRUE(complex_.face_count < before / 4);
+    }
+}
+
 /* Noise has junctions everywhere: hardly anything can go, and whatever does leaves bodies. */
 static void test_labels_with_fewer_triangles_are_bodies(void)
 {
@@ -626,6 +647,7 @@ int main(void)
     RUN_TEST(test_labels_smoothed_collapse_no_triangle);
     RUN_TEST(test_labels_smoothed_stay_near_planes);
     RUN_TEST(test_labels_smoothed_are_a_ball);
+    RUN_TEST(test_blocks_of_noise_become_fewer_triangles);
     RUN_TEST(test_labels_with_fewer_triangles_are_bodies);
     RUN_TEST(test_labels_with_a_tenth_of_the_triangles_leave_no_gap);
     RUN_TEST(test_labels_refuse);
