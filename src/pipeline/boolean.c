@@ -780,7 +780,7 @@ static bvx_status look_closer(const boolean_job *job, bvx_lattice *lattice, bool
     return status == BVX_ERR_BUDGET || status == BVX_ERR_EMPTY || status == BVX_ERR_RANGE ? BVX_OK : status;
 }
 
-/* What finer lattices have. *looks is how many there were: two, and one more for a volume that still moves; *settled
+/* What finer lattices have. *looks is how many there were: two, and one more for a shape that still changes; *settled
  * becomes 1 where the last two agree and no wall broke in the last. */
 static bvx_status look_finer(const boolean_job *job, boolean_shape *shape, int *looks, int *settled)
 {
@@ -799,7 +799,7 @@ static bvx_status look_finer(const boolean_job *job, boolean_shape *shape, int *
         BVXI_TRY(BVXI_SCOPE(job->ctx, look_closer(job, &lattice, &closer, &seen)));
         if (!seen) return BVX_OK;
         *settled = is_same_shape(shape, &closer) && closer.crumbs < BOOLEAN_CRUMBS;
-        more = !*settled && (*looks == 0 || (*looks == 1 && !is_near_volume(shape->volume, closer.volume)));
+        more = !*settled && (*looks == 0 || (*looks == 1 && !is_same_shape(shape, &closer)));
         *shape = closer;
     }
     return BVX_OK;

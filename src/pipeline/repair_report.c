@@ -163,7 +163,7 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
 
 #define REPAIR_SHELLED 0.03 /* of the mesh's area, the same */
 #define REPAIR_LIDS    0.05 /* of the result's area, the same */
-#define REPAIR_INWARD  0.5  /* of the result's volume, the same */
+#define REPAIR_INWARD  0.5  /* of a volume, the other one, the same; of an area, what became shells */
 
 /* 1: parts were dropped or cavities filled as options ask, beside crumbs: sizes changed as they were to. */
 static int changed_as_asked(const bvx_repair_report *r)
@@ -214,10 +214,14 @@ void bvxi_warn_of_lids(bvx_context *ctx, double share, uint64_t holes, const bvx
     memcpy(w->high, longest->high, sizeof w->high);
 }
 
-/* An open mesh may be the inside of a room: faces that look inward enclose about as much as the result. */
-static int encloses_inward(const bvx_repair_report *r)
+/* An open mesh may be the inside of a room: faces that look inward enclose about as much as the result, which is no
+ * shell of them. */
+static int encloses_inward(const bvx_repair_report *r, const bvxi_repair_facts *f)
 {
-    return r->before.boundary_edges != 0 && r->before.volume < -REPAIR_INWARD * r->after.volume;
+    double const inward = -r->before.volume, volume = r->after.volume;
+
+    return r->before.boundary_edges != 0 && f->shelled_area < REPAIR_INWARD * r->before.area &&
+           inward > REPAIR_INWARD * volume && volume >= REPAIR_INWARD * inward;
 }
 
 /* A surface crosses three lattice edges for two faces of a voxel's area, on average over all directions. */
@@ -264,7 +268,7 @@ void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *r, const bvxi_repair_
     if (has_lost_walls(r)) warn_of_walls(ctx, r, f);
     warn_of_topology(ctx, r, f, bvxi_advised(2.0 * longest));
     bvxi_warn_of_lids(ctx, share_of_lids(r, f), r->holes, &f->longest_rim);
-    if (encloses_inward(r)) BVXI_WARN(ctx, BVX_WARN_TURNED, 0.0, -r->before.volume);
+    if (encloses_inward(r, f)) BVXI_WARN(ctx, BVX_WARN_TURNED, 0.0, -r->before.volume);
     warn_of_size(ctx, r, f, bvxi_advised(2.0 * longest), (double)collapsed);
     r->warnings = bvxi_warned(ctx);
 }

@@ -87,10 +87,28 @@ static void test_volumes_stay_within_their_bounds(void)
     if (!quick) all_defects(33, 1, 0);
 }
 
+/* Whichever way its triangles face, the strip's signed volume is not that of its shell. */
+static void test_a_strip_of_one_side_is_around_nothing(void)
+{
+    for (int flipped = 0; flipped < 2; flipped++) {
+        bvx_mesh out;
+
+        defect_begin(&shape, 0, &seed, 48);
+        defect_moebius(&shape, &seed);
+        if (flipped) maker_flip(&shape.mesh, 0, shape.mesh.triangles);
+        out = repaired_shape(48);
+        TEST_ASSERT_TRUE((report.warnings >> BVX_WARN_SHELLS & 1) != 0);
+        TEST_ASSERT_EQUAL_UINT64(0, report.warnings >> BVX_WARN_TURNED & 1);
+        bvx_mesh_free(ctx, &out);
+    }
+    defect_end(&shape);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_coarse_ones_do_not_cross);
     RUN_TEST(test_volumes_stay_within_their_bounds);
+    RUN_TEST(test_a_strip_of_one_side_is_around_nothing);
     return UNITY_END();
 }
