@@ -5,9 +5,8 @@ from __future__ import annotations
 import gzip
 import os
 import re
-import struct
 import tempfile
-import zipfile
+import warnings
 import zlib
 from typing import Any
 
@@ -17,6 +16,7 @@ from .._errors import FormatError, UnsupportedError, need
 from .._foreign import affine_of
 from .._grid import Grid
 from .._nrrd import unpacked
+from .._run import depth_of_caller
 from .._volume import Volume
 from .nifti import GRID_MARK
 
@@ -37,6 +37,8 @@ def volume_bytes(volume: Volume, kind: str, of_grid: bool = False) -> bytes:
     where the frame is not said they are written as they are.
     """
     np = arrays.numpy("volumes")
+    if volume.segments and kind in ("nii", "mha", "vti"):
+        warnings.warn(f".{kind} does not keep names and colors of labels; .nrrd does", stacklevel=depth_of_caller())
     if kind == "nii":
         return _nifti(volume if volume.frame is None else volume.turned("ras"), of_grid)
     if kind == "mha" and volume.frame is not None:
@@ -61,6 +63,9 @@ def volume_bytes(volume: Volume, kind: str, of_grid: bool = False) -> bytes:
     lines = ["NRRD0005", f"type: {_NRRD_TYPES[code]}", "dimension: 3", *space, f"sizes: {_words(volume.shape)}",
              f"space directions: {vectors}", "kinds: domain domain domain", "endian: little", "encoding: gzip",
              "space origin: (" + ",".join(map(_number, volume.center0)) + ")"]
+    for i, (value, one) in enumerate(volume.segments.items()):  # as 3D Slicer has them
+        lines += [f"Segment{i}_ID:=Segment_{value}", f"Segment{i}_LabelValue:={value}", f"Segment{i}_Name:={' '.join(one.name.split())}"]
+        lines += [f"Segment{i}_Color:={_words(part / 255 for part in one.color)}"] if one.color else []
     return ("\n".join(lines) + "\n\n").encode() + gzip.compress(packed.tobytes(), 6, mtime=0)
 
 
@@ -145,8 +150,8 @@ def grid_of_meta(path: str) -> Grid:
     np = arrays.numpy("MetaImage")
     with open(path, "rb") as file:
         begin = file.read(1 << 12)
+    volume = read_by_library(path, "mha")  # refuses what is damaged
     head = zlib.decompressobj(31).decompress(begin) if begin[:2] == b"\x1f\x8b" else begin
-    volume = read_by_library(path, "mha")
     if b"Comment = " + GRID_MARK not in head or volume.array.dtype != np.uint8 or volume.array.max(initial=0) > 1 or (volume.direction != np.eye(3)).any():
         raise UnsupportedError(f"{path}: was not written of a Grid, so which values are inside is not said; bitvox.read_volume(path) gives a Volume, whose "
                                "threshold makes a Grid")
@@ -159,7 +164,9 @@ def array_of_npz(path: str) -> Any:
     try:
         with np.load(path) as held:
             found = {name: held[name] for name in held.files if held[name].ndim == 3}
-    except (ValueError, zipfile.BadZipFile) as why:
+    except (FileNotFoundError, MemoryError):
+        raise
+    except Exception as why:  # what numpy, zipfile and zlib raise of a damaged file has no common kind
         raise FormatError(f"{path}: numpy cannot read it: {why}") from why
     if len(found) != 1:
         names = f" ({', '.join(found)})" if found else ""
@@ -203,7 +210,9 @@ def _tiff(path: str) -> Volume:
                 if values.shape[i] == 1 and axes[i] not in "ZYX" and values.ndim > 3:
                     values, axes = values.squeeze(i), axes[:i] + axes[i + 1 :]
             steps = _tiff_steps(file)
-    except (tifffile.TiffFileError, ValueError, IndexError, struct.error) as why:
+    except (FileNotFoundError, MemoryError):
+        raise
+    except Exception as why:  # divisions by zero of a damaged file among it
         raise FormatError(f"{path}: tifffile cannot read it: {why}") from why
     if values.ndim == 2 and axes == ["Y", "X"]:
         values, axes = values[np.newaxis], ["Z", *axes]
