@@ -12,7 +12,7 @@ from typing import Any
 
 from .. import _arrays as arrays
 from .._bytes import read_bytes, write_bytes
-from .._errors import FormatError, UnsupportedError, need
+from .._errors import FormatError, UnsupportedError, need, reading
 from .._foreign import affine_of
 from .._grid import Grid
 from .._nrrd import unpacked
@@ -161,13 +161,8 @@ def grid_of_meta(path: str) -> Grid:
 def array_of_npz(path: str) -> Any:
     """The one array with three axes of a file of numpy's ``savez``."""
     np = arrays.numpy("npz")
-    try:
-        with np.load(path) as held:
-            found = {name: held[name] for name in held.files if held[name].ndim == 3}
-    except (FileNotFoundError, MemoryError):
-        raise
-    except Exception as why:  # what numpy, zipfile and zlib raise of a damaged file has no common kind
-        raise FormatError(f"{path}: numpy cannot read it: {why}") from why
+    with reading(path, "numpy"), np.load(path) as held:
+        found = {name: held[name] for name in held.files if held[name].ndim == 3}
     if len(found) != 1:
         names = f" ({', '.join(found)})" if found else ""
         raise UnsupportedError(f"{path} holds {len(found)} arrays with three axes{names}; give Volume(numpy.load(path)[name]) one of them")
@@ -202,18 +197,13 @@ def _tiff(path: str) -> Volume:
     """A stack of gray pictures, the first lowest in z, with the spacing that stands in the file (OME's, ImageJ's, or pixels by
     centimeter or inch, which become millimeters); rows run along y as they stand in the file."""
     np, tifffile = arrays.numpy("tiff"), need("tifffile", "medical")
-    try:
-        with tifffile.TiffFile(path) as file:
-            series = file.series[0]
-            axes, values = list(series.axes), series.asarray()
-            for i in reversed(range(values.ndim)):
-                if values.shape[i] == 1 and axes[i] not in "ZYX" and values.ndim > 3:
-                    values, axes = values.squeeze(i), axes[:i] + axes[i + 1 :]
-            steps = _tiff_steps(file)
-    except (FileNotFoundError, MemoryError):
-        raise
-    except Exception as why:  # divisions by zero of a damaged file among it
-        raise FormatError(f"{path}: tifffile cannot read it: {why}") from why
+    with reading(path, "tifffile"), tifffile.TiffFile(path) as file:
+        series = file.series[0]
+        axes, values = list(series.axes), series.asarray()
+        for i in reversed(range(values.ndim)):
+            if values.shape[i] == 1 and axes[i] not in "ZYX" and values.ndim > 3:
+                values, axes = values.squeeze(i), axes[:i] + axes[i + 1 :]
+        steps = _tiff_steps(file)
     if values.ndim == 2 and axes == ["Y", "X"]:
         values, axes = values[np.newaxis], ["Z", *axes]
     if values.ndim != 3 or axes[1:] != ["Y", "X"]:
