@@ -3,6 +3,7 @@
 import gzip
 import subprocess
 import sys
+import warnings
 import zipfile
 
 import numpy as np
@@ -163,6 +164,34 @@ def test_dicom_in_folders_of_folders(tmp_path):
         bitvox.read_volume(tmp_path)
     assert first in str(found.value) and second in str(found.value) and "without a description, 2 slices" in str(found.value)
     assert formats.read_dicom_volume(tmp_path, series=second).array.max() == 1
+
+
+@pytest.mark.parametrize("ending,module", [("npz", "numpy"), ("nii", "nibabel"), ("tif", "tifffile"), ("mha.gz", "SimpleITK"), ("dcm", "pydicom")])
+def test_damaged_files_of_other_libraries(ending, module, tmp_path):
+    """Whatever the library that reads them raises, it is an error of this package."""
+    pytest.importorskip(module)
+    path, samples = tmp_path / f"a.{ending}", np.arange(120, dtype=np.uint8).reshape(4, 5, 6)
+    if ending == "npz":
+        np.savez(path, samples)
+    elif ending == "tif":
+        pytest.importorskip("tifffile").imwrite(path, samples)
+    elif ending == "dcm":
+        formats.write_rtstruct(bitvox.slice_mesh(box_mesh((0, 0, 0), (5, 5, 5)), spacing=0.5), path)
+    else:
+        bitvox.Volume(samples).save(path)
+    whole, random, refused = path.read_bytes(), np.random.default_rng(7), 0
+    for _ in range(150):
+        data = bytearray(whole)
+        for at in random.integers(0, min(len(data), 700 if ending != "dcm" else 4000), 3):
+            data[at] = random.integers(0, 256)
+        path.write_bytes(data[: random.integers(1, len(data))] if random.random() < 0.2 else data)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            try:
+                (bitvox.read if ending in ("mha.gz", "dcm") else bitvox.read_volume)(path)
+            except (bitvox.Error, MemoryError):
+                refused += 1
+    assert refused > 20
 
 
 @pytest.mark.parametrize("name,data", [("a.nii", b"hello" * 200), ("a.nii.gz", b"hello" * 200), ("a.nii.gz", "cut")], ids=["none", "not packed", "cut"])

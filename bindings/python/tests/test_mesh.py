@@ -364,11 +364,33 @@ def test_lists_of_bodies():
             bitvox.boolean(*wrong)
 
 
+def test_lists_of_bodies_inside_one_another():
+    """What lies inside another body of a list is no cavity of it, whichever way it faces and whatever the rule."""
+    def box(x, y, side, inwards=False):
+        corners, faces = box_mesh((x - side, y - side, -side), (x + side, y + side, side))
+        return np.asarray(corners, float), np.asarray(faces)[:, :: -1 if inwards else 1]
+
+    def both(*boxes):
+        return bitvox.Mesh(np.concatenate([v for v, _ in boxes]), np.concatenate([f + 8 * i for i, (_, f) in enumerate(boxes)]))
+
+    first, large = box(6, 0, 1), box(0, 0, 1)
+    for bodies, want in (((first, large, box(0, 0, 0.5)), 16), ((first, large, box(0, 0, 0.5, True)), 16), ((first, box(0, 0, 0.5), large), 16),
+                         ((first, large, both(box(0, 0, 0.5), box(-6, 0, 1))), 24), ((first, both(large, box(0, 0, 0.5, True)), box(0, 0, 0.25)), 15.125)):
+        with warnings.catch_warnings():
+            warnings.filterwarnings("error", ".*hollow")
+            assert bitvox.boolean(list(bodies), "union", resolution=64).volume == pytest.approx(want, rel=0.005)
+    for fill, body in (("parity", box(1, 1, 1)), ("nonzero", box(1, 1, 1, True))):
+        assert bitvox.boolean([first, large, body], "union", resolution=64, fill=fill).volume == pytest.approx(22, rel=0.005)
+    assert bitvox.boolean([box(0, 0, 2), large, box(0, 0, 0.5)], "difference", resolution=64).volume == pytest.approx(56, rel=0.005)
+
+
 def test_words_of_other_libraries(knot):
     for call, hint in ((lambda: knot.simplify(ratio=0.1), r"round\(ratio \* mesh"), (lambda: bitvox.lod(knot, target_reduction=0.9), r"round\(\(1 - target_reduction\)"),
                        (lambda: bitvox.simplify(knot, face_count=10), "triangles="), (lambda: bitvox.lod(knot, triangles=0.1), r"round\(0.1 \* mesh"),
                        (lambda: bitvox.boolean(knot, knot, "subtract"), "'difference' is meant"), (lambda: knot.check(threads=-1), "0: all processors"),
-                       (lambda: bitvox.Volume(np.zeros((2, 2, 2))) > 0.5, "threshold"), (lambda: bitvox.Grid.from_numpy(np.ones((2, 2, 2))) | np.ones((2, 2, 2)), "from_numpy"),
+                       (lambda: bitvox.Volume(np.zeros((2, 2, 2))) > 0.5, "threshold"), (lambda: bitvox.Volume(np.zeros((2, 2, 2))) <= 0.5, "threshold"),
+                       (lambda: bitvox.repair(knot, triangles=0.1), r"round\(0.1 \* mesh"), (lambda: knot.check(memory_limit="1GB"), "bytes"),
+                       (lambda: bitvox.Volume(np.ones((2, 2, 2), int)).surfaces(triangles=0.1), r"round\(0.1 \* mesh"), (lambda: bitvox.Grid.from_numpy(np.ones((2, 2, 2))) | np.ones((2, 2, 2)), "from_numpy"),
                        (lambda: knot.transform(np.zeros((4, 4))), "last row is")):
         with pytest.raises((TypeError, bitvox.Error), match=hint):
             call()

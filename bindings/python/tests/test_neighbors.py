@@ -220,9 +220,14 @@ def test_data_of_points_stay_with_levels():
         assert set(level.point_data["part"]) == {0, 7} and (level.point_data["part"] == 7 * (level.points[:, 2] > 0)).mean() > 0.9
         assert (level.point_data["RGB"][:, :3] == [200, 10, 60]).all()
         assert np.allclose(np.linalg.norm(level.point_data["Normals"], axis=1), 1, atol=1e-5)
+    wall = mesh.bitvox.hollow(0.1, resolution=32)
+    assert np.abs(wall.point_data["Elevation"] - wall.points[:, 2]).max() < 0.15 and set(wall.point_data["part"]) == {0, 7}
     mesh.cell_data["face"] = np.arange(mesh.n_cells)
     with pytest.warns(UserWarning, match="cells are not kept: face"):
         mesh.bitvox.simplify(triangles=300)
+    with pytest.warns(UserWarning, match="points and cells are not kept: .*Elevation.*face") as said:
+        mesh.bitvox.boolean(mesh, "union", resolution=24)
+    assert said[0].filename == __file__
 
 
 def test_octrees_are_leaves_in_pyvista(tmp_path):

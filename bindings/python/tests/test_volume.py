@@ -423,6 +423,30 @@ def test_surfaces_as_blocks_of_pyvista():
     assert blocks["9"].field_data["value"].tolist() == [9] and blocks["9"].field_data["color"].tolist() == list(bodies.segments[9].color)
 
 
+def test_names_of_segments_stay(tmp_path):
+    named = {3: bitvox.Segment("left  lung", (255, 0, 128)), -3: bitvox.Segment("2")}
+    volume = bitvox.Volume(thirds(), direction=[[-1, 0, 0], [0, 0, 1], [0, 1, 0]], frame="lps")
+    volume.segments = dict(named)
+    tilted = volume.transform([[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1]])
+    assert volume.aligned().segments == tilted.segments == tilted.aligned(method="nearest").segments == named
+    volume.save(tmp_path / "named.nrrd")
+    assert bitvox.read_volume(tmp_path / "named.nrrd").segments == named | {3: bitvox.Segment("left lung", (255, 0, 128))}
+    for ending in ("mha", "vti"):
+        with pytest.warns(UserWarning, match="names and colors of labels; .nrrd does"):
+            volume.save(tmp_path / f"unnamed.{ending}")
+
+
+def test_files_of_numpy_by_slices(tmp_path):
+    zyx = np.arange(24).reshape(2, 3, 4)
+    np.save(tmp_path / "a.npy", zyx)
+    np.savez(tmp_path / "a.npz", zyx)
+    for name in ("a.npy", "a.npz"):
+        assert bitvox.read_volume(tmp_path / name, order="zyx", spacing=2) == bitvox.Volume(zyx, order="zyx", spacing=2)
+    bitvox.Volume(zyx).save(tmp_path / "a.nrrd")
+    with pytest.raises(bitvox.ArgumentError, match="order is for .npy and .npz"):
+        bitvox.read_volume(tmp_path / "a.nrrd", order="zyx")
+
+
 def test_a_label_cropped_to_its_box():
     volume = bitvox.Volume(thirds(), spacing=(1, 2, 0.5), corner=(10, 20, -30)).window((2, 1, 0, 22, 20, 18))
     for value in (5, 7, 9):
@@ -431,6 +455,9 @@ def test_a_label_cropped_to_its_box():
         assert part.shape == box.size and part.low == tuple(a + b for a, b in zip(box.low, volume.low)) and part.count == whole.count == box.voxels
         assert part.surface() == whole.surface()
     assert volume.label(77, crop=True).count == 0
+    flipped = bitvox.Volume(thirds(), direction=[[-1, 0, 0], [0, 0, 1], [0, 1, 0]])
+    part = flipped.label(7, crop=True)
+    assert part == flipped.label(7).crop() and part.report.inside == part.count
     assert bitvox.Volume(np.array([[[2**64 - 1, 2**53, 2**53 + 1]]], np.uint64)).label(2**53 + 1, crop=True).low == (0, 0, 2)
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
-from typing import Any
+from typing import Any, Iterator
 
 
 class Error(Exception):
@@ -292,3 +293,14 @@ def need(module: str, extra: str, package: str | None = None) -> Any:
     except ImportError as why:
         name = package or module.partition(".")[0]
         raise MissingExtraError(f"this needs {name}, which the extra bitvox[{extra}] brings: pip install {name} ({why})") from why
+
+
+@contextlib.contextmanager
+def reading(path: Any, library: str) -> Iterator[None]:
+    """What a library raises while it reads a file has no common kind: it becomes a FormatError."""
+    try:
+        yield
+    except (Error, FileNotFoundError, PermissionError, ImportError, MemoryError):
+        raise
+    except Exception as why:
+        raise FormatError(f"{path}: {library} cannot read it: {type(why).__name__}: {why}") from why

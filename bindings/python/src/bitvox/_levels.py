@@ -13,7 +13,7 @@ from ._mesh import Mesh, new_mesh, position_type
 from ._options import HullOptions, LodOptions, SimplifyOptions
 from ._records import record
 from ._run import FACE_RULES, REPAIR_SIGNS, Progress, Rise, Run, choice, ffi, in_range, known, lib, names_of, options_of, or_none, sharpness
-from ._stages import carried, grid_of, set_fit, set_parts, set_placing, surface, voxelize
+from ._stages import carried, count_in, grid_of, set_fit, set_parts, set_placing, surface, voxelize
 from ._words import FaceRule, Fill, Method
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ class _Targets:
             options.targets.error_kind = choice("error_kind", given["error_kind"], "BVX_ERROR_", ERROR_KINDS)
         self.array = None
         if triangles is not None:
-            wanted = [_count_in(n) for n in _listed(triangles, "triangles")]
+            wanted = [count_in(n, 1) for n in _listed(triangles, "triangles")]
             _falls(wanted, "triangles", rising=False)
             self.array = options.targets.triangles = ffi.new("uint64_t[]", wanted)
             self.count = len(wanted)
@@ -130,12 +130,6 @@ class _Targets:
             self.count = len(errors)
         else:
             self.count = _halvings(mesh.n_faces) if count is None else in_range("count", count, 1, 64)
-
-
-def _count_in(value: Any) -> int:
-    if isinstance(value, float) and 0.0 < value < 1.0:
-        raise ArgumentError(f"triangles is {value!r}; it must be a number of them: of a share, round({value!r} * mesh.n_faces)")
-    return in_range("triangles", value, 1, 2**64 - 1)
 
 
 def _halvings(triangles: int) -> int:

@@ -46,7 +46,7 @@ def _spelled(text: Any) -> str:
     return re.sub(rf"(?<!['\"])\b({'|'.join(_AMERICAN)})", lambda found: _AMERICAN[found[1]], words)
 
 
-def _depth_of_caller() -> int:
+def depth_of_caller() -> int:
     """How many frames above the function that asks the first one outside this package stands, as stacklevel counts."""
     depth = 1
     while sys._getframe(depth).f_globals.get("__name__", "").split(".")[0] == "bitvox" and sys._getframe(depth).f_back:
@@ -235,7 +235,7 @@ class Run:
         wanted = given.threads if threads is None else threads
         options.threads = in_range("threads (0: all processors)", wanted, 0, 1024) or _default_threads()
         limit = given.memory_limit if memory_limit is None else memory_limit
-        self.memory_limit = options.memory_limit = in_range("memory_limit", limit, 0, 2**64 - 1)
+        self.memory_limit = options.memory_limit = in_range("memory_limit (bytes)", limit, 0, 2**64 - 1)
         self.handle = ffi.new_handle(self)
         options.progress.call = lib.bvxpy_progress
         options.progress.user = self.handle
@@ -294,7 +294,7 @@ class Run:
             box = (tuple(found.low), tuple(found.high)) if found.placed else None
             code = ffi.string(found.name).decode()
             text = f"{_spelled(found.text)} [{code}]"
-            warnings.warn(ResultWarning(text, code, tuple(found.value[0:found.value_count]), box), stacklevel=_depth_of_caller())
+            warnings.warn(ResultWarning(text, code, tuple(found.value[0:found.value_count]), box), stacklevel=depth_of_caller())
 
     def check(self, status: int) -> None:
         """Raise what a status other than 0 stands for."""

@@ -18,7 +18,7 @@ from ._mesh import Mesh, new_mesh, used_bounds, with_positions
 from ._options import BooleanOptions, RepairOptions, VoxelizeOptions
 from ._records import record
 from ._run import (FACE_RULES, FILLS, REPAIR_SIGNS, SIDES, Progress, Rise, Run, choice, ffi, function, in_range, known, lib, names_of, options_of,
-                   or_none, sharpness)
+                   or_none, quiet, sharpness)
 from ._words import Array, BooleanFill, ErrorKind, FaceRule, Fill, Mode, Operation, RepairSign
 
 if TYPE_CHECKING:
@@ -838,7 +838,14 @@ def level_target(triangles: Any, error: Any, error_kind: ErrorKind | None) -> di
         return {"error": error, "error_kind": error_kind}
     if error_kind is not None:
         raise ArgumentError("error_kind is taken together with error")
-    return {"triangles": triangles} if triangles is not None and in_range("triangles", triangles, 0, 2**64 - 1) else {}
+    return {"triangles": triangles} if triangles is not None and count_in(triangles, 0) else {}
+
+
+def count_in(triangles: Any, least: int) -> int:
+    """Triangles that are wanted."""
+    if isinstance(triangles, float) and 0.0 < triangles < 1.0:
+        raise ArgumentError(f"triangles is {triangles!r}; it must be a number of them: of a share, round({triangles!r} * mesh.n_faces)")
+    return in_range("triangles", triangles, least, 2**64 - 1)
 
 
 def collapsed(made: Mesh, targets: dict[str, Any], limits: dict[str, Any]) -> Mesh:
@@ -912,7 +919,12 @@ def boolean(
     """
     known(boolean, BooleanOptions, advanced)
     if operation is None:
-        a, b, operation = _listed_bodies(a, b)
+        (a, *others, b), operation = _steps(a, b, fill)
+        placed: dict[str, Any] = {name: value for name, value in advanced.items() if name in ("interpolation", "thin", "face_rule", "dtype")}
+        with quiet():
+            for other in others:
+                a = boolean(a, other, operation, resolution=resolution, lattice=lattice, fill=fill, sharp=sharp, threads=threads,
+                            memory_limit=memory_limit, **placed)
     options = options_of("boolean_options")
     set_fit(options, resolution, lattice)
     number = choice("operation", operation, "BVX_BOOLEAN_", OPERATIONS)
@@ -934,17 +946,37 @@ def boolean(
     return made
 
 
-def _listed_bodies(bodies: Any, operation: Any) -> tuple[Any, Any, Any]:
-    """boolean([a, b, c], operation) as a, what the others are together, and the operation."""
+def _steps(bodies: Any, operation: Any, fill: str) -> tuple[list[Mesh], Any]:
+    """boolean([a, b, c], operation) as a and what it meets one after the other, and the operation. Closed bodies go together: their rule takes
+    what crosses for one solid, but what lies inside another body for its cavity."""
     if not isinstance(operation, str) or not isinstance(bodies, (list, tuple)) or len(bodies) < 2:
         raise TypeError("boolean takes two meshes and an operation, or a list of two and more and an operation")
     meshes = [Mesh.of(body) for body in bodies]
     if len(meshes) > 2 and operation not in ("union", "difference"):
         raise ArgumentError(f"{operation} of {len(meshes)} meshes: take two at a time; union and difference take several")
     np = arrays.numpy("boolean of a list")
-    first = np.cumsum([0, *(mesh.n_vertices for mesh in meshes[1:])])
-    faces = np.concatenate([np.asarray(mesh.faces, np.int64) + k for mesh, k in zip(meshes[1:], first)])
-    return meshes[0], Mesh(np.concatenate([mesh.in_world() for mesh in meshes[1:]]), faces), operation
+    groups: list[list[tuple[Mesh, Certificate]]] = []
+    for mesh in meshes[1:]:
+        found = mesh.check(weld=True)
+        alone = fill != "auto" or not found.closed
+        group = next((group for group in groups if not alone and not any(_may_nest(found, other) for _, other in group)), None)
+        if group is None:
+            groups.append([(mesh, found)])
+        else:
+            group.append((mesh, found))
+    steps = [meshes[0]]
+    for group in groups:
+        first = np.cumsum([0, *(mesh.n_vertices for mesh, _ in group)])
+        faces = np.concatenate([np.asarray(mesh.faces, np.int64) + k for (mesh, _), k in zip(group, first)])
+        steps.append(Mesh(np.concatenate([mesh.in_world() for mesh, _ in group]), faces))
+    return steps, operation
+
+
+def _may_nest(a: Certificate, b: Certificate) -> bool:
+    """Whether a part of one may lie inside the other, by their boxes; next to what is open everything may."""
+    apart = any(a.high[k] < b.low[k] or b.high[k] < a.low[k] for k in range(3))
+    held = (all(p.low[k] >= q.low[k] and p.high[k] <= q.high[k] for k in range(3)) for p, q in ((a, b), (b, a)))
+    return not (a.closed and b.closed) or not apart and (a.components > 1 or b.components > 1 or any(held))
 
 
 def content_hash(data: Any, seed: int = 0) -> int:

@@ -250,7 +250,12 @@ class Volume:
         steps = full[:3, :3] @ (self.direction * np.asarray(self.spacing))
         spacing = np.sqrt((steps**2).sum(axis=0))
         center0 = arrays.moved_by(full, [self.center0])[0]
-        return Volume(self._array, spacing=spacing.tolist(), center0=center0.tolist(), direction=steps / spacing, frame=self.frame)
+        return self._named(Volume(self._array, spacing=spacing.tolist(), center0=center0.tolist(), direction=steps / spacing, frame=self.frame))
+
+    def _named(self, other: Volume) -> Volume:
+        """Another one of the same labels."""
+        other.segments = dict(self.segments)
+        return other
 
     def turned(self, frame: Frame) -> Volume:
         """The same samples in the world of another ``frame``, "lps" or "ras": x and y change their sign. No copy.
@@ -301,9 +306,8 @@ class Volume:
             flips = [float(plain[a, axes[a]]) < 0 for a in range(3)]
             array = self._array.transpose(axes)[tuple(slice(None, None, -1) if f else slice(None) for f in flips)]
             first = [0 if not f else n - 1 for f, n in zip((flips[int(a)] for a in order), self.shape)]
-            return Volume(array, spacing=[self.spacing[a] for a in axes], center0=self._world(first), frame=self.frame)
-        made: Volume = call("resampled", self, spacing, method, outside)
-        return made
+            return self._named(Volume(array, spacing=[self.spacing[a] for a in axes], center0=self._world(first), frame=self.frame))
+        return self._named(call("resampled", self, spacing, method, outside))
 
     @property
     def lattice(self) -> Lattice:
@@ -381,6 +385,12 @@ class Volume:
         raise TypeError("a volume is compared by volume.threshold(low, high), which gives a Grid, or as volume.array, which gives an array")
 
     def __ge__(self, other: Any) -> Any:
+        return self > other
+
+    def __lt__(self, other: Any) -> Any:
+        return self > other
+
+    def __le__(self, other: Any) -> Any:
         return self > other
 
     def __reduce__(self) -> Any:
@@ -504,10 +514,10 @@ class Volume:
         (1, (1, 1, 1))
         """
         value = in_range("value", value, -(2**63), 2**64 - 1)
-        if crop:
-            box = next((one for one in self.labels(threads=threads, memory_limit=memory_limit) if one.value == value), None)
-            return (self.window((box.low, box.size)) if box else self).label(value, threads=threads, memory_limit=memory_limit, progress=progress)
-        return self.threshold(value, value, threads=threads, memory_limit=memory_limit, progress=progress)
+        grid = self.threshold(value, value, threads=threads, memory_limit=memory_limit, progress=progress)
+        if crop and grid:
+            grid, grid.report = grid.crop(), self.report
+        return grid
 
     def labels(self, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> list[Label]:
         """The values other than 0 of integer samples, ascending, each with its voxels and their box in the window.
@@ -757,8 +767,8 @@ def _data_files(run: Run, held: Any, path: str) -> bytes | None:
 
 
 def read_volume(path: str | os.PathLike[str] | BinaryIO, *, format: str | None = None, shape: Sequence[int] | None = None, dtype: Any = None,
-                spacing: Any = None, corner: Sequence[float] | None = None, offset: int = 0, frame: Frame | None = None, threads: int | None = None,
-                memory_limit: int | None = None, progress: Progress = None) -> Volume:
+                spacing: Any = None, corner: Sequence[float] | None = None, offset: int = 0, order: Order = "xyz", frame: Frame | None = None,
+                threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Volume:
     """Read a volume's samples from a file.
 
     Parameters
@@ -775,6 +785,8 @@ def read_volume(path: str | os.PathLike[str] | BinaryIO, *, format: str | None =
         before the first.
     spacing, corner
         the lattice of files that have none (.raw, .npy, .npz) [world].
+    order
+        of .npy and .npz: "zyx" for an array[z, y, x].
     frame
         the world to come out in, "lps" or "ras", by turning x and y. None, the default of all formats: the numbers that stand in
         the file; ``volume.frame`` says which world that is (NIfTI "ras"; DICOM, MetaImage "lps"; NRRD what it says).
@@ -795,16 +807,18 @@ def read_volume(path: str | os.PathLike[str] | BinaryIO, *, format: str | None =
         data, kind = bytes_of_open(path, format)
         if kind in _OF_SEVERAL_FILES:
             raise UnsupportedError(f".{kind} has its samples in another file, so an open one is not enough: give its name")
-        return by_file(data, kind, lambda name: read_volume(name, shape=shape, dtype=dtype, spacing=spacing, corner=corner, offset=offset, frame=frame,
-                                                            threads=threads, memory_limit=memory_limit, progress=progress))
+        return by_file(data, kind, lambda name: read_volume(name, shape=shape, dtype=dtype, spacing=spacing, corner=corner, offset=offset, order=order,
+                                                            frame=frame, threads=threads, memory_limit=memory_limit, progress=progress))
     path = os.fsdecode(path)
     kind = "dcm" if format is None and os.path.isdir(path) else format_of(path, format)
+    if order != "xyz" and kind not in ("npy", "npz"):
+        raise ArgumentError(f"order is for .npy and .npz: {path} says its own")
     if kind in ("nii", "dcm"):
         if any(option is not None for option in (shape, dtype, spacing, corner)) or offset:
             raise ArgumentError(f"{path}: the file says shape, dtype, spacing and corner itself")
         return _in_frame(call("read_nifti_volume" if kind == "nii" else "read_dicom_volume", path), frame, path)
     if kind == "npz" and shape is None and dtype is None and not offset:
-        return Volume(call("array_of_npz", path), spacing=1.0 if spacing is None else spacing, corner=corner)
+        return Volume(call("array_of_npz", path), order=order, spacing=1.0 if spacing is None else spacing, corner=corner)
     if kind in BY_LIBRARIES:
         if any(option is not None for option in (shape, dtype, spacing, corner)) or offset:
             raise ArgumentError(f"{path}: the file says shape, dtype, spacing and corner itself")
@@ -855,6 +869,8 @@ def read_volume(path: str | os.PathLike[str] | BinaryIO, *, format: str | None =
         raise ArgumentError(f"{path}: the file says its lattice itself")
     lattice = Lattice._of(view.lattice) if spacing is None and corner is None else Lattice(size, 1.0 if spacing is None else spacing,
                                                                                         corner or (0.0, 0.0, 0.0))
+    if order != "xyz":
+        return Volume(array, order=order, spacing=1.0 if spacing is None else spacing, corner=corner)
     made = Volume(array, lattice=lattice, frame=_frame_told(data) if kind in ("nrrd", "nhdr") else None)
     made.segments = segments_of(data) if kind in ("nrrd", "nhdr") else {}
     return _in_frame(made, frame, path)

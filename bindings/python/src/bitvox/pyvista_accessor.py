@@ -19,6 +19,7 @@ from ._grid import Grid
 from ._inputs import COLOR_NAMES
 from ._mesh import Mesh
 from ._octree import refine
+from ._run import depth_of_caller
 from ._sections import Sections, slice_mesh
 from ._volume import Volume
 from ._words import Operation
@@ -40,8 +41,7 @@ class MeshAccessor:
         found = [mesh.to_pyvista() for mesh in made]
         data = {name: np.asarray(values) for name, values in self._dataset.point_data.items() if values.dtype.kind in "fiub"}
         color = next((name for name in COLOR_NAMES if name in data), "colors")
-        if self._dataset.cell_data:
-            warnings.warn(f"data of cells are not kept: {', '.join(self._dataset.cell_data)}", stacklevel=3)
+        self._warn_of(self._dataset.cell_data, "cells")
         if not data or not source.n_faces:
             return found
         nearest = _stages.Closest(source)
@@ -61,6 +61,11 @@ class MeshAccessor:
                     between /= np.maximum(np.linalg.norm(between, axis=1, keepdims=True), 1e-30)
                 one.point_data[name] = between.astype(values.dtype)
         return found
+
+    @staticmethod
+    def _warn_of(data: Any, where: str) -> None:
+        if lost := [name for name in data if name != "Normals"]:
+            warnings.warn(f"data of {where} are not kept: {', '.join(lost)}", stacklevel=depth_of_caller())
 
     def lod(self, **options: Any) -> list[Any]:
         """Levels of detail as PolyData with the data of the dataset's points; options as for `bitvox.lod`."""
@@ -89,11 +94,13 @@ class MeshAccessor:
 
     def boolean(self, other: Any, operation: Operation, **options: Any) -> Any:
         """A closed PolyData of this mesh and ``other``, anything that `bitvox.boolean` takes; ``operation`` and options as there."""
+        self._warn_of(self._dataset.array_names, "points and cells")
         return _stages.boolean(self._dataset, other, operation, **options).to_pyvista()
 
     def hollow(self, thickness: float, *, resolution: Any = 128, **options: Any) -> Any:
-        """A closed PolyData of a wall of ``thickness``: the mesh's voxels at a ``resolution``, hollow; options as for `bitvox.Grid.hollow`."""
-        return _stages.voxelize(self._dataset, resolution=resolution, padding=1).hollow(thickness, **options).surface().to_pyvista()
+        """A closed PolyData of a wall of ``thickness`` with the data of the dataset's points: the mesh's voxels at a ``resolution``, hollow; options
+        as for `bitvox.Grid.hollow`."""
+        return self._with_data([_stages.voxelize(self._dataset, resolution=resolution, padding=1).hollow(thickness, **options).surface()])[0]
 
     def sections(self, **options: Any) -> Any:
         """PolyData of closed lines, the cell data "section" and "label" their planes and bodies; options as for `bitvox.slice_mesh`."""

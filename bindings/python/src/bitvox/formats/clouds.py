@@ -6,7 +6,7 @@ import os
 from typing import Any
 
 from .. import _arrays as arrays
-from .._errors import EmptyError, FormatError, need
+from .._errors import EmptyError, need, reading
 
 
 def read_cloud(path: str, kind: str) -> Any:
@@ -19,10 +19,8 @@ def read_cloud(path: str, kind: str) -> Any:
         raise FileNotFoundError(path)
     take, library, package = {"pcd": (_pcd, "pypcd4", None), "las": (_las, "laspy", None), "laz": (_las, "laspy", "laspy[lazrs]"), "e57": (_e57, "pye57", None)}[kind]
     found = need(library, "points", package)
-    try:
+    with reading(path, library):
         points = np.asarray(take(found, path, np), np.float64)
-    except Exception as why:  # what these libraries raise has no common kind
-        raise FormatError(f"{path}: {library} cannot read it: {type(why).__name__}: {why}") from why
     points = points[np.isfinite(points).all(axis=1)]
     if not len(points):
         raise EmptyError(f"{path} has no points")

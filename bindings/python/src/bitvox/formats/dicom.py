@@ -9,7 +9,7 @@ from typing import Any, Sequence
 
 from .. import _arrays as arrays
 from .._bytes import read_bytes
-from .._errors import EmptyError, FormatError, UnsupportedError, need
+from .._errors import EmptyError, FormatError, UnsupportedError, need, reading
 from .._grid import Grid
 from .._sections import Loop, Sections, stacked
 from .._volume import Volume
@@ -70,15 +70,22 @@ def read_dicom_volume(source: Any, *, series: str | None = None) -> Volume:
     --------
     >>> bitvox.formats.read_dicom_volume('folder')  # doctest: +SKIP
     """
-    np, pydicom = arrays.numpy("DICOM"), need("pydicom", "medical")
-    slices = []
+    pydicom, slices = need("pydicom", "medical"), []
     for path in _files(source):
-        try:
-            one = pydicom.dcmread(path)
-        except pydicom.errors.InvalidDicomError:
-            continue
-        if "PixelData" in one and (series is None or one.SeriesInstanceUID == series):
-            slices += _frames(one) if "PerFrameFunctionalGroupsSequence" in one else [one] if "ImagePositionPatient" in one else []
+        with reading(path, "pydicom"):
+            try:
+                one = pydicom.dcmread(path)
+            except pydicom.errors.InvalidDicomError:
+                continue
+            if "PixelData" in one and (series is None or one.SeriesInstanceUID == series):
+                slices += _frames(one) if "PerFrameFunctionalGroupsSequence" in one else [one] if "ImagePositionPatient" in one else []
+    with reading(source, "pydicom"):
+        return _stacked(slices)
+
+
+def _stacked(slices: list[Any]) -> Volume:
+    """A volume of slices in any order."""
+    np = arrays.numpy("DICOM")
     if not slices:
         raise EmptyError("no DICOM slice with a position is here")
     found: dict[str, list[Any]] = {}
@@ -162,10 +169,8 @@ def _placed(values: Any, axes: Sequence[tuple[Any, float]], center: Any) -> Volu
 def is_picture(path: str | os.PathLike[str]) -> bool:
     """Whether a DICOM file holds a picture, not contours."""
     pydicom = need("pydicom", "medical")
-    try:
+    with reading(path, "pydicom"):
         return "Rows" in pydicom.dcmread(io.BytesIO(read_bytes(path)), stop_before_pixels=True)
-    except pydicom.errors.InvalidDicomError as why:
-        raise FormatError(f"{os.fspath(path)}: {why}") from why
 
 
 def read_rtstruct(path: str | os.PathLike[str], *, names: Sequence[str] | None = None, tolerance: float = 0.01) -> Sections:
@@ -201,11 +206,14 @@ def read_rtstruct(path: str | os.PathLike[str], *, names: Sequence[str] | None =
     >>> bitvox.formats.read_rtstruct('r.dcm').labels
     ['1']
     """
-    np, pydicom = arrays.numpy("DICOM"), need("pydicom", "medical")
-    try:
-        data = pydicom.dcmread(io.BytesIO(read_bytes(path)))  # .gz too
-    except pydicom.errors.InvalidDicomError as why:
-        raise FormatError(f"{os.fspath(path)}: {why}") from why
+    pydicom = need("pydicom", "medical")
+    with reading(path, "pydicom"):
+        return _structures(pydicom.dcmread(io.BytesIO(read_bytes(path))), path, names, tolerance)  # .gz too
+
+
+def _structures(data: Any, path: Any, names: Sequence[str] | None, tolerance: float) -> Sections:
+    """The loops of a dataset."""
+    np = arrays.numpy("DICOM")
     if "ROIContourSequence" not in data or "StructureSetROISequence" not in data:
         raise FormatError(f"{os.fspath(path)} is not an RTSTRUCT: it has no contours")
     called = {int(roi.ROINumber): str(roi.ROIName) for roi in data.StructureSetROISequence}

@@ -9,7 +9,7 @@ from typing import Any, Mapping, Sequence
 
 from .. import _arrays as arrays
 from .._bytes import write_bytes
-from .._errors import ArgumentError, EmptyError, FormatError, need
+from .._errors import ArgumentError, EmptyError, FormatError, need, reading
 from .._foreign import affine_of, placed_by
 from .._grid import Grid
 from .._sections import Sections
@@ -179,10 +179,8 @@ def read_segmentation(path: str | os.PathLike[str]) -> dict[str, Volume]:
     if name.lower().endswith(".nrrd"):
         return _segments_of_nrrd(name)
     np, hd, pydicom = arrays.numpy("DICOM"), need("highdicom", "medical"), need("pydicom", "medical")
-    try:
+    with reading(name, "pydicom"):
         found = pydicom.dcmread(name)
-    except pydicom.errors.InvalidDicomError as why:
-        raise FormatError(f"{name}: {why}") from why
     if found.SOPClassUID != _SEGMENTATION:
         raise FormatError(f"{name} is not a segmentation: it is {pydicom.uid.UID(found.SOPClassUID).name}")
     try:

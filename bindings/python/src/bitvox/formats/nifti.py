@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import os
-import zlib
 from typing import Any
 
 from .. import _arrays as arrays
-from .._errors import FormatError, UnsupportedError, need
+from .._errors import UnsupportedError, need, reading
 from .._foreign import placed_by
 from .._grid import Grid
 from .._volume import Volume
@@ -39,13 +38,9 @@ def read_nifti_volume(path: str | os.PathLike[str], *, index: int | None = None)
     'ras'
     """
     np, nibabel = arrays.numpy("NIfTI"), need("nibabel", "medical")
-    try:
+    with reading(path, "nibabel"):
         image = nibabel.as_closest_canonical(nibabel.load(os.fspath(path)))
         values = np.asanyarray(image.dataobj)
-    except FileNotFoundError:
-        raise
-    except (nibabel.filebasedimages.ImageFileError, nibabel.spatialimages.HeaderDataError, OSError, EOFError, ValueError, zlib.error) as why:
-        raise FormatError(f"{os.fspath(path)}: nibabel cannot read it: {why}") from why
     affine = np.asarray(image.affine, float)
     turn = affine[:3, :3]
     spacing = np.diag(turn).copy()

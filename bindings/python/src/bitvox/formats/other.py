@@ -7,7 +7,7 @@ import io
 import os
 from typing import Any
 
-from .._errors import EmptyError, FormatError, UnsupportedError, need
+from .._errors import EmptyError, UnsupportedError, need, reading
 from .._mesh import Mesh
 from .._volume import BY_LIBRARIES
 from .amf import read_amf
@@ -60,17 +60,13 @@ def read_other(path: str, kind: str) -> Any:
     trimesh = need("trimesh", "formats")
     if not os.path.isfile(path):
         raise FileNotFoundError(path)
-    try:
+    with reading(path, "trimesh"):
         if path.lower().endswith(".gz"):
             with gzip.open(path) as file:
                 scene = trimesh.load(io.BytesIO(file.read()), file_type=kind)
         else:
             scene = trimesh.load(path, file_type=kind)
         mesh = scene.to_mesh() if hasattr(scene, "to_mesh") else scene
-    except ImportError:
-        raise
-    except Exception as why:  # what trimesh and its parsers raise has no common kind
-        raise FormatError(f"{path}: trimesh cannot read it: {type(why).__name__}: {why}") from why
     if not hasattr(mesh, "faces") or not len(mesh.faces):
         raise EmptyError(f"{path} has no triangles")
     return Mesh.of(mesh)

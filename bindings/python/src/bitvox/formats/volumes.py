@@ -5,18 +5,18 @@ from __future__ import annotations
 import gzip
 import os
 import re
-import struct
 import tempfile
-import zipfile
+import warnings
 import zlib
 from typing import Any
 
 from .. import _arrays as arrays
 from .._bytes import read_bytes, write_bytes
-from .._errors import FormatError, UnsupportedError, need
+from .._errors import FormatError, UnsupportedError, need, reading
 from .._foreign import affine_of
 from .._grid import Grid
 from .._nrrd import unpacked
+from .._run import depth_of_caller
 from .._volume import Volume
 from .nifti import GRID_MARK
 
@@ -37,6 +37,8 @@ def volume_bytes(volume: Volume, kind: str, of_grid: bool = False) -> bytes:
     where the frame is not said they are written as they are.
     """
     np = arrays.numpy("volumes")
+    if volume.segments and kind in ("nii", "mha", "vti"):
+        warnings.warn(f".{kind} does not keep names and colors of labels; .nrrd does", stacklevel=depth_of_caller())
     if kind == "nii":
         return _nifti(volume if volume.frame is None else volume.turned("ras"), of_grid)
     if kind == "mha" and volume.frame is not None:
@@ -61,6 +63,9 @@ def volume_bytes(volume: Volume, kind: str, of_grid: bool = False) -> bytes:
     lines = ["NRRD0005", f"type: {_NRRD_TYPES[code]}", "dimension: 3", *space, f"sizes: {_words(volume.shape)}",
              f"space directions: {vectors}", "kinds: domain domain domain", "endian: little", "encoding: gzip",
              "space origin: (" + ",".join(map(_number, volume.center0)) + ")"]
+    for i, (value, one) in enumerate(volume.segments.items()):  # as 3D Slicer has them
+        lines += [f"Segment{i}_ID:=Segment_{value}", f"Segment{i}_LabelValue:={value}", f"Segment{i}_Name:={' '.join(one.name.split())}"]
+        lines += [f"Segment{i}_Color:={_words(part / 255 for part in one.color)}"] if one.color else []
     return ("\n".join(lines) + "\n\n").encode() + gzip.compress(packed.tobytes(), 6, mtime=0)
 
 
@@ -145,8 +150,8 @@ def grid_of_meta(path: str) -> Grid:
     np = arrays.numpy("MetaImage")
     with open(path, "rb") as file:
         begin = file.read(1 << 12)
+    volume = read_by_library(path, "mha")  # refuses what is damaged
     head = zlib.decompressobj(31).decompress(begin) if begin[:2] == b"\x1f\x8b" else begin
-    volume = read_by_library(path, "mha")
     if b"Comment = " + GRID_MARK not in head or volume.array.dtype != np.uint8 or volume.array.max(initial=0) > 1 or (volume.direction != np.eye(3)).any():
         raise UnsupportedError(f"{path}: was not written of a Grid, so which values are inside is not said; bitvox.read_volume(path) gives a Volume, whose "
                                "threshold makes a Grid")
@@ -156,11 +161,8 @@ def grid_of_meta(path: str) -> Grid:
 def array_of_npz(path: str) -> Any:
     """The one array with three axes of a file of numpy's ``savez``."""
     np = arrays.numpy("npz")
-    try:
-        with np.load(path) as held:
-            found = {name: held[name] for name in held.files if held[name].ndim == 3}
-    except (ValueError, zipfile.BadZipFile) as why:
-        raise FormatError(f"{path}: numpy cannot read it: {why}") from why
+    with reading(path, "numpy"), np.load(path) as held:
+        found = {name: held[name] for name in held.files if held[name].ndim == 3}
     if len(found) != 1:
         names = f" ({', '.join(found)})" if found else ""
         raise UnsupportedError(f"{path} holds {len(found)} arrays with three axes{names}; give Volume(numpy.load(path)[name]) one of them")
@@ -195,16 +197,13 @@ def _tiff(path: str) -> Volume:
     """A stack of gray pictures, the first lowest in z, with the spacing that stands in the file (OME's, ImageJ's, or pixels by
     centimeter or inch, which become millimeters); rows run along y as they stand in the file."""
     np, tifffile = arrays.numpy("tiff"), need("tifffile", "medical")
-    try:
-        with tifffile.TiffFile(path) as file:
-            series = file.series[0]
-            axes, values = list(series.axes), series.asarray()
-            for i in reversed(range(values.ndim)):
-                if values.shape[i] == 1 and axes[i] not in "ZYX" and values.ndim > 3:
-                    values, axes = values.squeeze(i), axes[:i] + axes[i + 1 :]
-            steps = _tiff_steps(file)
-    except (tifffile.TiffFileError, ValueError, IndexError, struct.error) as why:
-        raise FormatError(f"{path}: tifffile cannot read it: {why}") from why
+    with reading(path, "tifffile"), tifffile.TiffFile(path) as file:
+        series = file.series[0]
+        axes, values = list(series.axes), series.asarray()
+        for i in reversed(range(values.ndim)):
+            if values.shape[i] == 1 and axes[i] not in "ZYX" and values.ndim > 3:
+                values, axes = values.squeeze(i), axes[:i] + axes[i + 1 :]
+        steps = _tiff_steps(file)
     if values.ndim == 2 and axes == ["Y", "X"]:
         values, axes = values[np.newaxis], ["Z", *axes]
     if values.ndim != 3 or axes[1:] != ["Y", "X"]:
