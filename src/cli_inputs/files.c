@@ -480,7 +480,7 @@ int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh)
         return cli_fail(run,
                         "%s: the name does not end in a mesh format that can be read (" CLI_MESHES_READ
                         ", also with .gz)%s",
-                        path, cli_way_to_read(path));
+                        path, cli_way_around(path, 0));
     return read_mesh_file(run, path, format, mesh, NULL);
 }
 
