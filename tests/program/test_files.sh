@@ -254,6 +254,13 @@ works 'distances to OpenVDB' voxelize "$knot" -o d.vdb --resolution 40 --mode fi
 refuses 1 "also with .gz); OpenVDB's vdb_tool makes .ply of it" info k.vdb
 refuses 1 'take NPY, NRRD, VTI or, of distances, VDB' voxelize "$knot" -o v.vdb --resolution 40 --mode field --vectors
 
+# ---- OBJ: materials are not read, which is told where a mesh is written ----
+
+printf 'usemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >red.obj
+warns 'red.obj: not read: materials [BVX_WARN_READ]' convert red.obj -o red.glb
+silent=$("$program" info red.obj 2>&1 >out)
+holds 'info has none of it' test -z "$silent"
+
 # ---- glTF: text with its bytes in a file beside it, and what no mesh holds ----
 
 mkdir -p scene
