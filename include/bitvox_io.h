@@ -90,14 +90,16 @@ typedef void bvx_close_fn(void *user, bvx_file_bytes *file);
 typedef int32_t bvx_inflate_fn(void *user, const void *packed, uint64_t packed_size, void *plain, uint64_t plain_size);
 
 /** What a file holds that its mesh does not: skins with their joints and weights, morph targets, animations,
- *  points and lines, images whose file was not found, attributes beyond those of bvx_mesh. Bits. */
+ *  points and lines, images whose file was not found, attributes beyond those of bvx_mesh,
+ *  materials of OBJ. Bits. */
 #define BVX_LOST_LIST(X) \
     X(BVX_LOST_SKINS, 1, "skins") \
     X(BVX_LOST_MORPHS, 2, "morphs") \
     X(BVX_LOST_ANIMATIONS, 4, "animations") \
     X(BVX_LOST_POINTS, 8, "points") \
     X(BVX_LOST_IMAGES, 16, "images") \
-    X(BVX_LOST_ATTRIBUTES, 32, "attributes")
+    X(BVX_LOST_ATTRIBUTES, 32, "attributes") \
+    X(BVX_LOST_MATERIALS, 64, "materials")
 enum { BVX_LOST_LIST(BVX_LIST_ENUM) };
 
 typedef struct bvx_read_report {

@@ -71,7 +71,7 @@ enum {
 static const cli_rule boolean_rules[] = {
     {.unless = CLI_TO_MESH | CLI_TO_GRID,
      .message = "%f: the name does not end in a format that can be written (" CLI_MESHES_WRITTEN
-                ", " CLI_GRIDS_WRITTEN ")"},
+                ", " CLI_GRIDS_WRITTEN ")%a"},
     {.when = HAS_GRID,
      .given = "--resolution --spacing",
      .message = "%o is for two meshes; a grid brings its own lattice"},

@@ -37,8 +37,9 @@ static int check_convert_options(cli_run *run, int *kind, cli_tree *t)
     if (format == BVX_FORMAT_PNG)
         return cli_usage(run, "%s would be a picture: 'bitvox render' makes them", o->output);
     if (to == 0)
-        return cli_usage(run, "%s: the name does not end in a format that can be written (%s)", o->output,
-                         *kind == CLI_MESH ? CLI_MESHES_WRITTEN : CLI_GRIDS_WRITTEN ", .vtu of octrees");
+        return cli_usage(run, "%s: the name does not end in a format that can be written (%s)%s", o->output,
+                         *kind == CLI_MESH ? CLI_MESHES_WRITTEN : CLI_GRIDS_WRITTEN ", .vtu of octrees",
+                         cli_way_around(o->output, 1));
     if (to == CLI_TREE && cli_input_format(run, o->input[0]) != BVX_FORMAT_BVX)
         return cli_usage(run,
                          "%s is not an octree, and %s would be its leaves: 'bitvox refine' makes octrees",

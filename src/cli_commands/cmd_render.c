@@ -260,11 +260,11 @@ static void tell_render(const cli_run *run, const void *work, cli_made *made)
     cli_text *const t = &made->members;
     tell_compared(&job->scene, made);
     cli_text_add(t, ", \"pictures\": {\"path\": ");
-    cli_json_string(t, run->options->output);
+    cli_json_string(t, cli_output_name(run, run->options->output));
     cli_text_add(t, ", \"count\": 1, \"width\": %" PRId32 ", \"height\": %" PRId32 "}", image->width,
                  image->height);
-    cli_tell(made, "%s: %" PRId32 " x %" PRId32 " pixels\n", run->options->output, image->width,
-             image->height);
+    cli_tell(made, "%s: %" PRId32 " x %" PRId32 " pixels\n", cli_output_name(run, run->options->output),
+             image->width, image->height);
 }
 
 /* ---- what is requested ---- */

@@ -413,9 +413,13 @@ static void warn_of_losses(cli_run *run, const char *path, uint32_t lost)
                  {BVX_LOST_ANIMATIONS, "animations"},
                  {BVX_LOST_POINTS, "points and lines"},
                  {BVX_LOST_IMAGES, "images whose file is not there"},
-                 {BVX_LOST_ATTRIBUTES, "further attributes of vertices"}};
+                 {BVX_LOST_ATTRIBUTES, "further attributes of vertices"},
+                 {BVX_LOST_MATERIALS, "materials"}};
     char text[160] = "";
     size_t n = 0;
+
+    /* Most files name some, and only a mesh could have them. */
+    if (!CLI_HOLDS(run, CLI_TO_MESH)) lost &= ~(uint32_t)BVX_LOST_MATERIALS;
 
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
         if ((lost & known[i].bit) != 0)
@@ -480,7 +484,7 @@ int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh)
         return cli_fail(run,
                         "%s: the name does not end in a mesh format that can be read (" CLI_MESHES_READ
                         ", also with .gz)%s",
-                        path, cli_way_to_read(path));
+                        path, cli_way_around(path, 0));
     return read_mesh_file(run, path, format, mesh, NULL);
 }
 

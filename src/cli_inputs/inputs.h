@@ -24,8 +24,8 @@ int32_t cli_turn_of(const cli_run *run);
 int32_t cli_input_format(const cli_run *run, const char *path);
 /* What an input would be by its name; refuses what is not read. */
 int cli_input_kind(cli_run *run, const char *path, int *kind);
-/* What makes a file of this name one that is read, as the end of a message; "" where nothing is known. */
-const char *cli_way_to_read(const char *path);
+/* What makes a file of this name one that is read, or one of it, as the end of a message; "" where nothing is known. */
+const char *cli_way_around(const char *path, int written);
 /* 1 for formats that hold samples. */
 int cli_may_be_volume(int32_t format);
 /* How many options choose voxels of a volume by their samples; they exclude each other. */

@@ -94,13 +94,20 @@ int32_t cli_turn_of(const cli_run *run)
     return from == CLI_UP_Y && to == CLI_UP_Z ? BVX_TURN_Y_TO_Z : BVX_TURN_NONE;
 }
 
-const char *cli_way_to_read(const char *path)
+const char *cli_way_around(const char *path, int written)
 {
     static const struct {
-        const char *endings, *way;
-    } known[] = {{".fbx .dae .blend .3ds .usd .usdz .usdc .x3d .abc ", "; Blender makes .glb of it"},
-                 {".step .stp .iges .igs .brep .fcstd .sldprt ", "; FreeCAD and Gmsh make .stl of it"},
-                 {".amf .vtp .dxf .dcm .nii .mha ", "; the Python package reads it"}};
+        const char *endings, *way[2]; /* from a file of these, and to one */
+    } known[] = {{".fbx .dae .blend .3ds .usd .usdz .usdc .x3d .abc ",
+                  {"; Blender makes .glb of it", "; Blender makes it of .glb"}},
+                 {".step .stp .iges .igs .brep .fcstd ",
+                  {"; FreeCAD and Gmsh make .stl of it", "; FreeCAD makes it of .stl"}},
+                 {".gltf ", {"", "; .glb is the same in one file"}},
+                 {".vdb ", {"; OpenVDB's vdb_tool makes .ply of it", ""}},
+                 {".schematic ", {"; FileToVox makes .vox of it", "; ObjToSchematic makes it of .obj"}},
+                 {".schem .litematic ", {"", "; ObjToSchematic makes it of .obj"}},
+                 {".amf .dxf .dcm ", {"; the Python package reads it", ""}},
+                 {".vtp .nii .mha ", {"; the Python package reads it", "; the Python package writes it"}}};
     const char *const dot = strrchr(path, '.');
     char ending[16] = "";
 
@@ -108,7 +115,7 @@ const char *cli_way_to_read(const char *path)
         ending[i] = (char)(dot[i] >= 'A' && dot[i] <= 'Z' ? dot[i] + ('a' - 'A') : dot[i]);
     if (ending[0] != 0) ending[strlen(ending)] = ' ';
     for (size_t i = 0; ending[0] != 0 && i < sizeof known / sizeof known[0]; i++)
-        if (strstr(known[i].endings, ending) != NULL) return known[i].way;
+        if (strstr(known[i].endings, ending) != NULL) return known[i].way[written];
     return "";
 }
 
@@ -123,7 +130,7 @@ int cli_input_kind(cli_run *run, const char *path, int *kind)
                          " " CLI_GRIDS ")");
     return cli_fail(
         run, "%s: the name does not end in a mesh or grid format that can be read (" INPUT_ENDINGS ")%s",
-        path, cli_way_to_read(path));
+        path, cli_way_around(path, 0));
 }
 
 int cli_may_be_volume(int32_t format)

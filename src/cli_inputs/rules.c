@@ -39,18 +39,18 @@ const cli_rule cli_reduction_rules[] = {
 
 const cli_rule cli_to_mesh_rules[] = {
     {.unless = CLI_TO_MESH,
-     .message = "%f: the name does not end in a mesh format that can be written (" CLI_MESHES_WRITTEN ")"},
+     .message = "%f: the name does not end in a mesh format that can be written (" CLI_MESHES_WRITTEN ")%a"},
     {0}};
 
 const cli_rule cli_to_grid_rules[] = {
     {.unless = CLI_TO_GRID,
-     .message = "%f: the name does not end in a grid format that can be written (" CLI_GRIDS_WRITTEN ")"},
+     .message = "%f: the name does not end in a grid format that can be written (" CLI_GRIDS_WRITTEN ")%a"},
     {0}};
 
 const cli_rule cli_to_voxels_rules[] = {
     {.unless = CLI_TO_GRID | CLI_TO_MESH,
      .message = "%f: the name ends neither in a grid format that can be written (" CLI_GRIDS_WRITTEN
-                ") nor in a mesh format (" CLI_MESHES_WRITTEN ")"},
+                ") nor in a mesh format (" CLI_MESHES_WRITTEN ")%a"},
     {.when = CLI_TO_GRID, .given = "--sharp --no-sharp", .message = "%o is for a mesh; the result is a grid"},
     {.also = cli_reduction_rules},
     {.also = cli_sharp_rules},
@@ -128,6 +128,7 @@ static int refuse_by(cli_run *run, const char *message, const char *option, cons
                                 : p[1] == 'b' ? beside
                                 : p[1] == 'i' ? cli_input_name(run->options->input[0])
                                 : p[1] == 'f' ? run->options->output
+                                : p[1] == 'a' ? cli_way_around(run->options->output, 1)
                                 : p[1] == 'w' ? word
                                               : NULL;
 

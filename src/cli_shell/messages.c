@@ -14,6 +14,24 @@ static void tame(char *text)
         if ((unsigned char)*p < 32 || *p == 127) *p = '?';
 }
 
+const char *cli_output_name(const cli_run *run, const char *path)
+{
+    return cli_is_standard_output(run, path) ? "standard output" : path;
+}
+
+int cli_is_standard_output(const cli_run *run, const char *path)
+{
+    return run->standard_name[0] != 0 && strcmp(path, run->standard_name) == 0;
+}
+
+/* What is written to standard output is called that, without the ending that its format goes by. */
+static void name_standard(const cli_run *run, char *text)
+{
+    char *const at = run->standard_name[0] != 0 ? strstr(text, run->standard_name) : NULL;
+    const char *const end = at != NULL ? at + strlen(run->standard_name) : NULL;
+    if (at != NULL) memmove(at + strcspn(at, "."), end, strlen(end) + 1);
+}
+
 /* "IN: " in front of a message about one of several inputs that does not name it itself, else "". */
 static void name_input(const cli_run *run, const char *message, char *prefix, size_t room)
 {
@@ -34,6 +52,7 @@ static int tell_error(cli_run *run, int status, const char *code, const char *me
     cli_lock();
     snprintf(r->error_code, sizeof r->error_code, "%s", code);
     snprintf(r->error_message, sizeof r->error_message, "%s", message);
+    name_standard(run, r->error_message);
     tame(r->error_message);
     cli_watch_decide(status);
     cli_unlock();
@@ -136,6 +155,7 @@ static void keep_warning(cli_run *run, const cli_warning *warning, char *text)
 {
     cli_report *const r = &run->report;
     cli_warning w = *warning;
+    name_standard(run, text);
     tame(text);
     w.text = malloc(strlen(text) + 1);
     if (w.text == NULL || r->warnings == CLI_MAX_WARNINGS) {

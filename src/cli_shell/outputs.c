@@ -246,16 +246,6 @@ static const char *same_file(const cli_run *run, const cli_output *o)
     return NULL;
 }
 
-const char *cli_output_name(const cli_run *run, const char *path)
-{
-    return cli_is_standard_output(run, path) ? "standard output" : path;
-}
-
-int cli_is_standard_output(const cli_run *run, const char *path)
-{
-    return run->standard_name[0] != 0 && strcmp(path, run->standard_name) == 0;
-}
-
 int cli_open_output(cli_run *run, const char *path)
 {
     cli_output *const o = &run->output[run->outputs];
@@ -280,9 +270,12 @@ int cli_open_output(cli_run *run, const char *path)
     cli_unlock();
     if (same != NULL) return cli_fail(run, "%s and %s are one file", same, path);
     if (!good) return cli_fail(run, "%s: cannot be written: %s", path, strerror(error));
-    if (run->standard_name[0] != 0 && run->outputs > 1)
-        return cli_usage(run, "-o - is for one output; %s would be another",
-                         strcmp(path, run->standard_name) != 0 ? path : run->output[0].path);
+    if (run->standard_name[0] != 0 && run->outputs > 1) {
+        const char *other = cli_is_standard_output(run, path) ? run->output[0].path : path;
+        /* A side-car of what has no name itself. */
+        if (strncmp(other, run->standard_name, strlen(run->standard_name)) == 0) other += strcspn(other, ".");
+        return cli_usage(run, "-o - is for one output; %s would be another", other);
+    }
     if (o->kind != CLI_OUT_STANDARD || cli_is_standard_output(run, path)) return CLI_DONE;
     if (run->general->json)
         return cli_usage(run, "%s is standard output, where --json writes its report", path);
@@ -340,9 +333,8 @@ static int write_bytes(cli_run *run, cli_output *o, const bvx_buffer *buffer)
 
     /* -o - is the only output, so nothing of another one is half done; a file that leads there may be one
      * of several. */
-    int const is_dash = cli_is_standard_output(run, o->path);
-    if (is_dash) cli_end_without_reader();
-    return cli_fail(run, "%s: cannot be written: %s", is_dash ? "standard output" : o->path, strerror(error));
+    if (cli_is_standard_output(run, o->path)) cli_end_without_reader();
+    return cli_fail(run, "%s: cannot be written: %s", o->path, strerror(error));
 }
 
 int cli_write_output(cli_run *run, int number, const bvx_buffer *buffer)

@@ -46,10 +46,10 @@ static void report_distance(cli_text *t, const bvx_distance_report *d)
     cli_text_add(t, "}");
 }
 
-static void report_mesh(cli_text *t, const cli_mesh_entry *m)
+static void report_mesh(const cli_run *run, cli_text *t, const cli_mesh_entry *m)
 {
     cli_text_add(t, "{\"path\": ");
-    cli_json_string(t, m->path);
+    cli_json_string(t, cli_output_name(run, m->path));
     if (m->lod != NULL || m->level != NULL) cli_json_count(t, "level", (uint64_t)m->number);
     report_certificate(t, &m->certificate);
     cli_json_truth(t, "colours", m->colours);
@@ -151,7 +151,7 @@ void cli_report_text(const cli_run *run, int status, int brief, cli_text *t)
     cli_text_add(t, "], \"meshes\": [");
     for (int i = 0; i < r->meshes && !brief; i++) {
         cli_text_add(t, "%s", i == 0 ? "" : ", ");
-        report_mesh(t, &r->mesh[i]);
+        report_mesh(run, t, &r->mesh[i]);
     }
     cli_text_add(t, "], \"warnings\": [");
     for (int i = 0; i < r->warnings; i++) {

@@ -123,6 +123,10 @@ void cli_report_text(const cli_run *run, int status, int brief, cli_text *text);
 int cli_report_print(cli_run *run, int status);
 
 /* ---- messages.c: what is said to people ---- */
+/* 1 for the name that stands for standard output. */
+int cli_is_standard_output(const cli_run *run, const char *path);
+/* The path as lines name it. */
+const char *cli_output_name(const cli_run *run, const char *path);
 
 /* Leave the function at the first step that fails; what it holds is the command's to free. */
 #define CLI_TRY(step)                                  \
@@ -200,10 +204,6 @@ int cli_write_output(cli_run *run, int number, const bvx_buffer *file);
 void cli_forget_output(cli_run *run, int number);
 /* Give all outputs their names, or none of them. */
 int cli_keep_outputs(cli_run *run);
-/* 1 for the name that stands for standard output. */
-int cli_is_standard_output(const cli_run *run, const char *path);
-/* The path as lines name it. */
-const char *cli_output_name(const cli_run *run, const char *path);
 /* Remove what was not kept. */
 void cli_drop_outputs(cli_run *run);
 /* The part of it that an interrupt does, with the lock held. */

@@ -278,16 +278,16 @@ static const char *const warning_texts[BVX_WARN_COUNT] = {
         "dropped, since what is thinner than a voxel broke: %d small part%s that the input does not have{; "
         "a resolution of %d may keep it}",
     [BVX_WARN_LEVEL_PARTS] =
-        "{level %d: }%d piece%s, but %d before edges collapsed{; so it is for %d more levels}",
+        "{level %d: }%d piece%s, but %d before edges collapsed{; so it is for %d more level%s}",
     [BVX_WARN_LEVEL_VOLUME] =
         "{level %d: }a volume of %g, but %g before edges collapsed (%p); more triangles keep it nearer{; so "
-        "it is for %d more levels}",
+        "it is for %d more level%s}",
     [BVX_WARN_TARGET] =
         "{level %d: }the target of %d triangles is missed: %d are the fewest that collapsing edges leaves "
-        "sound{ with %d handle%s}; take a larger target{; %d more levels miss theirs}",
+        "sound{ with %d handle%s}; take a larger target{; %d more level%s missed theirs}",
     [BVX_WARN_ERROR] =
-        "{level %d: }no mesh with the target error of %g was found; take a larger one{; %d more levels miss "
-        "theirs}",
+        "{level %d: }no mesh with the target error of %g was found; take a larger one{; %d more level%s "
+        "missed theirs}",
     [BVX_WARN_CUT] =
         "cut: %d edge%s of three triangles and more, or whose triangles cannot agree, the first from %b; "
         "levels of the solid join what they part",

@@ -14,7 +14,7 @@
 /* ---- readers: arguments are checked, mesh is all zero and freed by the caller on failure ---- */
 
 bvx_status bvxi_read_stl(bvxi_source *source, bvx_mesh *mesh);
-bvx_status bvxi_read_obj(bvxi_source *source, bvx_mesh *mesh);
+bvx_status bvxi_read_obj(bvxi_source *source, uint32_t *lost, bvx_mesh *mesh);
 bvx_status bvxi_read_ply(bvxi_source *source, bvx_mesh *mesh);
 bvx_status bvxi_read_off(bvxi_source *source, bvx_mesh *mesh);
 /* GLB and glTF text, known by their first bytes; *lost gets bits of BVX_LOST_.... */

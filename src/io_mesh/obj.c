@@ -46,7 +46,10 @@ static void obj_count_piece(void *user, int32_t index)
             piece->triangles += corners < 3 ? 0 : corners - 2; /* fewer are refused later, with their line */
             piece->polygons += corners > 3;
             break;
-        default: p = obj_next_line(f, p); break;
+        default:
+            piece->painted |= f->end - p > 6 && memcmp(p, "usemtl", 6) == 0;
+            p = obj_next_line(f, p);
+            break;
         }
     }
 }
@@ -95,6 +98,7 @@ static bvx_status obj_count(obj_file *file)
     /* Counts become first indices: what comes before each piece. */
     for (int32_t i = 0; i < f->piece_count; i++) {
         obj_piece *const piece = &f->pieces[i];
+        f->painted |= piece->painted;
         f->vertices = obj_count_before(&piece->vertices, f->vertices);
         f->uvs = obj_count_before(&piece->uvs, f->uvs);
         f->triangles = obj_count_before(&piece->triangles, f->triangles);
@@ -120,7 +124,7 @@ static bvx_status obj_count(obj_file *file)
  * Behind three coordinates stand nothing, a weight, three colours, or a weight and three colours. Texture
  * coordinates are looked up when the first corner of the file has one, and dropped when another has none.
  * Normals must be numbers but are not looked up. Every statement but v, vt and f is left out: nothing that a
- * file names (mtllib, call, csh) is opened. A backslash before a line's end continues v, vt and f. In other
+ * file names (mtllib, call, csh) is opened, and materials (usemtl) are reported as lost. A backslash before a line's end continues v, vt and f. In other
  * lines it is ignored, as comments and file names end in backslashes too, and what follows is no v, vt or f.
  * Memory: the mesh, 12 bytes a coloured vertex, 8 bytes a polygon. Cost: O(bytes). */
 
@@ -469,7 +473,7 @@ static bvx_status obj_read(obj_file *f)
     return bvxi_cut_fans(f->source, f->mesh, f->fans, f->polygons);
 }
 
-bvx_status bvxi_read_obj(bvxi_source *source, bvx_mesh *mesh)
+bvx_status bvxi_read_obj(bvxi_source *source, uint32_t *lost, bvx_mesh *mesh)
 {
     obj_file f = {0};
 
@@ -482,7 +486,9 @@ bvx_status bvxi_read_obj(bvxi_source *source, bvx_mesh *mesh)
                          bvxi_find_byte(source->begin, source->end, '\r') != source->end
                      ? '\r'
                      : '\n';
-    return obj_read(&f);
+    BVXI_TRY(obj_read(&f));
+    *lost = f.painted ? BVX_LOST_MATERIALS : 0;
+    return BVX_OK;
 }
 
 /* ---- Written ---- */

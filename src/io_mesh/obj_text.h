@@ -16,6 +16,7 @@ typedef struct obj_piece {
     bvx_status status;
     int32_t pale;    /* 1: a vertex has no colour */
     int32_t bare;    /* 1: a corner has no texture coordinate */
+    int32_t painted; /* 1: a statement names a material */
     int32_t differs; /* 1: a corner's vertex and texture coordinate have different numbers */
 } obj_piece;
 
@@ -24,7 +25,7 @@ typedef struct obj_file {
     const char *end;
     char line_end; /* newline, or carriage return in files that have no newline */
     obj_piece *pieces;
-    int32_t piece_count;
+    int32_t piece_count, painted;
     uint64_t vertices, uvs, triangles, polygons;
     bvx_mesh *mesh;
     float *colours; /* red, green, blue as they stand in the file; NULL when they are not wanted */

@@ -35,7 +35,7 @@ static bvx_status read_mesh_as(bvxi_source *source, int32_t format, const bvx_re
     bvxi_source_pass(source, 0, 1);
     switch (format) {
     case BVX_FORMAT_STL: return bvxi_read_stl(source, mesh);
-    case BVX_FORMAT_OBJ: return bvxi_read_obj(source, mesh);
+    case BVX_FORMAT_OBJ: return bvxi_read_obj(source, lost, mesh);
     case BVX_FORMAT_PLY: return bvxi_read_ply(source, mesh);
     case BVX_FORMAT_OFF: return bvxi_read_off(source, mesh);
     case BVX_FORMAT_3MF: return bvxi_read_3mf(source, options, lost, mesh);

@@ -251,8 +251,15 @@ refuses 1 'no directory of a zip file' info cut.3mf
 
 works 'voxels to OpenVDB' voxelize "$knot" -o k.vdb --resolution 150
 works 'distances to OpenVDB' voxelize "$knot" -o d.vdb --resolution 40 --mode field
-refuses 1 'does not end in a mesh or grid format that can be read' info k.vdb
+refuses 1 "also with .gz); OpenVDB's vdb_tool makes .ply of it" info k.vdb
 refuses 1 'take NPY, NRRD, VTI or, of distances, VDB' voxelize "$knot" -o v.vdb --resolution 40 --mode field --vectors
+
+# ---- OBJ: materials are not read, which is told where a mesh is written ----
+
+printf 'usemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >red.obj
+warns 'red.obj: not read: materials [BVX_WARN_READ]' convert red.obj -o red.glb
+silent=$("$program" info red.obj 2>&1 >out)
+holds 'info has none of it' test -z "$silent"
 
 # ---- glTF: text with its bytes in a file beside it, and what no mesh holds ----
 
@@ -280,7 +287,9 @@ gltf '"buffers": [{"byteLength": 36, "uri": "../scene/three corners.bin"}]'
 refuses 1 'there is no file' convert scene/t.gltf -o u.off
 gltf '"extensionsRequired": ["KHR_draco_mesh_compression"]'
 refuses 1 'compressed by KHR_draco_mesh_compression' convert scene/t.gltf -o u.off
-refuses 2 'does not end in a format that can be written' convert "$knot" -o knot.gltf
+refuses 2 '.3mf); .glb is the same in one file' convert "$knot" -o knot.gltf
+refuses 2 '.3mf); Blender makes it of .glb' repair "$knot" -o knot.fbx
+refuses 2 '.3mf); ObjToSchematic makes it of .obj' voxelize "$knot" -o knot.schem
 rm -rf scene
 
 counts

@@ -79,11 +79,18 @@ run repair none.ply -o - --json
 holds 'and so it is after a failure' sh -c "grep -q '^{\"status\": \"failed\"' err && ! test -s out"
 
 refuses 2 'only .glb holds several' lod "$knot" -o -
-refuses 2 'one output; standard output.npy.json would be another' voxelize "$knot" -o - --format npy
+refuses 2 'one output; .npy.json would be another' voxelize "$knot" -o - --format npy
 refuses 2 'fields are written as' voxelize "$knot" -o - --format off --mode field
 refuses 2 'a picture format' render "$knot" -o - --format ply
 refuses 2 '--format is for standard input and output' convert "$knot" -o x.ply --format ply
 refuses 1 'none.ply' repair none.ply -o -
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n' >uv.obj
+run convert uv.obj -o - --format stl
+holds 'a warning of standard output by its name' grep -q '^bitvox: warning: standard output: texture' err
+run render "$knot" -o - --size 16x16
+holds 'a picture on standard output by its name' grep -q '^standard output: 16 x 16 pixels' err
+run repair uv.obj -o - --json --resolution 16
+holds 'and in --json' grep -q '"path": "standard output",' err
 refuses 2 'did you mean -o?' repair "$knot" --output x.ply
 run repair "$knot" -o - --format obj --resolution 16
 holds 'standard output by its name' sh -c "grep -q -e '-> standard output\$' err"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # make_pictures.sh [check] - docs/pictures: what each command makes of overlaps, holes, thin walls and crumbs, a body through
-# contours on crossing planes, two slanted vessels, each section apart and joined by shifting, a wall with what it encloses, and the
-# labelled cells of a ball.
+# contours on crossing planes, two slanted vessels, each section apart and joined by shifting, a wall with what it encloses, the
+# labelled cells of a ball, and what warnings are about.
 # With check nothing is written: the pictures must be those that the program draws now, and small.
 # BITVOX is the program [build/bitvox]. Runs in the repository's root, works in a folder of its own.
 set -eu
@@ -106,8 +106,80 @@ quiet labels cells.npy -o smooth.glb
 quiet render stairs.glb smooth.glb -o raw.png --size 140x134 --from 3,2.2,2
 python3 "$root/tests/tools/pack_png.py" raw.png labels.png
 
+# Warnings: a mesh, what became of it, and that the warning was there.
+python3 - "$root/tests/tools" <<'P'
+import sys
+from math import cos, sin
+
+sys.path.insert(0, sys.argv[1])
+from made_meshes import *
+
+
+def whole(keep=lambda i, j: True):
+    return ball(Mesh(), (0, 0, 0), 1, 16, keep=keep)
+
+
+plates = box(box(Mesh(), (-20, -15, -1), (20, 15, 1)), (-20, -1, -10), (20, 1, 10))
+box(plates, (-1, -15, -10), (1, 15, 10)).write('plates.off')
+ball(whole(), (2.1, 0, 0), 1, 16).write('apart.off')
+n = 24
+grid = [(x / n, y / n, 0.2 * sin(5 * x / n) * cos(4 * y / n)) for x in range(n + 1) for y in range(n + 1)]
+first = [x * (n + 1) + y for x in range(n) for y in range(n)]
+Mesh().add(grid, [t for a in first for t in ([a, a + n + 1, a + n + 2], [a, a + n + 2, a + 1])]).write('sheet.off')
+whole(lambda i, j: i > 5).write('bowl.off')
+balls = Mesh()
+for i in range(3):
+    ball(balls, (1.1 * i, 0.7 * (i % 2), 0), 0.8, 8)
+balls.write('balls.off')
+room = box(Mesh(), (0, 0, 0), (3, 4, 2), True)
+room.faces = [f for f in room.faces if any(room.points[i][1] != 0 for i in f)]
+room.write('room.off')
+ball(whole(), (0, 0, 0), 0.6, 16).write('nested.off')
+ball(whole(lambda i, j: not (7 <= i < 9 and 24 <= j < 26)), (1.7, 0, 0), 1, 16).write('leaking.off')
+flip(whole(lambda i, j: (i * 7 + j) % 37 != 0), range(0, 900, 61)).write('torn.off')
+P
+warning() { # BVX_WARN_..., COMMAND ...
+    code=$1
+    shift
+    "$bitvox" "$@" --threads 1 >said 2>&1
+    grep -q "\[BVX_WARN_$code\]" said || { cat said && echo "no BVX_WARN_$code: $*" && exit 1; }
+}
+pair() { # NAME, BEFORE, AFTER, OPTIONS ...
+    name=$1
+    shift
+    quiet render "$@" -o raw.png --size 120x100
+    python3 "$root/tests/tools/pack_png.py" raw.png "warn_$name.png"
+}
+warning THIN_LOST voxelize acute.off -o thin.bvx --resolution 16
+pair thin acute.off thin.bvx
+warning THICKER repair plates.off -o thicker.ply --resolution 16
+pair thicker plates.off thicker.ply
+warning JOINED repair apart.off -o one.ply --resolution 20
+pair joined apart.off one.ply
+warning SHELLS repair sheet.off -o shell.ply --resolution 24
+pair shells sheet.off shell.ply
+warning LIDS repair bowl.off -o lid.ply --resolution 48
+pair lids bowl.off lid.ply
+warning LEVEL_VOLUME lod balls.off -o level_%d.ply --triangles 40 --samples 0
+pair level balls.off level_0.ply
+warning TURNED repair room.off -o block.ply --resolution 32
+pair turned room.off block.ply
+warning ROWS voxelize torn.off -o rows.bvx --resolution 40 --fill parity
+pair rows torn.off rows.bvx
+warning NESTED voxelize nested.off -o hollow.bvx --resolution 48
+quiet voxelize nested.off -o solid.bvx --resolution 48 --fill nonzero
+pair nested hollow.bvx solid.bvx --cut y=0
+warning LEAKS voxelize leaking.off -o leaked.bvx --resolution 48 --fill flood
+quiet voxelize leaking.off -o voted.bvx --resolution 48 --fill vote
+pair leaks leaked.bvx voted.bvx --cut y=0
+quiet voxelize torn.off -o near.bvx --resolution 24 --padding 1
+warning ENDS morph dilate near.bvx -o ends.bvx --steps 5
+pair ends near.bvx ends.bvx
+
+warnings=$(printf 'warn_%s ' thin thicker joined shells lids level turned rows nested leaks ends)
+
 bad=0
-for picture in input voxelize boolean repair lod simplify sweep join bodies labels; do
+for picture in input voxelize boolean repair lod simplify sweep join bodies labels $warnings; do
     if [ "$(wc -c <$picture.png)" -gt $most ]; then
         echo "$picture.png has $(wc -c <$picture.png) bytes, more than $most"
         bad=1

@@ -298,6 +298,25 @@ static void test_read_obj_texture_coordinates(void)
 
 /* A concave polygon: triangles of its own sense and area in all, texture coordinates go with their
  * corners. */
+static void test_read_obj_tells_of_materials(void)
+{
+    static const char *const none[] = {"", "mtllib a.mtl\n", "# usemtl a\n", "g usemtl\n"};
+    bvx_read_report report;
+    bvx_read_options const options = {.struct_size = sizeof options, .report = &report};
+    bvx_mesh m = {0};
+    char text[256];
+
+    for (size_t i = 0; i < sizeof none / sizeof none[0]; i++) {
+        int const n = snprintf(text, sizeof text, "%s" SQUARE "f 1 2 3 4\n", none[i]);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, text, (uint64_t)n, OBJ, &options, &m));
+        TEST_ASSERT_EQUAL_UINT32(0, report.lost);
+    }
+    int const n = snprintf(text, sizeof text, SQUARE "f 1 2 3\n \tusemtl red\nf 1 3 4\n");
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, text, (uint64_t)n, OBJ, &options, &m));
+    TEST_ASSERT_EQUAL_UINT32(BVX_LOST_MATERIALS, report.lost);
+    bvx_mesh_free(ctx, &m);
+}
+
 static void test_read_obj_concave_polygon(void)
 {
     /* a U of area 10 */
@@ -444,6 +463,7 @@ int main(void)
     RUN_TEST(test_read_obj_in_pieces);
     RUN_TEST(test_read_obj_colours);
     RUN_TEST(test_read_obj_texture_coordinates);
+    RUN_TEST(test_read_obj_tells_of_materials);
     RUN_TEST(test_read_obj_concave_polygon);
     RUN_TEST(test_read_obj_refuses);
     RUN_TEST(test_read_obj_every_number);
