@@ -28,6 +28,7 @@ export MSAN_OPTIONS=exit_code=1:allocator_may_return_null=1 # its own exit code,
 export TSAN_OPTIONS=ignore_noninstrumented_modules=1:allocator_may_return_null=1
 export CMOCKA_MESSAGE_OUTPUT=TAP
 # Threads that spin at the end of a step take the processor from the tests beside them: half of the time of some.
+export OMP_WAIT_POLICY=passive
 
 mk() { "$MAKE_COMMAND" --no-print-directory -k -j "$jobs" "$@"; }
 
