@@ -111,6 +111,44 @@ static bvx_status two_blocks(void *user, bvx_context *ctx)
     return status;
 }
 
+enum { ROUNDS = 100 };
+
+/* A round for each of many times, with a step of its own before and after; runs: how often this was begun. */
+static bvx_status go_round(void *user, bvx_context *ctx)
+{
+    void *a, *b;
+    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, 10, "a block", &a);
+
+    ++*(int *)user;
+    if (status != BVX_OK) return status;
+    for (int i = 0; i < ROUNDS && status == BVX_OK; i++) {
+        status = bvxi_progress(ctx, "stage", i / (double)ROUNDS);
+        if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, 20, "a block", &b);
+        if (status == BVX_OK) bvxi_free(ctx, b, 20);
+    }
+    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, 30, "a block", &b);
+    if (status == BVX_OK) bvxi_free(ctx, b, 30);
+    bvxi_free(ctx, a, 10);
+    return status;
+}
+
+/* Of a hundred times at one place the 1st, 2nd, 4th ... 64th and last fail. */
+static void test_the_loops_tell_places_apart(void **state)
+{
+    int const all = getenv("BITVOX_LARGE") != NULL, brief = getenv("BVX_QUICK") != NULL;
+    uint64_t n = 0;
+    int runs = 0;
+
+    (void)state;
+    assert_null(fault_every_allocation(go_round, &runs, NULL, &n));
+    assert_int_equal(n, ROUNDS + 2);
+    if (!brief) assert_in_range(runs, all ? 3 * n : 2 + 8 + 2, all ? 5 * n : 3 * (2 + 8 + 2));
+    runs = 0;
+    assert_null(fault_every_cancel(go_round, &runs, NULL, &n));
+    assert_int_equal(n, ROUNDS);
+    if (!brief) assert_in_range(runs, all ? n : 8 + 2, all ? 3 * n : 3 * (8 + 2));
+}
+
 static void test_the_loops_visit_every_place(void **state)
 {
     uint64_t n = 99;
@@ -148,6 +186,7 @@ int main(void)
         cmocka_unit_test(test_free_sees_a_block_freed_twice),
         cmocka_unit_test(test_free_sees_writes_outside_the_block),
         cmocka_unit_test(test_the_loops_visit_every_place),
+        cmocka_unit_test(test_the_loops_tell_places_apart),
         cmocka_unit_test(test_the_loop_over_allocations_sees_what_is_wrong),
         cmocka_unit_test(test_the_loop_over_cancels_sees_what_is_wrong),
     };

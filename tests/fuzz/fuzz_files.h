@@ -249,6 +249,18 @@ static int fuzz_write_seeds(const char *folder, const char *format, const fuzz_f
     return 0;
 }
 
+/* Was this file tried already? Damage may leave a file as it was. */
+static int fuzz_is_again(const fuzz_file *work, int format)
+{
+    static uint64_t seen[1 << 16];
+    uint64_t const hash = bvx_hash(work->bytes, work->size, (uint64_t)format + 1);
+    uint64_t *const place = &seen[hash >> 48];
+
+    if (*place == hash) return 1;
+    *place = hash;
+    return 0;
+}
+
 int main(int argc, char **argv)
 {
     static fuzz_file seeds[FUZZ_SEEDS], work;
@@ -276,9 +288,9 @@ int main(int argc, char **argv)
         work = seeds[i % (unsigned long)count];
         for (size_t n = 1 + fuzz_below(4); n > 0 && work.size > 0; n--)
             work.size = fuzz_damage(work.bytes, work.size);
-        read += (unsigned long)fuzz_read_twice(
-            ctx, work.bytes, work.size,
-            fuzz_below(50) == 0 ? (int)fuzz_below((size_t)target->format_count) : work.format);
+        if (fuzz_below(50) == 0) work.format = (int)fuzz_below((size_t)target->format_count);
+        if (fuzz_is_again(&work, work.format)) continue;
+        read += (unsigned long)fuzz_read_twice(ctx, work.bytes, work.size, work.format);
     }
     fuzz_end(ctx);
     printf("fuzz: %lu files, %lu of them read, 0 failures\n", inputs, read);

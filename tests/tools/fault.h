@@ -1,6 +1,7 @@
 /* fault.h - an allocator that fails where it is told to and watches what comes back, and loops over every
- * place where a call can fail. For tests of any framework: a check returns NULL when all is well, else what
- * was wrong in a line.
+ * place where a call can fail. A place is a chain of calls: it fails the 1st, 2nd, 4th, 8th ... and the last
+ * time that it is reached, with BITVOX_LARGE each time. For tests of any framework: a check returns NULL when
+ * all is well, else what was wrong in a line.
  *
  *   static bvx_status fill(void *user, bvx_context *ctx) { ... call, free the results, return the call's
  *   status ... }
@@ -18,7 +19,60 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Machines whose compilers write down how to unwind each function. */
+#if defined(__GNUC__) && (defined(__x86_64__) || defined(__i386__) || defined(__s390x__)) && !defined(_WIN32)
+#include <unwind.h>
+#define FAULT_CHAINS 1
+#endif
+
 enum { FAULT_GUARD = 64, FAULT_FRESH = 0xCD, FAULT_GUARD_BYTE = 0xA5, FAULT_STALE = 0xDD };
+
+/* ---- Places ---- */
+
+/* The places of a run in the order in which they were reached, each by a hash of its chain of calls. */
+typedef struct fault_places {
+    uint64_t *chain;
+    uint64_t count;
+} fault_places;
+
+#ifdef FAULT_CHAINS
+static inline _Unwind_Reason_Code fault_frame(struct _Unwind_Context *frame, void *hash)
+{
+    *(uint64_t *)hash = (*(uint64_t *)hash ^ (uint64_t)_Unwind_GetIP(frame)) * 0x100000001B3u;
+    return _URC_NO_REASON;
+}
+#endif
+
+/* Without chains each time is a place of its own. */
+static inline void fault_reach(fault_places *places)
+{
+    uint64_t const n = places->count++;
+    uint64_t *const chain = (n & (n - 1)) == 0 ? realloc(places->chain, (n + (n == 0)) * 2 * sizeof *chain)
+                                               : places->chain;
+
+    if (chain == NULL) abort();
+    places->chain = chain;
+    chain[n] = 0;
+#ifdef FAULT_CHAINS
+    (void)_Unwind_Backtrace(fault_frame, &chain[n]);
+#else
+    chain[n] = n;
+#endif
+}
+
+/* Is time n of the run, 1 being the first, to fail? Where a run reaches more than was seen each one is. */
+static inline int fault_is_due(const fault_places *places, uint64_t n)
+{
+    uint64_t times = 0, later = 0;
+
+    if (n > places->count || getenv("BITVOX_LARGE") != NULL) return 1;
+    for (uint64_t i = 0; i < n; i++) times += places->chain[i] == places->chain[n - 1];
+    for (uint64_t i = n; i < places->count && later == 0; i++)
+        later = places->chain[i] == places->chain[n - 1];
+    return later == 0 || (times & (times - 1)) == 0;
+}
+
+/* ---- The allocator ---- */
 
 /* One live block; the payload lies between two guards in raw. */
 typedef struct fault_block {
@@ -34,8 +88,9 @@ typedef struct fault_heap {
     uint64_t asked;   /* allocations requested */
     uint64_t failed;  /* allocations refused */
     uint64_t live_blocks, live_bytes, peak_bytes;
-    fault_block *blocks; /* the live ones, youngest first */
-    char error[160];     /* the first wrong thing seen, or "" */
+    fault_block *blocks;  /* the live ones, youngest first */
+    fault_places *places; /* NULL, or where each allocation is written down */
+    char error[160];      /* the first wrong thing seen, or "" */
 } fault_heap;
 
 static inline void fault_note(fault_heap *heap, const char *what, size_t a, size_t b)
@@ -51,6 +106,7 @@ static inline void *fault_alloc(void *user, size_t size, size_t align)
     fault_block *block;
 
     heap->asked++;
+    if (heap->places != NULL) fault_reach(heap->places);
     if (align == 0 || align > 64 || (align & (align - 1)) != 0)
         fault_note(heap, "an alignment that is none (align, size)", align, size);
     if (size == 0) fault_note(heap, "an allocation of nothing (align, size)", align, size);
@@ -189,7 +245,7 @@ static inline const char *fault_at(uint64_t n, const char *place, int again, con
     return text;
 }
 
-/* Is the context to do its work once more after failure n? It is after the first few and then after each
+/* Is the context to do its work once more after failing run n? It is after the first few and then after each
  * fourth, with BVX_QUICK, which is for rows that are several times slower, after each 32nd, and with
  * BITVOX_LARGE after each. */
 static inline int fault_works_again(uint64_t n)
@@ -213,46 +269,13 @@ static inline const char *fault_allocation(fault_operation_fn *operation, void *
     return fault_after(context, status, *failed ? BVX_ERR_MEMORY : BVX_OK);
 }
 
-/* The place after n: each one, but with BVX_QUICK, where a loop over all takes minutes, further ones lie ever
- * farther apart. */
-static inline uint64_t fault_next(uint64_t n)
+/* The next time to fail after n. With BVX_QUICK, where a loop over all takes minutes, they lie ever farther
+ * apart. */
+static inline uint64_t fault_next(const fault_places *places, uint64_t n)
 {
-    return n + 1 + (getenv("BVX_QUICK") != NULL ? n / 16 : 0);
-}
-
-/* Run with allocation n and all that follow failing, then with it only, n = 1, 2, ... until a run asks for
- * fewer. Each failure gives BVX_ERR_MEMORY with a message, leaks nothing, and the same context does the work
- * afterwards. *allocations: how many places there are. */
-static inline const char *fault_every_allocation(fault_operation_fn *operation, void *user,
-                                                 const bvx_context_options *base, uint64_t *allocations)
-{
-    for (uint64_t n = 1;; n = fault_next(n)) {
-        fault_heap heap = {0};
-        bvx_context_options const o = fault_options(base, &heap);
-        bvx_context *context = NULL;
-        const char *wrong, *left;
-        uint64_t asked;
-        int failed = 0, again = 0;
-        if (bvx_context_create(&o, &context) != BVX_OK) return fault_at(n, "allocation", 0, "no context");
-        wrong = fault_allocation(operation, user, context, &heap, n, 1, &failed);
-        if (wrong == NULL && failed) {
-            wrong = fault_allocation(operation, user, context, &heap, n, 0, &failed);
-            if (wrong == NULL && !failed) wrong = "a second run in the same context asks for fewer";
-        }
-        if (wrong == NULL && failed && fault_works_again(n)) {
-            wrong = fault_after(context, operation(user, context), BVX_OK);
-            again = 1;
-        }
-        asked = heap.asked;
-        bvx_context_destroy(context);
-        left = fault_end(&heap);
-        if (wrong == NULL) wrong = left;
-        if (wrong != NULL) return fault_at(n, "allocation", again, wrong);
-        if (!failed) {
-            if (allocations != NULL) *allocations = asked;
-            return NULL;
-        }
-    }
+    n += 1 + (getenv("BVX_QUICK") != NULL ? n / 16 : 0);
+    while (!fault_is_due(places, n)) n++;
+    return n;
 }
 
 typedef struct fault_progress {
@@ -261,6 +284,7 @@ typedef struct fault_progress {
     uint64_t ends; /* reports of 1 */
     double last;   /* fraction of the report before; 0 after an end */
     const char *wrong;
+    fault_places *places; /* NULL, or where each such call is written down */
 } fault_progress;
 
 /* Fractions of a public call rise; those of works that a test calls by themselves may begin again. */
@@ -274,45 +298,137 @@ static inline int32_t fault_on_progress(void *user, const char *stage, double fr
     if (p->cancel_at != 0 && p->calls >= p->cancel_at) p->wrong = "called again after it asked to stop";
     p->last = fraction < 1.0 ? fraction : 0.0;
     if (fraction >= 1.0) p->ends++;
+    if (fraction < 1.0 && p->places != NULL) fault_reach(p->places);
     return fraction < 1.0 && ++p->calls == p->cancel_at;
 }
 
-/* Run with progress call n asking to stop, n = 1, 2, ... until a run makes fewer. Each gives BVX_CANCELLED,
- * leaks nothing, and the same context does the work afterwards. *calls: how many progress calls there are. */
+/* The allocations of a run with nothing in its way, or with cancels its progress calls. What the run comes to
+ * does not matter here: the loops end with such a run, and look at it. */
+static inline fault_places fault_look(fault_operation_fn *operation, void *user,
+                                      const bvx_context_options *base, int cancels)
+{
+    fault_places places = {0};
+    fault_heap heap = {0};
+    fault_progress progress = {0};
+    bvx_context_options o = fault_options(base, &heap);
+    bvx_context *context = NULL;
+
+    if (cancels) {
+        o.progress.call = fault_on_progress;
+        o.progress.user = &progress;
+        progress.places = &places;
+    }
+    if (bvx_context_create(&o, &context) == BVX_OK) {
+        if (!cancels) heap.places = &places;
+        (void)operation(user, context);
+        heap.places = NULL;
+    }
+    bvx_context_destroy(context);
+    (void)fault_end(&heap);
+    return places;
+}
+
+/* One context with allocation n and all that follow failing, then with it only; where none followed that would
+ * be the same again. again: then it does its work. *asked: allocations of the run; *failed: there is an n. */
+static inline const char *fault_one_allocation(fault_operation_fn *operation, void *user,
+                                               const bvx_context_options *base, uint64_t n, int again,
+                                               uint64_t *asked, int *failed)
+{
+    fault_heap heap = {0};
+    bvx_context_options const o = fault_options(base, &heap);
+    bvx_context *context = NULL;
+    const char *wrong, *left;
+    int worked = 0;
+
+    *failed = 0;
+    if (bvx_context_create(&o, &context) != BVX_OK) return fault_at(n, "allocation", 0, "no context");
+    wrong = fault_allocation(operation, user, context, &heap, n, 1, failed);
+    if (wrong == NULL && heap.failed > 1) {
+        wrong = fault_allocation(operation, user, context, &heap, n, 0, failed);
+        if (wrong == NULL && !*failed) wrong = "a second run in the same context asks for fewer";
+    }
+    if (wrong == NULL && *failed && again) {
+        wrong = fault_after(context, operation(user, context), BVX_OK);
+        worked = 1;
+    }
+
+    *asked = heap.asked;
+    bvx_context_destroy(context);
+    left = fault_end(&heap);
+    if (wrong == NULL) wrong = left;
+    return wrong != NULL ? fault_at(n, "allocation", worked, wrong) : NULL;
+}
+
+/* For each n that is due, until a run asks for fewer. Each failure gives BVX_ERR_MEMORY with a message, leaks
+ * nothing, and the same context does the work afterwards. *allocations: how many there are. */
+static inline const char *fault_every_allocation(fault_operation_fn *operation, void *user,
+                                                 const bvx_context_options *base, uint64_t *allocations)
+{
+    fault_places places = fault_look(operation, user, base, 0);
+    const char *wrong = NULL;
+    uint64_t n = 0, asked = 0;
+    int failed = 1;
+
+    for (uint64_t run = 1; wrong == NULL && failed; run++) {
+        n = fault_next(&places, n);
+        wrong = fault_one_allocation(operation, user, base, n, fault_works_again(run), &asked, &failed);
+    }
+    free(places.chain);
+    if (wrong == NULL && allocations != NULL) *allocations = asked;
+    return wrong;
+}
+
+/* One context with progress call n asking to stop. again: then it does its work. *calls: those of the run;
+ * *cancelled: there is an n. */
+static inline const char *fault_one_cancel(fault_operation_fn *operation, void *user,
+                                           const bvx_context_options *base, uint64_t n, int again,
+                                           uint64_t *calls, int *cancelled)
+{
+    fault_heap heap = {0};
+    fault_progress progress = {.cancel_at = n};
+    bvx_context_options o = fault_options(base, &heap);
+    bvx_context *context = NULL;
+    const char *wrong, *left;
+    bvx_status status;
+    int worked = 0;
+
+    o.progress.call = fault_on_progress;
+    o.progress.user = &progress;
+    if (bvx_context_create(&o, &context) != BVX_OK) return fault_at(n, "progress call", 0, "no context");
+    status = operation(user, context);
+    *calls = progress.calls;
+    *cancelled = progress.calls >= n;
+    wrong = fault_after(context, status, *cancelled ? BVX_CANCELLED : BVX_OK);
+    if (wrong == NULL) wrong = progress.wrong;
+    if (wrong == NULL && *cancelled && again) {
+        memset(&progress, 0, sizeof progress);
+        wrong = fault_after(context, operation(user, context), BVX_OK);
+        worked = 1;
+    }
+
+    bvx_context_destroy(context);
+    left = fault_end(&heap);
+    if (wrong == NULL) wrong = left;
+    return wrong != NULL ? fault_at(n, "progress call", worked, wrong) : NULL;
+}
+
+/* For each n that is due, until a run makes fewer. Each gives BVX_CANCELLED, leaks nothing, and the same
+ * context does the work afterwards. *calls: how many progress calls there are. */
 static inline const char *fault_every_cancel(fault_operation_fn *operation, void *user,
                                              const bvx_context_options *base, uint64_t *calls)
 {
-    for (uint64_t n = 1;; n = fault_next(n)) {
-        fault_heap heap = {0};
-        fault_progress progress = {0};
-        bvx_context_options o = fault_options(base, &heap);
-        bvx_context *context = NULL;
-        const char *wrong = NULL, *left;
-        int cancelled, again = 0;
-        o.progress.call = fault_on_progress;
-        o.progress.user = &progress;
-        progress.cancel_at = n;
-        if (bvx_context_create(&o, &context) != BVX_OK) return fault_at(n, "progress call", 0, "no context");
-        {
-            bvx_status const status = operation(user, context);
-            cancelled = progress.calls >= n;
-            wrong = fault_after(context, status, cancelled ? BVX_CANCELLED : BVX_OK);
-        }
-        if (wrong == NULL) wrong = progress.wrong;
-        if (wrong == NULL && cancelled && fault_works_again(n)) {
-            memset(&progress, 0, sizeof progress);
-            wrong = fault_after(context, operation(user, context), BVX_OK);
-            again = 1;
-        }
-        bvx_context_destroy(context);
-        left = fault_end(&heap);
-        if (wrong == NULL) wrong = left;
-        if (wrong != NULL) return fault_at(n, "progress call", again, wrong);
-        if (!cancelled) {
-            if (calls != NULL) *calls = progress.calls;
-            return NULL;
-        }
+    fault_places places = fault_look(operation, user, base, 1);
+    const char *wrong = NULL;
+    uint64_t n = 0, made = 0;
+    int cancelled = 1;
+
+    for (uint64_t run = 1; wrong == NULL && cancelled; run++) {
+        n = fault_next(&places, n);
+        wrong = fault_one_cancel(operation, user, base, n, fault_works_again(run), &made, &cancelled);
     }
+    free(places.chain);
+    if (wrong == NULL && calls != NULL) *calls = made;
+    return wrong;
 }
 
 /* What the operation takes at most when nothing is in its way; NULL and *need, else what was wrong. */

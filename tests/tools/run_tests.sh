@@ -28,6 +28,7 @@ export MSAN_OPTIONS=exit_code=1:allocator_may_return_null=1 # its own exit code,
 export TSAN_OPTIONS=ignore_noninstrumented_modules=1:allocator_may_return_null=1
 export CMOCKA_MESSAGE_OUTPUT=TAP
 # Threads that spin at the end of a step take the processor from the tests beside them: half of the time of some.
+export OMP_WAIT_POLICY=passive
 
 mk() { "$MAKE_COMMAND" --no-print-directory -k -j "$jobs" "$@"; }
 
@@ -197,7 +198,9 @@ list_fuzz() { # as run_fuzz
     shift 2
     for source in tests/fuzz/fuzz_*.c; do
         if [ ! -f "$source" ]; then continue; fi
-        list_command "$fuzz_row/fuzz/$(basename "$source" .c)" $runner "$folder/${source%.c}" "$@"
+        inputs=$*
+        case $source in */fuzz_algebra.c | */fuzz_levels.c) inputs=${dear_inputs:-$*} ;; esac
+        list_command "$fuzz_row/fuzz/$(basename "$source" .c)" $runner "$folder/${source%.c}" $inputs
         for target in $(fuzz_targets "$source"); do
             if [ "fuzz_$target" = "$(basename "$source" .c)" ]; then format=; else format=$target; fi
             list_command "$fuzz_row/corpus/$target" $runner "$folder/${source%.c}" $format "fixtures/fuzz/$target"/*
@@ -536,6 +539,7 @@ other)
     build san fuzz-programs $fault
     {
         if [ -n "$fault" ]; then list_kind san fault ''; fi
+        dear_inputs=60 # of 300 where each runs whole chains of stages; make san runs all
         list_fuzz san ''
         list_machines
         list_command 'projects that use CMake' sh tests/tools/packaging.sh quick
