@@ -53,10 +53,8 @@ static void tell_samples(cli_text *lines, const bvx_volume_report *r)
 /* kept may be the grid itself. */
 static bvx_status keep_chosen(cli_run *run, volume_job *j, const bvx_grid *grid, bvx_grid *kept)
 {
-    bvx_status status;
-
     if (!CLI_HOLDS(run, CLI_KEEPS_PARTS)) return BVX_OK;
-    status = cli_keep_parts(run, grid, kept);
+    bvx_status status = cli_keep_parts(run, grid, kept);
     return status == BVX_OK ? bvx_grid_count(run->context, kept, &j->report.inside) : status;
 }
 
@@ -100,13 +98,12 @@ static int copy_without(cli_run *run, const bvx_volume_view *view, const bvx_gri
 
 static int make_volume_grid(cli_run *run, volume_job *j, cli_made *made)
 {
-    bvx_status status;
     int const result = cli_check_grid_format(run, run->options->output, &j->volume.view.lattice,
                                              j->volume.view.size);
 
     if (result != CLI_DONE) return result;
     cli_stage_begin(run, "threshold");
-    status = cli_select_voxels(run, &j->volume, &j->report, &j->grid);
+    bvx_status status = cli_select_voxels(run, &j->volume, &j->report, &j->grid);
     cli_stage_end(run);
     if (status == BVX_OK) status = keep_chosen(run, j, &j->grid, &j->grid);
     CLI_TRY(cli_check_call(run, status, cli_input_name(run->options->input[0])));

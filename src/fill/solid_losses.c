@@ -263,7 +263,6 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
                       solid->size[2] == l->dims[2];
     int const look = o->check_thin == BVX_CHECK_ALWAYS ||
                      (o->check_thin == BVX_CHECK_AUTO && whole && !o->add_shell);
-    bvx_status status;
     loss_sums sums;
     uint64_t voxels;
 
@@ -281,9 +280,9 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
     if (report->mesh_volume < 0) report->mesh_volume = 0;
 
     /* A solid that the memory limit allows is not refused for a look that nobody requested. */
-    status = look ? BVXI_SHARE(ctx, 0.1, 0.95,
-                               BVXI_SCOPE(ctx, look_for_walls(ctx, function, mesh, solid, report)))
-                  : BVX_OK;
+    bvx_status status = look ? BVXI_SHARE(ctx, 0.1, 0.95,
+                                          BVXI_SCOPE(ctx, look_for_walls(ctx, function, mesh, solid, report)))
+                             : BVX_OK;
     if (status == BVX_ERR_BUDGET && o->check_thin == BVX_CHECK_AUTO) status = BVX_OK;
     if (o->add_shell) report->crossing_volume = 0;
     return status;
@@ -316,10 +315,9 @@ static void warn_of_voxels(bvx_context *ctx, const bvx_solid_report *r)
 void bvxi_warn_of_walls(bvx_context *ctx, const bvx_lattice *lattice, const bvx_solid_report *r,
                         int32_t input)
 {
-    bvx_warning *w;
-
     if (r->thin_voxels == 0) return;
-    w = BVXI_WARN(ctx, BVX_WARN_THIN_LOST, (double)r->thin_voxels, bvxi_advised(r->thin_resolution));
+    bvx_warning *w = BVXI_WARN(ctx, BVX_WARN_THIN_LOST, (double)r->thin_voxels,
+                               bvxi_advised(r->thin_resolution));
     w->input = input;
     bvxi_warn_box(w, lattice, r->thin_box[0], r->thin_box[1]);
 }

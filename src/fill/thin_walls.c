@@ -384,14 +384,14 @@ void bvxi_walls_report(bvxi_walls *t, bvxi_wall_report *report)
     for (uint64_t n = 0; n < t->count; n++) {
         const bvxi_wall *const p = &t->point[n];
         int32_t at[3];
-        int bin;
 
         /* No wall here: the place is taken out of the grid too. */
         if (p->wall == BVXI_NO_WALL) {
             t->places.words[t->at[n] / 64] &= ~(UINT64_C(1) << (t->at[n] & 63));
             continue;
         }
-        bin = (int)((double)p->wall * (WALL_BINS / BVXI_THIN_WALL)); /* walls are BVXI_THIN_WALL at most */
+        int bin = (int)((double)p->wall *
+                        (WALL_BINS / BVXI_THIN_WALL)); /* walls are BVXI_THIN_WALL at most */
         bvxi_bit_centre(&t->places, t->at[n], at);
         take_into_box(report, at);
         report->voxels++;

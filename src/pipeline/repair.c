@@ -184,8 +184,6 @@ bvx_status bvxi_repair_known(bvx_context *context, const bvx_mesh_view *mesh, co
 {
     bvx_repair_options o;
     bvxi_repair_job job;
-    bvx_status status;
-    int mine;
 
     if (repaired == NULL) return bvxi_fail_null(context, bvxi_repair_name, "repaired");
     BVXI_TRY(bvxi_take_options(context, bvxi_repair_name, options, &o, sizeof o));
@@ -200,8 +198,8 @@ bvx_status bvxi_repair_known(bvx_context *context, const bvx_mesh_view *mesh, co
     job.given = mesh;
     job.known = known;
     job.facts.handles = -1;
-    mine = repaired->positions == NULL;
-    status = repair_steps(&job, repaired);
+    int mine = repaired->positions == NULL;
+    bvx_status status = repair_steps(&job, repaired);
     if (status == BVX_OK && o.report != NULL) {
         *o.report = job.report;
         *facts = job.facts;

@@ -22,12 +22,12 @@ static bvx_status measure_mesh(bvxi_repair_job *job, const bvxi_sparse *v, const
     double const guess = (off + bvxi_largest_spacing(&job->lattice)) * (1 + 1e-6);
     double const part = 0.5 * (from + to);
     bvxi_nearest *nearest = NULL;
-    bvx_status status;
 
     BVXI_TRY(bvxi_nearest_open(bvxi_call_of(job->ctx, bvxi_repair_name, "measure", from, part), mesh,
                                &job->lattice, &nearest));
     bvxi_nearest_prefer_planes(nearest);
-    status = bvxi_nearest_fill(bvxi_call_of(job->ctx, NULL, "measure", part, to), nearest, guess, v);
+    bvx_status status = bvxi_nearest_fill(bvxi_call_of(job->ctx, NULL, "measure", part, to), nearest, guess,
+                                          v);
     bvxi_nearest_close(job->ctx, nearest);
     return status;
 }

@@ -214,9 +214,9 @@ static void emit_rectangles(void *user, uint64_t begin, uint64_t end)
 static bvx_status emit_merged(bvx_context *ctx, face_merge *m, bvx_mesh *mesh)
 {
     int const mine = mesh->positions == NULL;
-    bvx_status status;
     BVXI_TRY(bvxi_faces_open_mesh(ctx, m->f, mesh));
-    status = bvxi_for_ranges(ctx, "faces", 0.6, 0.8, m->f->pieces, m->f->row_count, emit_corner_rows, m);
+    bvx_status status = bvxi_for_ranges(ctx, "faces", 0.6, 0.8, m->f->pieces, m->f->row_count,
+                                        emit_corner_rows, m);
     if (status == BVX_OK)
         status = BVXI_SHARE(ctx, 0.8, 1.0,
                             bvxi_for(ctx, "faces", m->f->face_count, RECTANGLE_GRAIN, emit_rectangles, m));
