@@ -390,13 +390,6 @@ static bvx_status parse_mesh(files_beside *beside, const cli_bytes *b, int32_t f
     return bvx_read_points(beside->run->context, b->bytes, b->size, format, mesh);
 }
 
-static void warn_of_nonfinite(cli_run *run, const char *path, uint64_t dropped)
-{
-    if (dropped != 0)
-        cli_warn(run, BVX_WARN_READ, "%s: %" PRIu64 " triangle%s with a corner that is not finite left out",
-                 cli_input_name(path), dropped, dropped == 1 ? "" : "s");
-}
-
 /* One line of what the file has and no command passes on. */
 static void warn_of_losses(cli_run *run, const char *path, uint32_t lost)
 {
@@ -454,7 +447,12 @@ static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_me
     }
     if (status == CLI_DONE) {
         run->report.nonfinite += beside.report.dropped;
-        warn_of_nonfinite(run, path, beside.report.dropped);
+
+        if (beside.report.dropped != 0)
+            cli_warn(run, BVX_WARN_READ,
+                     "%s: %" PRIu64 " triangle%s with a corner that is not finite left out",
+                     cli_input_name(path), beside.report.dropped, beside.report.dropped == 1 ? "" : "s");
+
         warn_of_losses(run, path, beside.report.lost);
         run->report.had |= cli_attributes_of(mesh);
         run->report.materials += count_materials(mesh);

@@ -300,18 +300,6 @@ double bvxi_known_volume(const bvx_solid_report *r)
     return by_sides ? r->mesh_volume : r->crossing_volume;
 }
 
-/* Half a voxel of surface is always off a little; what a mesh with rows that do not balance encloses is not known. */
-static void warn_of_voxels(bvx_context *ctx, const bvx_solid_report *r)
-{
-    double const wanted = bvxi_known_volume(r);
-    double const off = wanted > 0.0 && r->volume > 0.0 ? r->volume / wanted - 1.0 : 0.0;
-    int const large = bvxi_absolute(off) > LOSS_LARGE;
-
-    if (bvxi_absolute(off) > LOSS_MOST && (r->fill_reason != BVX_FILL_REASON_OPEN || r->unbalanced_rows == 0))
-        BVXI_WARN(ctx, large ? BVX_WARN_VOLUME : BVX_WARN_VOXELS, r->volume, wanted, off,
-                  bvxi_advised(r->volume_resolution));
-}
-
 void bvxi_warn_of_walls(bvx_context *ctx, const bvx_lattice *lattice, const bvx_solid_report *r,
                         int32_t input)
 {
@@ -335,6 +323,16 @@ void bvxi_warn_of_solid(bvx_context *ctx, const bvx_grid *solid, bvx_solid_repor
     if (r->mixed_regions != 0)
         BVXI_WARN(ctx, BVX_WARN_MIXED, (double)r->mixed_regions, (double)r->regions, (double)r->mixed_voxels);
     bvxi_warn_of_walls(ctx, &solid->lattice, r, -1);
-    warn_of_voxels(ctx, r);
+
+    /* Half a voxel of surface is always off a little; what a mesh with rows that do not balance encloses is
+     * not known. */
+    double const wanted = bvxi_known_volume(r);
+    double const off = wanted > 0.0 && r->volume > 0.0 ? r->volume / wanted - 1.0 : 0.0;
+    int const large = bvxi_absolute(off) > LOSS_LARGE;
+
+    if (bvxi_absolute(off) > LOSS_MOST && (r->fill_reason != BVX_FILL_REASON_OPEN || r->unbalanced_rows == 0))
+        BVXI_WARN(ctx, large ? BVX_WARN_VOLUME : BVX_WARN_VOXELS, r->volume, wanted, off,
+                  bvxi_advised(r->volume_resolution));
+
     r->warnings = bvxi_warned(ctx);
 }

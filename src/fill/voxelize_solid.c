@@ -53,22 +53,6 @@ static bvx_status check_choices(bvx_context *ctx, bvx_voxelize_options *o)
     return BVX_OK;
 }
 
-static bvx_status check_whole(bvx_context *ctx, const bvx_lattice *lattice, const bvx_voxelize_options *o,
-                              const bvx_window *window)
-{
-    /* Other rules see only what lies in a row. */
-    if (o->fill != BVX_FILL_FLOOD && o->fill != BVX_FILL_REGIONS) return BVX_OK;
-    for (int32_t a = 0; a < 3; a++)
-        if (window->size[a] != lattice->dims[a])
-            return bvxi_fail_for(
-                ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                "%s: the rule %s needs the whole lattice, as what lies in the window depends on what lies "
-                "outside; "
-                "the rule vote takes windows",
-                solid_name, o->fill == BVX_FILL_FLOOD ? "flood" : "regions");
-    return BVX_OK;
-}
-
 static bvx_status check_arguments(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
                                   const bvx_voxelize_options *given, bvx_voxelize_options *o,
                                   bvx_window *window)
@@ -85,7 +69,18 @@ static bvx_status check_arguments(bvx_context *ctx, const bvx_mesh_view *mesh, c
     }
     BVXI_TRY(bvxi_lattice_check(ctx, solid_name, lattice));
     BVXI_TRY(bvxi_window_take(ctx, solid_name, lattice, &o->window, window));
-    return check_whole(ctx, lattice, o, window);
+
+    /* Other rules see only what lies in a row. */
+    if (o->fill != BVX_FILL_FLOOD && o->fill != BVX_FILL_REGIONS) return BVX_OK;
+    for (int32_t a = 0; a < 3; a++)
+        if (window->size[a] != lattice->dims[a])
+            return bvxi_fail_for(
+                ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                "%s: the rule %s needs the whole lattice, as what lies in the window depends on what lies "
+                "outside; "
+                "the rule vote takes windows",
+                solid_name, o->fill == BVX_FILL_FLOOD ? "flood" : "regions");
+    return BVX_OK;
 }
 
 /* ---- The rules ---- */

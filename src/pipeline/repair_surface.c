@@ -66,14 +66,6 @@ static bvx_status measure_with_shells(bvxi_repair_job *job, const bvxi_sparse *v
     return BVX_OK;
 }
 
-/* Where is measured: both ends of each crossed edge. */
-static bvx_status open_ends(bvxi_repair_job *job, bvxi_sparse *v)
-{
-    BVXI_TRY(bvxi_sparse_open(job->ctx, &job->inside, v));
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.0, bvxi_ends_mark(job->ctx, &job->inside, NULL, &v->where)));
-    return bvxi_sparse_rank(job->ctx, v);
-}
-
 /* What is measured, in doubles; triangles where edges are sharp, in the order of job->body. */
 static bvx_status open_values(bvxi_repair_job *job, bvxi_sparse *v)
 {
@@ -134,7 +126,11 @@ bvx_status bvxi_repair_surface(bvxi_repair_job *job, bvx_mesh *repaired)
 {
     bvxi_sparse v = {.count = 0};
 
-    BVXI_TRY(open_ends(job, &v));
+    /* Where is measured: both ends of each crossed edge. */
+    BVXI_TRY(bvxi_sparse_open(job->ctx, &job->inside, &v));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.0, bvxi_ends_mark(job->ctx, &job->inside, NULL, &v.where)));
+    BVXI_TRY(bvxi_sparse_rank(job->ctx, &v));
+
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.5, open_values(job, &v)));
 
     /* Lids lie where the winding number is a half; parity has none. */
