@@ -97,19 +97,16 @@ static inline void bvxi_row_runs_start(bvxi_row_runs *r, const uint64_t *row, in
 /* The next voxel where membership changes, or the row's size. */
 static inline int32_t bvxi_row_runs_change(bvxi_row_runs *r)
 {
-    int32_t x;
-
     /* A word without a change is passed in one step. */
     while (r->changes == 0) {
-        uint64_t w;
         if (r->column == r->words) return r->size;
-        w = r->row[r->column++] ^ r->flip;
+        uint64_t w = r->row[r->column++] ^ r->flip;
         /* Bits past the row are 0, so that a run of empty voxels ends there. */
         if (r->column == r->words) w &= bvxi_tail_mask(r->size);
         r->changes = w ^ (w << 1 | r->last);
         r->last = w >> 63;
     }
-    x = (r->column - 1) * BVXI_WORD_BITS + bvxi_lowest(r->changes);
+    int32_t x = (r->column - 1) * BVXI_WORD_BITS + bvxi_lowest(r->changes);
     r->changes &= r->changes - 1;
     return x;
 }

@@ -419,17 +419,6 @@ static bvx_status bvxi_lone_open(bvx_context *ctx, const char *function, const b
     return BVX_OK;
 }
 
-/* What was counted once for each copy, as it was given. */
-static void bvxi_lone_report(const bvxi_lone *lone, bvx_sections_report *report)
-{
-    report->sections /= (uint64_t)lone->times;
-    report->loops /= (uint64_t)lone->times;
-    report->holes /= (uint64_t)lone->times;
-    report->points /= (uint64_t)lone->times;
-    report->repeated_points /= (uint64_t)lone->times;
-    report->mended_loops /= (uint64_t)lone->times;
-}
-
 /* ---- the body ---- */
 
 /* A body of one section is a slab or a lens; mending may leave several sections one with loops. */
@@ -445,7 +434,15 @@ static bvx_status build_any(body_job *job, const bvx_sections *sections)
     }
     BVXI_TRY(BVXI_SHARE(job->ctx, job->left == BVXI_NONE ? 0.0 : 0.15, 1.0,
                         BVXI_SCOPE(job->ctx, build_stack(job, &lone.sections))));
-    bvxi_lone_report(&lone, job->report);
+
+    /* What was counted once for each copy, as it was given. */
+    job->report->sections /= (uint64_t)lone.times;
+    job->report->loops /= (uint64_t)lone.times;
+    job->report->holes /= (uint64_t)lone.times;
+    job->report->points /= (uint64_t)lone.times;
+    job->report->repeated_points /= (uint64_t)lone.times;
+    job->report->mended_loops /= (uint64_t)lone.times;
+
     return BVX_OK;
 }
 

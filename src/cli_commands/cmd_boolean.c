@@ -155,14 +155,13 @@ static void give_fraction_bits(const cli_box box[2], bvx_lattice *l)
 static bvx_status fit_boolean_lattice(cli_run *run, const boolean_run *b, bvx_lattice *lattice)
 {
     cli_box box[2], fit;
-    bvx_status status;
 
     for (int i = 0; i < 2; i++) cli_mesh_box(&b->in[i].mesh, &box[i]);
     choose_boolean_box(b, box, &fit);
     /* The surface of the result must close within the lattice. */
     run->options->padding = 1;
     bvx_mesh_view const corners = cli_corners_of_box(&fit);
-    status = cli_make_lattice(run, &corners, lattice);
+    bvx_status status = cli_make_lattice(run, &corners, lattice);
     if (status == BVX_OK) give_fraction_bits(box, lattice);
     return status;
 }
@@ -173,7 +172,6 @@ static int combine_meshes(cli_run *run, boolean_run *b)
     bvx_boolean_options o = own->meshes;
     bvx_mesh_view view[2];
     bvx_lattice lattice;
-    bvx_status status;
 
     o.struct_size = sizeof o;
     o.fit.lattice = &lattice;
@@ -184,7 +182,7 @@ static int combine_meshes(cli_run *run, boolean_run *b)
     o.report = &b->report;
     for (int i = 0; i < 2; i++) bvx_mesh_view_of(&b->in[i].mesh, &view[i]);
     cli_stage_begin(run, "boolean");
-    status = fit_boolean_lattice(run, b, &lattice);
+    bvx_status status = fit_boolean_lattice(run, b, &lattice);
     if (status == BVX_OK) status = bvx_boolean(run->context, &view[0], &view[1], b->operation, &o, &b->mesh);
     cli_stage_end(run);
     if (status != BVX_OK) return fail_boolean(run, b, status);
@@ -205,14 +203,13 @@ static bvx_status fill_operand(cli_run *run, cli_input *in, const bvx_lattice *l
 {
     bvx_voxelize_options v = {.struct_size = sizeof v};
     bvx_mesh_view view;
-    bvx_status status;
 
     /* No cli_take_fill: boolean takes the rule alone, none of its companions. */
     v.fill = run->options->fill;
     v.window = *window;
     v.report = report;
     bvx_mesh_view_of(&in->mesh, &view);
-    status = bvx_voxelize_solid(run->context, &view, lattice, &v, &in->grid);
+    bvx_status status = bvx_voxelize_solid(run->context, &view, lattice, &v, &in->grid);
     cli_take_warnings(run, (const char *const[]){cli_input_name(in->path), NULL, NULL});
     return status;
 }
@@ -243,12 +240,11 @@ static bvx_status resample_operand(cli_run *run, boolean_run *b)
     const bvx_grid *const a = &b->in[0].grid;
     bvx_grid there = {0};
     bvx_window window;
-    bvx_status status;
 
     /* The window of A, since what lies outside it is in no result. */
     memcpy(window.low, a->low, sizeof window.low);
     memcpy(window.size, a->size, sizeof window.size);
-    status = bvx_grid_resample(run->context, &b->in[1].grid, &a->lattice, &window, &there);
+    bvx_status status = bvx_grid_resample(run->context, &b->in[1].grid, &a->lattice, &window, &there);
     if (status != BVX_OK) return status;
     bvx_grid_free(run->context, &b->in[1].grid);
     b->in[1].grid = there;
@@ -258,11 +254,10 @@ static bvx_status resample_operand(cli_run *run, boolean_run *b)
 static int combine_grids(cli_run *run, boolean_run *b)
 {
     const boolean_options *const own = run->own;
-    bvx_status status;
     uint64_t set = 0;
 
     cli_stage_begin(run, "boolean");
-    status = fill_operands(run, b);
+    bvx_status status = fill_operands(run, b);
     if (status == BVX_OK && own->resample) status = resample_operand(run, b);
     for (int i = 0; i < 2 && status == BVX_OK; i++)
         status = bvx_grid_count(run->context, &b->in[i].grid, &b->voxels[i]);

@@ -39,7 +39,6 @@ static int make_levels(cli_run *run, hull_run *h)
     const cli_options *const o = run->options;
     cli_collapse_run *const c = &h->run;
     bvx_hull_options b = {.struct_size = sizeof b, .close_gaps = o->close_gaps};
-    bvx_status status;
 
     b.targets = cli_targets(run, c);
     /* Without a target the first level is the hull itself. */
@@ -53,7 +52,7 @@ static int make_levels(cli_run *run, hull_run *h)
     b.reports = c->level;
 
     cli_stage_begin(run, "hull");
-    status = bvx_hull(run->context, &c->view, &b, (uint64_t)c->count, c->mesh);
+    bvx_status status = bvx_hull(run->context, &c->view, &b, (uint64_t)c->count, c->mesh);
     c->seconds = cli_stage_end(run);
     CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
 

@@ -406,24 +406,18 @@ static const cli_job info_files = {.size = sizeof(info_job), .make = make_info, 
 
 /* ---- contours and bare samples ---- */
 
-static int info_of_contours(cli_run *run, void *work, cli_made *made)
+static int info_of_one(cli_run *run, void *work, cli_made *made)
 {
+    const char *const path = run->options->input[0];
+
     (void)work;
     made->untitled = 1;
-    cli_text_add(&made->head, "%s\n", cli_input_name(run->options->input[0]));
-    return cli_tell_sections(run, run->options->input[0], made);
+    cli_text_add(&made->head, "%s\n", cli_input_name(path));
+    return cli_is_contours(run, path) ? cli_tell_sections(run, path, made)
+                                      : cli_tell_samples(run, path, made);
 }
 
-static int info_of_samples(cli_run *run, void *work, cli_made *made)
-{
-    (void)work;
-    made->untitled = 1;
-    cli_text_add(&made->head, "%s\n", cli_input_name(run->options->input[0]));
-    return cli_tell_samples(run, run->options->input[0], made);
-}
-
-static const cli_job info_contours = {.make = info_of_contours};
-static const cli_job info_samples = {.make = info_of_samples};
+static const cli_job info_one = {.make = info_of_one};
 
 /* By its name an input is contours, samples that nothing describes, or a file that is read as what it holds. */
 static int choose_info(cli_run *run, const cli_job **job)
@@ -431,7 +425,7 @@ static int choose_info(cli_run *run, const cli_job **job)
     const info_options *const own = run->own;
     const char *const path = run->options->input[0];
     int const raw = cli_input_format(run, path) == BVX_FORMAT_RAW;
-    *job = cli_is_contours(run, path) ? &info_contours : raw ? &info_samples : &info_files;
+    *job = cli_is_contours(run, path) || raw ? &info_one : &info_files;
     if (of_meshes(own) != NULL && *job != &info_files)
         return cli_usage(run, "%s is used with meshes; %s is not a mesh", of_meshes(own),
                          cli_input_name(path));

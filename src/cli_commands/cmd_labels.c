@@ -243,11 +243,10 @@ static char *path_of(const cli_run *run, const labels_job *j, const label_body *
     const char *const out = run->options->output, *const place = strstr(out, "%s");
     const char *word = b->name;
     size_t const before = place != NULL ? (size_t)(place - out) : strlen(out);
-    char *path;
 
     for (int i = 0; i < j->meshes; i++)
         if (j->chosen[i] != b && cli_same_name(j->chosen[i]->name, b->name)) word = b->value;
-    path = malloc(strlen(out) + strlen(word) + 1);
+    char *path = malloc(strlen(out) + strlen(word) + 1);
     if (path == NULL) return NULL;
     sprintf(path, "%.*s%s%s", (int)before, out, place != NULL ? word : "", place != NULL ? place + 2 : "");
     for (char *p = path + before; place != NULL && p < path + before + strlen(word); p++)

@@ -165,13 +165,12 @@ static int repair_mesh(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired,
 {
     bvx_repair_options o;
     bvx_mesh_view view;
-    bvx_status status;
 
     take_repair_options(run, &o);
     o.report = report;
     bvx_mesh_view_of(source, &view);
     cli_stage_begin(run, "repair");
-    status = bvx_repair(run->context, &view, &o, repaired);
+    bvx_status status = bvx_repair(run->context, &view, &o, repaired);
     return cli_stage_check(run, status, cli_input_name(run->options->input[0]));
 }
 
@@ -181,7 +180,6 @@ static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repai
 {
     const repair_options *const own = run->own;
     bvx_mesh_view from, to;
-    bvx_status status;
     int const result = cli_reduce(run, repaired, reduction);
 
     if (result != CLI_DONE || !reduction->done) return result;
@@ -191,8 +189,8 @@ static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repai
     bvx_mesh_view_of(source, &from);
     bvx_mesh_view_of(repaired, &to);
     cli_stage_begin(run, "distance");
-    status = bvx_mesh_distance(run->context, &from, &to, report->distance.samples, report->distance.seed,
-                               &report->distance);
+    bvx_status status = bvx_mesh_distance(run->context, &from, &to, report->distance.samples,
+                                          report->distance.seed, &report->distance);
     cli_stage_end(run);
     return cli_check_call(run, status, cli_input_name(run->options->input[0]));
 }
@@ -232,11 +230,10 @@ static int write_repaired(cli_run *run, void *work)
 {
     repair_job *const job = work;
     int const copied = job->report.copied && !job->reduction.done;
-    int result;
 
     if (copied && is_same_file(run)) return write_input(run);
     run->source = &job->source;
-    result = cli_write_mesh(run, copied ? &job->source : &job->repaired);
+    int result = cli_write_mesh(run, copied ? &job->source : &job->repaired);
     job->report.after = run->report.mesh[0].certificate;
     return result;
 }

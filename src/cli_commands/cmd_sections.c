@@ -528,14 +528,13 @@ static int build_all(cli_run *run, sections_job *job, const int32_t *label, int 
 {
     const sections_options *const own = run->own;
     bvx_sections_options s = own->body;
-    bvx_status status;
     job->all = calloc((size_t)count, sizeof *job->all);
     if (job->all == NULL) return cli_fail(run, "no memory for %d bodies", count);
     job->bodies = count;
     s.label = 0;
     s.report = &job->report;
     cli_stage_begin(run, "sections");
-    status = bvx_build_bodies(run->context, &job->sections, &s, label, (uint32_t)count, job->all);
+    bvx_status status = bvx_build_bodies(run->context, &job->sections, &s, label, (uint32_t)count, job->all);
     job->seconds = cli_stage_end(run);
     return cli_check_call(run, status, cli_input_name(run->options->input[0]));
 }

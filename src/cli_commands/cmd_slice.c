@@ -74,9 +74,8 @@ static int write_contours(cli_run *run, void *work)
     const slice_job *const job = work;
     const char *const path = run->options->output;
     bvx_buffer file = {0};
-    bvx_status status;
     cli_stage_begin(run, "write");
-    status = bvx_write_sections(run->context, &job->sections, bvx_format_of_name(path), &file);
+    bvx_status status = bvx_write_sections(run->context, &job->sections, bvx_format_of_name(path), &file);
     int result = cli_write_buffer(run, 0, status, &file, path);
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     cli_stage_end(run);

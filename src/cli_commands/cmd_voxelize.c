@@ -373,14 +373,13 @@ static bvx_status make_field(const cli_run *run, voxel_job *job, cli_made *made)
     const cli_voxelize_options *const own = run->own;
     bvx_field *const field = &job->field;
     bvx_field_options o = own->field;
-    bvx_status status;
     uint64_t inside = 0;
 
     if (o.half_width == 0.0) o.half_width = (double)INFINITY;
     o.sign = run->options->sign;
     o.no_vectors = !run->options->vectors;
     o.window = job->window;
-    status = bvx_measure_field(run->context, &job->view, &run->report.lattice, &o, field);
+    bvx_status status = bvx_measure_field(run->context, &job->view, &run->report.lattice, &o, field);
     if (status == BVX_OK && field->inside.words != NULL)
         status = bvx_grid_count(run->context, &field->inside, &inside);
     if (status != BVX_OK) return status;
@@ -440,14 +439,12 @@ static int make_all(cli_run *run, voxel_job *job, cli_made *made)
     const cli_voxelize_options *const own = run->own;
     const cli_options *const o = run->options;
     voxel_reports reports;
-    bvx_status status;
-    int result;
 
     memset(&reports, 0, sizeof reports);
     cli_stage_begin(run, "voxelize");
-    result = choose_lattice(run, job);
+    int result = choose_lattice(run, job);
     if (result != CLI_DONE) return result;
-    status = make_voxels(run, job, &reports, made);
+    bvx_status status = make_voxels(run, job, &reports, made);
     cli_take_warnings(run, (const char *const[]){NULL, NULL, NULL});
     cli_stage_end(run);
     if (status == BVX_OK && made->field == NULL) status = keep_voxels(run, job, made);

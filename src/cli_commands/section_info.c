@@ -21,12 +21,6 @@ typedef struct section_facts {
     uint64_t labels;
 } section_facts;
 
-static int compare_doubles(const void *a, const void *b)
-{
-    double const x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static int compare_labels(const void *a, const void *b)
 {
     int32_t const x = ((const label_facts *)a)->label, y = ((const label_facts *)b)->label;
@@ -43,7 +37,7 @@ static int measure_positions(cli_run *run, const bvx_sections *s, section_facts 
 
     if (good) {
         memcpy(sorted, s->positions, (size_t)n * sizeof *sorted);
-        qsort(sorted, (size_t)n, sizeof *sorted, compare_doubles);
+        qsort(sorted, (size_t)n, sizeof *sorted, cli_compare_doubles);
         f->first = n != 0 ? sorted[0] : 0.0;
         f->last = n != 0 ? sorted[n - 1] : 0.0;
         f->step = n > 1 ? (f->last - f->first) / (double)(n - 1) : 0.0;

@@ -45,13 +45,12 @@ int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in)
     bvx_solid_report report;
     bvx_voxelize_options v = {.struct_size = sizeof v};
     bvx_mesh_view view;
-    bvx_status status;
 
     memset(&report, 0, sizeof report);
     cli_take_fill(run, &v);
     v.report = &report;
     bvx_mesh_view_of(&in->mesh, &view);
-    status = bvx_voxelize_solid(run->context, &view, lattice, &v, &in->grid);
+    bvx_status status = bvx_voxelize_solid(run->context, &view, lattice, &v, &in->grid);
     /* Only morph measures from the mesh afterwards; for the others its memory is free from here on. */
     if (run->command->bit != CLI_MORPH || !CLI_HOLDS(run, CLI_TO_MESH))
         bvx_mesh_free(run->context, &in->mesh);
@@ -62,14 +61,12 @@ int cli_fill_input(cli_run *run, cli_input *in)
 {
     bvx_mesh_view view;
     bvx_lattice lattice;
-    bvx_status status;
-    int result;
 
     bvx_mesh_view_of(&in->mesh, &view);
     cli_stage_begin(run, "voxelize");
-    status = cli_make_lattice(run, &view, &lattice);
-    result = status != BVX_OK ? cli_fail_status(run, status, cli_input_name(in->path))
-                              : cli_check_far(run, in->path, &view, 0, &lattice);
+    bvx_status status = cli_make_lattice(run, &view, &lattice);
+    int result = status != BVX_OK ? cli_fail_status(run, status, cli_input_name(in->path))
+                                  : cli_check_far(run, in->path, &view, 0, &lattice);
     if (result == CLI_DONE) result = cli_fill_on(run, &lattice, in);
     cli_stage_end(run);
     return result;

@@ -32,31 +32,13 @@ static const cli_rule output_rules[] = {
     {.also = cli_reduction_rules},
     {0}};
 
-static int check_volume(cli_run *run, bvx_window *window)
-{
-    CLI_TRY(cli_check_rules(run, volume_rules, CLI_OF_VOLUME, NULL));
-    CLI_TRY(cli_window_option(run, window));
-    CLI_TRY(cli_check_rules(run, output_rules, 0, NULL));
-    return cli_check_selection(run, run->options->input[0]);
-}
-
-static void tell_samples(cli_text *lines, const bvx_volume_report *r)
-{
-    cli_text_add(lines, "  samples     %.9g to %.9g", r->least, r->greatest);
-    if (r->nan + r->infinite != 0)
-        cli_text_add(lines, ", %" PRIu64 " NaN, %" PRIu64 " infinite", r->nan, r->infinite);
-    cli_text_add(lines, "\n");
-}
-
 /* ---- parts ---- */
 
 /* kept may be the grid itself. */
 static bvx_status keep_chosen(cli_run *run, volume_job *j, const bvx_grid *grid, bvx_grid *kept)
 {
-    bvx_status status;
-
     if (!CLI_HOLDS(run, CLI_KEEPS_PARTS)) return BVX_OK;
-    status = cli_keep_parts(run, grid, kept);
+    bvx_status status = cli_keep_parts(run, grid, kept);
     return status == BVX_OK ? bvx_grid_count(run->context, kept, &j->report.inside) : status;
 }
 
@@ -100,13 +82,12 @@ static int copy_without(cli_run *run, const bvx_volume_view *view, const bvx_gri
 
 static int make_volume_grid(cli_run *run, volume_job *j, cli_made *made)
 {
-    bvx_status status;
     int const result = cli_check_grid_format(run, run->options->output, &j->volume.view.lattice,
                                              j->volume.view.size);
 
     if (result != CLI_DONE) return result;
     cli_stage_begin(run, "threshold");
-    status = cli_select_voxels(run, &j->volume, &j->report, &j->grid);
+    bvx_status status = cli_select_voxels(run, &j->volume, &j->report, &j->grid);
     cli_stage_end(run);
     if (status == BVX_OK) status = keep_chosen(run, j, &j->grid, &j->grid);
     CLI_TRY(cli_check_call(run, status, cli_input_name(run->options->input[0])));
@@ -193,7 +174,11 @@ static int make_volume(cli_run *run, void *work, cli_made *made)
     volume_job *const j = work;
     bvx_window window;
 
-    CLI_TRY(check_volume(run, &window));
+    CLI_TRY(cli_check_rules(run, volume_rules, CLI_OF_VOLUME, NULL));
+    CLI_TRY(cli_window_option(run, &window));
+    CLI_TRY(cli_check_rules(run, output_rules, 0, NULL));
+    CLI_TRY(cli_check_selection(run, run->options->input[0]));
+
     CLI_TRY(mesh ? cli_open_output(run, output) : cli_open_grid_output(run, output));
     CLI_TRY(cli_read_volume(run, run->options->input[0], &window, &j->volume));
     return mesh ? make_volume_mesh(run, j, made) : make_volume_grid(run, j, made);
@@ -204,7 +189,13 @@ static void tell_volume(const cli_run *run, const void *work, cli_made *made)
     const volume_job *const j = work;
 
     cli_tell_volume(&j->volume, &j->report, &made->members, &made->warnings);
-    tell_samples(&made->head, &j->report);
+
+    cli_text_add(&made->head, "  samples     %.9g to %.9g", j->report.least, j->report.greatest);
+    if (j->report.nan + j->report.infinite != 0)
+        cli_text_add(&made->head, ", %" PRIu64 " NaN, %" PRIu64 " infinite", j->report.nan,
+                     j->report.infinite);
+    cli_text_add(&made->head, "\n");
+
     if (made->mesh == NULL) return;
     cli_tell_parts(run, &made->text);
     cli_tell_reduction(&j->reduction, made);

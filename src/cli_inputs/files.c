@@ -123,7 +123,6 @@ static int read_bytes(cli_run *run, const char *path, FILE *file, uint64_t held,
 {
     uint64_t const ceiling = bytes_ceiling(run), limit = held < ceiling ? ceiling - held : 0;
     int64_t const size = file != stdin ? size_of_file(file) : 0;
-    int status;
 
     if (size < 0) return cli_fail(run, "%s: %s", path, strerror(errno));
     if (limit == 0) return fail_ceiling(run, path, "is to fit into", limit);
@@ -133,7 +132,7 @@ static int read_bytes(cli_run *run, const char *path, FILE *file, uint64_t held,
         snprintf(more, sizeof more, "its %" PRId64 " bytes are more than", size);
         return fail_ceiling(run, path, more, limit);
     }
-    status = start_bytes(run, path, size > 0 ? (uint64_t)size : FILES_CHUNK, limit, b);
+    int status = start_bytes(run, path, size > 0 ? (uint64_t)size : FILES_CHUNK, limit, b);
     while (status == CLI_DONE) {
         size_t const room = b->room - b->size;
         size_t const want = room == 0 ? 1 : room < FILES_CHUNK ? room : FILES_CHUNK;
@@ -163,7 +162,6 @@ static int inflate_all(cli_run *run, const char *path, const cli_bytes *packed, 
     size_t taken = 0;
 
     for (;;) {
-        int result;
         if (b->size == b->room && grow_bytes(run, path, b) != CLI_DONE) return CLI_FAILED;
         size_t const in = packed->size - taken, out = b->room - b->size;
         z->next_in = packed->bytes + taken;
@@ -171,7 +169,7 @@ static int inflate_all(cli_run *run, const char *path, const cli_bytes *packed, 
         z->avail_in = in < FILES_CHUNK ? (uInt)in : FILES_CHUNK;
         z->next_out = b->bytes + b->size;
         z->avail_out = out < FILES_CHUNK ? (uInt)out : FILES_CHUNK;
-        result = inflate(z, Z_NO_FLUSH);
+        int result = inflate(z, Z_NO_FLUSH);
         taken = (size_t)(z->next_in - packed->bytes);
         b->size = (size_t)(z->next_out - b->bytes);
         if (cli_progress(run, "unpack", (double)taken / ((double)packed->size + 1.0)))
@@ -200,11 +198,10 @@ static int inflate_all(cli_run *run, const char *path, const cli_bytes *packed, 
 static uint64_t guess_unpacked(const cli_bytes *packed)
 {
     const unsigned char *p;
-    uint64_t told;
     if (packed->size < 18) return 64; /* no whole file */
     /* The size modulo 2^32, and of the last member only: a guess that is checked. */
     p = packed->bytes + packed->size - 4;
-    told = (uint64_t)p[0] | (uint64_t)p[1] << 8 | (uint64_t)p[2] << 16 | (uint64_t)p[3] << 24;
+    uint64_t told = (uint64_t)p[0] | (uint64_t)p[1] << 8 | (uint64_t)p[2] << 16 | (uint64_t)p[3] << 24;
     /* deflate: 1032 at most */
     return told >= packed->size && told / 1100 <= packed->size ? told : (uint64_t)packed->size * 4;
 }
@@ -251,14 +248,13 @@ int cli_read_bytes(cli_run *run, const char *path, uint64_t held, cli_bytes *b)
 {
     int const standard = strcmp(path, "-") == 0;
     FILE *file;
-    int status;
 
     memset(b, 0, sizeof *b);
     file = standard ? stdin : cli_open_file(path, "rb");
     /* while a pipe had no writer */
     if (file == NULL && errno == EINTR && cli_interrupted()) return cli_fail_interrupted(run);
     if (file == NULL) return cli_fail(run, "%s: %s", path, strerror(errno));
-    status = read_bytes(run, path, file, held, b);
+    int status = read_bytes(run, path, file, held, b);
     if (!standard) fclose(file);
     /* By its bytes, and by its name too: a .gz that holds none is refused there. */
     if (status == CLI_DONE && is_gzip(path, b)) status = unpack(run, path, b);
@@ -268,9 +264,8 @@ int cli_read_bytes(cli_run *run, const char *path, uint64_t held, cli_bytes *b)
 
 int cli_read_file(cli_run *run, const char *path, cli_bytes *b)
 {
-    int status;
     cli_stage_begin(run, "read");
-    status = cli_read_bytes(run, path, 0, b);
+    int status = cli_read_bytes(run, path, 0, b);
     if (status == CLI_DONE) cli_stage_end(run);
     return status;
 }
@@ -395,13 +390,6 @@ static bvx_status parse_mesh(files_beside *beside, const cli_bytes *b, int32_t f
     return bvx_read_points(beside->run->context, b->bytes, b->size, format, mesh);
 }
 
-static void warn_of_nonfinite(cli_run *run, const char *path, uint64_t dropped)
-{
-    if (dropped != 0)
-        cli_warn(run, BVX_WARN_READ, "%s: %" PRIu64 " triangle%s with a corner that is not finite left out",
-                 cli_input_name(path), dropped, dropped == 1 ? "" : "s");
-}
-
 /* One line of what the file has and no command passes on. */
 static void warn_of_losses(cli_run *run, const char *path, uint32_t lost)
 {
@@ -455,17 +443,20 @@ static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_me
     int status = cli_open_input(run, path, &b);
 
     if (status == CLI_DONE) {
-        bvx_status read;
-
         cli_stage_begin(run, "parse");
         beside.held = b.room;
-        read = parse_mesh(&beside, &b, format, mesh, cloud);
+        bvx_status read = parse_mesh(&beside, &b, format, mesh, cloud);
         cli_end_parse(run, b.size);
         status = beside.failed ? CLI_FAILED : cli_check_call(run, read, cli_input_name(path));
     }
     if (status == CLI_DONE) {
         run->report.nonfinite += beside.report.dropped;
-        warn_of_nonfinite(run, path, beside.report.dropped);
+
+        if (beside.report.dropped != 0)
+            cli_warn(run, BVX_WARN_READ,
+                     "%s: %" PRIu64 " triangle%s with a corner that is not finite left out",
+                     cli_input_name(path), beside.report.dropped, beside.report.dropped == 1 ? "" : "s");
+
         warn_of_losses(run, path, beside.report.lost);
         run->report.had |= cli_attributes_of(mesh);
         run->report.materials += count_materials(mesh);

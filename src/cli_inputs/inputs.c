@@ -26,11 +26,10 @@ static int unpack_grid(cli_run *run, cli_bytes *b, const bvx_window *window, cli
 {
     bvx_volume_report report;
     cli_volume v = {0};
-    int status;
 
     v.file = *b;
     memset(b, 0, sizeof *b);
-    status = cli_take_volume(run, in->path, window, &v);
+    int status = cli_take_volume(run, in->path, window, &v);
     if (status == CLI_DONE)
         status = cli_check_call(run, cli_select_voxels(run, &v, &report, &in->grid),
                                 cli_input_name(in->path));
@@ -82,9 +81,8 @@ static int read_selected(cli_run *run, const char *path, const bvx_window *windo
     in->kind = CLI_GRID;
     in->placed = v.placed;
     if (status == CLI_DONE) {
-        bvx_status selected;
         cli_stage_begin(run, "threshold");
-        selected = cli_select_voxels(run, &v, &report, &in->grid);
+        bvx_status selected = cli_select_voxels(run, &v, &report, &in->grid);
         cli_stage_end(run);
         if (selected == BVX_OK && CLI_HOLDS(run, CLI_KEEPS_PARTS))
             selected = cli_keep_parts(run, &in->grid, &in->grid);
@@ -98,24 +96,21 @@ static int read_selected(cli_run *run, const char *path, const bvx_window *windo
 
 static int keep_read_parts(cli_run *run, cli_input *in)
 {
-    bvx_status status;
-
     if (in->kind == CLI_TREE)
         return cli_usage(run, "--keep-largest and --least-part are for grids; %s is an octree",
                          cli_input_name(in->path));
-    status = cli_keep_parts(run, &in->grid, &in->grid);
+    bvx_status status = cli_keep_parts(run, &in->grid, &in->grid);
     return cli_check_call(run, status, cli_input_name(in->path));
 }
 
 int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *window, cli_input *in)
 {
     cli_bytes b = {NULL, 0, 0, 0};
-    int status;
 
     memset(in, 0, sizeof *in);
     in->path = path;
     if (cli_is_volume(run, path)) return read_selected(run, path, window, in);
-    status = cli_open_input(run, path, &b);
+    int status = cli_open_input(run, path, &b);
     if (status == CLI_DONE) status = parse_grid(run, &b, window, in);
     if (status == CLI_DONE && (run->command->bit & READS_PARTS) != 0 && CLI_HOLDS(run, CLI_KEEPS_PARTS))
         status = keep_read_parts(run, in);
@@ -153,13 +148,11 @@ int cli_expand_tree(cli_run *run, const bvx_octree *tree, const bvx_window *fine
     int32_t const levels = bvx_octree_levels(tree), level = cli_given(run, "--expand") ? o->expand : levels;
     bvx_lattice lattice;
     bvx_window window;
-    bvx_status status;
-    uint64_t words;
 
     CLI_TRY(cli_check_tree_level(run, levels));
     CLI_TRY(cli_check_call(run, bvx_octree_lattice(run->context, tree, level, &lattice), path));
     window_at(finest, levels - level, &window);
-    words = bvx_grid_bound(&lattice, &window);
+    uint64_t words = bvx_grid_bound(&lattice, &window);
     /* An octree is small where its grid is not, so the size is refused unless a limit allows it. */
     if (o->general.memory_limit == 0 && words > TREE_GRID_BYTES / 8)
         return cli_fail(run,
@@ -172,7 +165,7 @@ int cli_expand_tree(cli_run *run, const bvx_octree *tree, const bvx_window *fine
                                       window.size[0] != 0 ? window.size : lattice.dims));
     }
     cli_stage_begin(run, "expand");
-    status = bvx_octree_expand(run->context, tree, level, o->states, &window, grid);
+    bvx_status status = bvx_octree_expand(run->context, tree, level, o->states, &window, grid);
     return cli_stage_check(run, status, path);
 }
 
@@ -226,11 +219,11 @@ int cli_read_sections(cli_run *run, const char *path, bvx_sections *sections)
     if (status == CLI_DONE) {
         bvx_read_sections_options o = {.struct_size = sizeof o};
         uint64_t flipped = 0;
-        bvx_status read;
         o.close_gap = run->options->close_gap;
         o.flipped = &flipped;
         cli_stage_begin(run, "parse");
-        read = bvx_read_sections(run->context, b.bytes, b.size, cli_input_format(run, path), &o, sections);
+        bvx_status read = bvx_read_sections(run->context, b.bytes, b.size, cli_input_format(run, path), &o,
+                                            sections);
         cli_end_parse(run, b.size);
         status = cli_check_call(run, read, cli_input_name(path));
         if (status == CLI_DONE && flipped != 0)

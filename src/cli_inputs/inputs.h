@@ -148,6 +148,8 @@ typedef struct cli_box {
 /* The box of the vertices that a mesh's triangles use; one that holds two. */
 void cli_mesh_box(const bvx_mesh *mesh, cli_box *box);
 void cli_join_boxes(cli_box *box, const cli_box *other);
+/* For qsort. */
+int cli_compare_doubles(const void *a, const void *b);
 /* The box of points; from infinity to minus infinity where there is none. */
 void cli_box_of_points(const void *positions, int32_t type, uint64_t count, cli_box *box);
 /* The points that a lattice around a box goes around. */

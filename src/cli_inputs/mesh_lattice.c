@@ -158,7 +158,7 @@ static uint64_t vertex_of(const far_points *f, uint64_t i)
     return f->cloud || f->view->indices == NULL ? i : ((const uint32_t *)f->view->indices)[i];
 }
 
-static int compare_values(const void *a, const void *b)
+int cli_compare_doubles(const void *a, const void *b)
 {
     double const x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
@@ -180,7 +180,7 @@ static int find_near_box(far_points *f)
         for (uint64_t a = 0; a < 3; a++) value[a * n + i] = p[a];
     }
     for (uint64_t a = 0; a < 3; a++) {
-        qsort(value + a * n, (size_t)n, sizeof *value, compare_values);
+        qsort(value + a * n, (size_t)n, sizeof *value, cli_compare_doubles);
         f->low[a] = value[a * n + n / 20];
         f->high[a] = value[a * n + n - 1 - n / 20];
         /* A twentieth at either end may be far without moving the box. */

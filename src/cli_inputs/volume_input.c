@@ -147,7 +147,6 @@ static int read_data_files(cli_run *run, const char *head, cli_volume *v)
     if (count == 0) return status;
     cli_stage_begin(run, "read samples");
     for (uint64_t i = 0; i < count && status == CLI_DONE; i++) {
-        char *path;
         found = bvx_volume_data_name(run->context, v->file.bytes, v->file.size, i, name, sizeof name, &count);
         if (found != BVX_OK) return cli_fail_status(run, found, cli_input_name(head));
         if (!stays_below(name))
@@ -156,7 +155,7 @@ static int read_data_files(cli_run *run, const char *head, cli_volume *v)
                 "%s: its samples are said to be in %s; only files in its own folder or below are read: put "
                 "them there",
                 cli_input_name(head), name);
-        path = data_path(head, name);
+        char *path = data_path(head, name);
         status = path != NULL ? add_data_file(run, path, v->file.size, &v->data)
                               : cli_fail(run, "no memory for a file's name");
         free(path);
@@ -230,7 +229,6 @@ static int place_volume(cli_run *run, const char *path, cli_volume *v)
 {
     bvx_volume_view *const w = &v->volume.view;
     bvx_grid grid;
-    int status;
 
     v->placed = v->volume.placed;
     if (!cli_needs_sidecar(cli_input_format(run, path))) return CLI_DONE;
@@ -238,7 +236,7 @@ static int place_volume(cli_run *run, const char *path, cli_volume *v)
     memset(&grid, 0, sizeof grid);
     grid.lattice = w->lattice;
     memcpy(grid.size, w->size, sizeof grid.size);
-    status = cli_read_sidecar(run, path, &grid, &v->placed);
+    int status = cli_read_sidecar(run, path, &grid, &v->placed);
     w->lattice = grid.lattice;
     memcpy(w->low, grid.low, sizeof w->low);
     return status;

@@ -54,14 +54,13 @@ static void tell_made(cli_run *run, cli_made *made)
 int cli_perform(cli_run *run)
 {
     cli_made made = {.placed = 1};
-    int result;
 
     run->job = &run->command->job;
     if (run->command->choose != NULL) CLI_TRY(run->command->choose(run, &run->job));
     /* Zeroed: what was not reached is freed as empty. One byte more, since a job may need nothing. */
     run->work = calloc(1, run->job->size + 1);
     if (run->work == NULL) return cli_fail(run, "no memory to start");
-    result = run->job->make(run, run->work, &made);
+    int result = run->job->make(run, run->work, &made);
     if (result == CLI_DONE) result = write_made(run, &made);
     if (result == CLI_DONE) tell_made(run, &made);
 

@@ -365,13 +365,13 @@ static int certify_file(cli_run *run, const bvx_mesh *placed, int count, int num
 {
     bvx_write_report *const report = calloc((size_t)count, sizeof *report);
     bvx_write_options o = write_options(run, placed, count);
-    bvx_status status;
     int result = CLI_DONE;
 
     o.reports = report;
     if (report == NULL) return cli_fail(run, "no memory for the report of %d meshes", count);
     cli_stage_begin(run, "check file");
-    status = bvx_write_mesh(run->context, placed, (uint64_t)count, &o, bvx_format_of_name(path), NULL);
+    bvx_status status = bvx_write_mesh(run->context, placed, (uint64_t)count, &o, bvx_format_of_name(path),
+                                       NULL);
     cli_stage_end(run);
     if (status != BVX_OK) result = cli_fail_status(run, status, path);
 
@@ -431,11 +431,9 @@ static int put_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *
 
 static int write_judged(cli_run *run, const bvx_mesh *mesh, int number, const char *path, int keep)
 {
-    int result;
-
     CLI_TRY(judge_mesh(run, mesh, number, path));
     cli_stage_begin(run, "write");
-    result = put_mesh(run, mesh, number, path);
+    int result = put_mesh(run, mesh, number, path);
     if (result == CLI_DONE && keep) result = cli_keep_outputs(run);
     cli_stage_end(run);
     return result;
@@ -469,7 +467,6 @@ static int write_levels_file(cli_run *run, const bvx_mesh *levels, int count, co
     bvx_mesh *const placed = malloc((size_t)count * sizeof *placed);
     bvx_write_options const o = write_options(run, levels, count);
     bvx_buffer file = {0};
-    int result;
 
     if (placed == NULL) return cli_fail(run, "no memory for %d levels", count);
     for (int i = 0; i < count; i++) {
@@ -477,7 +474,7 @@ static int write_levels_file(cli_run *run, const bvx_mesh *levels, int count, co
         note_kept(run, &levels[i], path);
     }
 
-    result = certify_file(run, placed, count, 0, path);
+    int result = certify_file(run, placed, count, 0, path);
     cli_stage_begin(run, "write");
     if (result == CLI_DONE)
         result = cli_write_buffer(

@@ -63,9 +63,8 @@ void cli_large_block(void *block, size_t size)
 #if defined(__linux__) && defined(MADV_HUGEPAGE)
     long const page = sysconf(_SC_PAGESIZE);
     /* outwards to whole pages: a mapping that is advised as a whole can still grow in its place */
-    size_t before;
     if (block == NULL || size < BLOCK_LARGE || page <= 0) return;
-    before = (uintptr_t)block % (size_t)page;
+    size_t before = (uintptr_t)block % (size_t)page;
     size = (size + before + (size_t)page - 1) / (size_t)page * (size_t)page;
     (void)madvise((char *)block - before, size, MADV_HUGEPAGE); /* a wish */
 #else
@@ -113,8 +112,6 @@ int cli_make_context(cli_run *run, uint64_t file_bytes)
 {
     uint64_t const memory = run->general->memory_limit != 0 ? run->general->memory_limit : cli_memory_there();
     bvx_context_options o = {.struct_size = sizeof o};
-    const char *fault;
-    bvx_status status;
 
     if (run->context != NULL) return CLI_DONE;
     o.threads = run->general->threads;
@@ -125,10 +122,10 @@ int cli_make_context(cli_run *run, uint64_t file_bytes)
     if (memory != 0) o.memory_limit = memory > file_bytes ? memory - file_bytes : 1;
     /* choices do not depend on the machine */
     run->context_limit = run->general->memory_limit != 0 ? o.memory_limit : 0;
-    status = bvx_context_create(&o, &run->context);
+    bvx_status status = bvx_context_create(&o, &run->context);
     if (status == BVX_OK) return CLI_DONE;
 
     /* Without a context there is no message but this one. */
-    fault = bvx_context_fault(BVX_VERSION, &o);
+    const char *fault = bvx_context_fault(BVX_VERSION, &o);
     return cli_fail(run, "%s", fault != NULL ? fault : bvx_status_text(status));
 }

@@ -29,11 +29,10 @@ static int make_room(cli_text *t, size_t more)
 void cli_text_add(cli_text *t, const char *format, ...)
 {
     va_list args;
-    int length;
 
     va_start(args, format);
     /* Counted first: what does not fit is left out whole, not cut. */
-    length = vsnprintf(NULL, 0, format, args);
+    int length = vsnprintf(NULL, 0, format, args);
     va_end(args);
     if (length < 0 || t->failed || !make_room(t, (size_t)length)) {
         t->failed = 1;

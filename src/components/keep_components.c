@@ -192,13 +192,13 @@ static bvx_status run_grid_fill_cavities(bvx_context *context, const bvx_grid *g
 {
     bvxi_pockets set = {0, 0};
     bvx_grid made;
-    bvx_status status;
     if (result == NULL) return bvxi_fail_null(context, cavities_name, "result");
     BVXI_TRY(bvxi_grid_check(context, cavities_name, grid));
     BVXI_TRY(bvxi_check_connectivity(context, cavities_name, connectivity));
     /* After all checks: an array of the caller's must not be touched by a call that is refused. */
     BVXI_TRY(open_keep_result(context, cavities_name, grid, result, &made));
-    status = bvxi_fill_pockets(context, cavities_name, grid, connectivity, at_most, made.words, &set);
+    bvx_status status = bvxi_fill_pockets(context, cavities_name, grid, connectivity, at_most, made.words,
+                                          &set);
     if (status == BVX_OK && filled != NULL) *filled = set.voxels;
     return bvxi_grid_put(context, status, &made, result);
 }

@@ -427,8 +427,6 @@ static bvx_status gather_planes(bvxi_stack *s)
 bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_sections *given,
                             const bvx_sections_options *options, bvxi_stack *s)
 {
-    const bvxi_plane *p;
-
     *s = (bvxi_stack){.ctx = ctx,
                       .function = function,
                       .given = given,
@@ -438,7 +436,7 @@ bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_se
     BVXI_TRY(bvxi_section_frame(ctx, function, given->normal, s->axis));
     BVXI_TRY(bvxi_choose_label(ctx, function, given, &s->options.label));
     BVXI_TRY(gather_planes(s));
-    p = s->plane;
+    const bvxi_plane *p = s->plane;
     uint32_t const n = s->plane_count;
     /* Of few sections most are a first or last one, whose slope is a guess. The paper's way and marching cubes
      * are straight. A stack that is begun again with sections put in between keeps what was chosen. */

@@ -139,7 +139,6 @@ bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_
     bvx_context_options o;
     bvxi_arena arena = {0};
     bvx_context *c;
-    int32_t threads;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     *context = NULL;
@@ -152,7 +151,7 @@ bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_
 
     /* The helpers' state and the table of scratch lie behind the context, in the one block that creating a
      * context takes. */
-    threads = choose_threads(&o); /* once: to count processors takes longer than all that follows */
+    int32_t threads = choose_threads(&o); /* once: to count processors takes longer than all that follows */
     size_t const size = context_size(&o, threads);
     size_t const table = o.arena.memory == NULL ? BVXI_SCRATCH_ROOM * sizeof *c->scratch : 0;
     c = o.arena.memory != NULL ? place_in_arena(o.arena.memory, o.arena.size, size, &arena)

@@ -352,14 +352,6 @@ static void put_rounded(message_line *l, double value, double most)
     message_put(l, number, (size_t)bvxi_print_double(round_to(value, most), number));
 }
 
-static void put_warning_box(message_line *l, const bvx_warning *w)
-{
-    for (int i = 0; i < 6; i++) {
-        put_rounded(l, i < 3 ? w->low[i] : w->high[i - 3], 1e6);
-        if (i != 5) message_put(l, i == 2 ? " to " : ",", i == 2 ? 4 : 1);
-    }
-}
-
 /* The text with the values of a warning; %s is an s after any whole number but 1. */
 static void put_warning(message_line *l, const char *p, const bvx_warning *w)
 {
@@ -373,7 +365,10 @@ static void put_warning(message_line *l, const char *p, const bvx_warning *w)
         } else if (*++p == 's') {
             message_put(l, "s", v[-1] == 1.0 ? 0 : 1);
         } else if (*p == 'b') {
-            put_warning_box(l, w);
+            for (int i = 0; i < 6; i++) {
+                put_rounded(l, i < 3 ? w->low[i] : w->high[i - 3], 1e6);
+                if (i != 5) message_put(l, i == 2 ? " to " : ",", i == 2 ? 4 : 1);
+            }
         } else if (*p == 'p') {
             if (*v > 0.0) message_put(l, "+", 1);
             put_rounded(l, *v++ * 100.0, 1e3);

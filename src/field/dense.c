@@ -209,10 +209,9 @@ static void propagate_sweep(void *user, int32_t piece)
         for (int32_t j = low[1]; j < high[1]; j++)
             for (int32_t i = low[0]; i < high[0]; i++) {
                 int32_t at[3] = {i, j, k};
-                uint64_t to;
                 /* Downwards the same steps, counted from the other end. */
                 if (job->down) at[job->axis] = size[job->axis] - 1 - at[job->axis];
-                to = (uint64_t)at[2] * slice + (uint64_t)at[1] * row + (uint64_t)at[0];
+                uint64_t to = (uint64_t)at[2] * slice + (uint64_t)at[1] * row + (uint64_t)at[0];
                 propagate_offer(job, at, to, job->down ? to + step : to - step);
             }
 }

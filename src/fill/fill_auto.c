@@ -70,12 +70,6 @@ static int is_whole_lattice(const bvx_grid *g)
 
 /* ---- Edge by edge ---- */
 
-static void bound_triangles(auto_work *w)
-{
-    bvxi_view_used_bounds(&w->choice.view, w->low, w->high);
-    for (int a = 0; a < 3; a++) w->centre[a] = 0.5 * w->low[a] + 0.5 * w->high[a];
-}
-
 /* The triangles as patches->turn has them. */
 static bvx_status turn_triangles(bvx_context *ctx, auto_work *w)
 {
@@ -115,7 +109,8 @@ static bvx_status look_at_edges(bvx_context *ctx, auto_work *w, int copies)
     const bvx_mesh_view *const view = &w->choice.view;
     uint64_t different;
 
-    bound_triangles(w);
+    bvxi_view_used_bounds(&w->choice.view, w->low, w->high);
+    for (int a = 0; a < 3; a++) w->centre[a] = 0.5 * w->low[a] + 0.5 * w->high[a];
     BVXI_TRY(
         bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 4, "the vertices' places", &w->representative));
     BVXI_TRY(bvxi_weld(ctx, view, w->representative, &different));
@@ -215,18 +210,6 @@ static bvx_status turn_closed_parts(bvx_context *ctx, auto_work *w, uint64_t pai
     return BVX_OK;
 }
 
-static bvx_status choose_for_parts(bvx_context *ctx, auto_work *w, int32_t depths)
-{
-    uint64_t pairs = 0;
-
-    BVXI_TRY(count_pairs(ctx, w, &pairs));
-    if (pairs == 0)
-        return choose_auto(w, BVX_FILL_PARITY,
-                           (depths & BVXI_DEPTH_DEEP) != 0 ? BVX_FILL_REASON_NESTED : BVX_FILL_REASON_SOUND);
-    BVXI_TRY(choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP));
-    return turn_closed_parts(ctx, w, pairs);
-}
-
 /* Rows that are looked at before a choice [Memory: 8 bytes each]. A lattice with
  * more of them is looked at with longer voxels, so that a small window of a huge
  * lattice costs little; whole or by windows, so that both have the same bits. */
@@ -310,7 +293,15 @@ static bvx_status choose_by_depths(bvx_context *ctx, auto_work *w, int32_t depth
 
     /* A closed surface of one part that crosses itself nowhere is one deep: nothing need be searched. */
     if (count_parts(&w->patches) == 1) return choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP);
-    return choose_for_parts(ctx, w, depths);
+
+    uint64_t pairs = 0;
+
+    BVXI_TRY(count_pairs(ctx, w, &pairs));
+    if (pairs == 0)
+        return choose_auto(w, BVX_FILL_PARITY,
+                           (depths & BVXI_DEPTH_DEEP) != 0 ? BVX_FILL_REASON_NESTED : BVX_FILL_REASON_SOUND);
+    BVXI_TRY(choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP));
+    return turn_closed_parts(ctx, w, pairs);
 }
 
 /* By the edges of triangles that are there once each. */

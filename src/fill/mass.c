@@ -284,15 +284,6 @@ static void set_errors(const measure_work *w, double volume, const measure_error
     r->center_error = center * back;
 }
 
-static void report_shells(const measure_work *w, bvx_measure_report *r)
-{
-    double const reach = 2.0 * w->radius; /* nothing is farther from the centre of mass */
-    measure_errors const e = {w->error, w->error * reach, w->error * reach * reach};
-    double center[3];
-    set_body(w, w->moment, w->centre, center, r);
-    set_errors(w, w->moment[0], &e, r);
-}
-
 /* Of voxels with these spacings, about the lattice's corner. */
 static void weigh_voxels(const voxel_sums *s, const double spacing[3], double moment[MOMENTS])
 {
@@ -406,7 +397,12 @@ static bvx_status mass_of_body(bvx_context *ctx, const bvx_mesh_view *mesh, meas
     if (w->solid.fill_reason == BVX_FILL_REASON_SOUND && !w->summed)
         BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.8, sum_shells(ctx, w, mesh, NULL)));
     if (w->solid.fill_reason == BVX_FILL_REASON_SOUND && w->certain) {
-        report_shells(w, r);
+        double const reach = 2.0 * w->radius; /* nothing is farther from the centre of mass */
+        measure_errors const e = {w->error, w->error * reach, w->error * reach * reach};
+        double center[3];
+        set_body(w, w->moment, w->centre, center, r);
+        set_errors(w, w->moment[0], &e, r);
+
         return BVX_OK;
     }
     BVXI_TRY(BVXI_SHARE(ctx, 0.8, 1.0, bvxi_shell_open(ctx, mesh, &solid, &shell)));

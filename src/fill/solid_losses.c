@@ -263,7 +263,6 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
                       solid->size[2] == l->dims[2];
     int const look = o->check_thin == BVX_CHECK_ALWAYS ||
                      (o->check_thin == BVX_CHECK_AUTO && whole && !o->add_shell);
-    bvx_status status;
     loss_sums sums;
     uint64_t voxels;
 
@@ -281,9 +280,9 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
     if (report->mesh_volume < 0) report->mesh_volume = 0;
 
     /* A solid that the memory limit allows is not refused for a look that nobody requested. */
-    status = look ? BVXI_SHARE(ctx, 0.1, 0.95,
-                               BVXI_SCOPE(ctx, look_for_walls(ctx, function, mesh, solid, report)))
-                  : BVX_OK;
+    bvx_status status = look ? BVXI_SHARE(ctx, 0.1, 0.95,
+                                          BVXI_SCOPE(ctx, look_for_walls(ctx, function, mesh, solid, report)))
+                             : BVX_OK;
     if (status == BVX_ERR_BUDGET && o->check_thin == BVX_CHECK_AUTO) status = BVX_OK;
     if (o->add_shell) report->crossing_volume = 0;
     return status;
@@ -301,25 +300,12 @@ double bvxi_known_volume(const bvx_solid_report *r)
     return by_sides ? r->mesh_volume : r->crossing_volume;
 }
 
-/* Half a voxel of surface is always off a little; what a mesh with rows that do not balance encloses is not known. */
-static void warn_of_voxels(bvx_context *ctx, const bvx_solid_report *r)
-{
-    double const wanted = bvxi_known_volume(r);
-    double const off = wanted > 0.0 && r->volume > 0.0 ? r->volume / wanted - 1.0 : 0.0;
-    int const large = bvxi_absolute(off) > LOSS_LARGE;
-
-    if (bvxi_absolute(off) > LOSS_MOST && (r->fill_reason != BVX_FILL_REASON_OPEN || r->unbalanced_rows == 0))
-        BVXI_WARN(ctx, large ? BVX_WARN_VOLUME : BVX_WARN_VOXELS, r->volume, wanted, off,
-                  bvxi_advised(r->volume_resolution));
-}
-
 void bvxi_warn_of_walls(bvx_context *ctx, const bvx_lattice *lattice, const bvx_solid_report *r,
                         int32_t input)
 {
-    bvx_warning *w;
-
     if (r->thin_voxels == 0) return;
-    w = BVXI_WARN(ctx, BVX_WARN_THIN_LOST, (double)r->thin_voxels, bvxi_advised(r->thin_resolution));
+    bvx_warning *w = BVXI_WARN(ctx, BVX_WARN_THIN_LOST, (double)r->thin_voxels,
+                               bvxi_advised(r->thin_resolution));
     w->input = input;
     bvxi_warn_box(w, lattice, r->thin_box[0], r->thin_box[1]);
 }
@@ -337,6 +323,16 @@ void bvxi_warn_of_solid(bvx_context *ctx, const bvx_grid *solid, bvx_solid_repor
     if (r->mixed_regions != 0)
         BVXI_WARN(ctx, BVX_WARN_MIXED, (double)r->mixed_regions, (double)r->regions, (double)r->mixed_voxels);
     bvxi_warn_of_walls(ctx, &solid->lattice, r, -1);
-    warn_of_voxels(ctx, r);
+
+    /* Half a voxel of surface is always off a little; what a mesh with rows that do not balance encloses is
+     * not known. */
+    double const wanted = bvxi_known_volume(r);
+    double const off = wanted > 0.0 && r->volume > 0.0 ? r->volume / wanted - 1.0 : 0.0;
+    int const large = bvxi_absolute(off) > LOSS_LARGE;
+
+    if (bvxi_absolute(off) > LOSS_MOST && (r->fill_reason != BVX_FILL_REASON_OPEN || r->unbalanced_rows == 0))
+        BVXI_WARN(ctx, large ? BVX_WARN_VOLUME : BVX_WARN_VOXELS, r->volume, wanted, off,
+                  bvxi_advised(r->volume_resolution));
+
     r->warnings = bvxi_warned(ctx);
 }

@@ -340,14 +340,6 @@ bvx_status bvxi_walls_ask(bvxi_walls *t, double limit)
 
 /* ---- What is found ---- */
 
-static void take_into_box(bvxi_wall_report *r, const int32_t at[3])
-{
-    for (int a = 0; a < 3; a++) {
-        if (r->voxels == 0 || at[a] < r->low[a]) r->low[a] = at[a];
-        if (r->voxels == 0 || at[a] > r->high[a]) r->high[a] = at[a];
-    }
-}
-
 /* The walls of one range of thickness. */
 typedef struct wall_range {
     uint64_t count;
@@ -384,16 +376,21 @@ void bvxi_walls_report(bvxi_walls *t, bvxi_wall_report *report)
     for (uint64_t n = 0; n < t->count; n++) {
         const bvxi_wall *const p = &t->point[n];
         int32_t at[3];
-        int bin;
 
         /* No wall here: the place is taken out of the grid too. */
         if (p->wall == BVXI_NO_WALL) {
             t->places.words[t->at[n] / 64] &= ~(UINT64_C(1) << (t->at[n] & 63));
             continue;
         }
-        bin = (int)((double)p->wall * (WALL_BINS / BVXI_THIN_WALL)); /* walls are BVXI_THIN_WALL at most */
+        int bin = (int)((double)p->wall *
+                        (WALL_BINS / BVXI_THIN_WALL)); /* walls are BVXI_THIN_WALL at most */
         bvxi_bit_centre(&t->places, t->at[n], at);
-        take_into_box(report, at);
+
+        for (int a = 0; a < 3; a++) {
+            if (report->voxels == 0 || at[a] < report->low[a]) report->low[a] = at[a];
+            if (report->voxels == 0 || at[a] > report->high[a]) report->high[a] = at[a];
+        }
+
         report->voxels++;
         bins[bin < WALL_BINS ? bin : WALL_BINS - 1].count++;
         bins[bin < WALL_BINS ? bin : WALL_BINS - 1].sum += (double)p->wall;

@@ -53,22 +53,6 @@ static bvx_status check_choices(bvx_context *ctx, bvx_voxelize_options *o)
     return BVX_OK;
 }
 
-static bvx_status check_whole(bvx_context *ctx, const bvx_lattice *lattice, const bvx_voxelize_options *o,
-                              const bvx_window *window)
-{
-    /* Other rules see only what lies in a row. */
-    if (o->fill != BVX_FILL_FLOOD && o->fill != BVX_FILL_REGIONS) return BVX_OK;
-    for (int32_t a = 0; a < 3; a++)
-        if (window->size[a] != lattice->dims[a])
-            return bvxi_fail_for(
-                ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                "%s: the rule %s needs the whole lattice, as what lies in the window depends on what lies "
-                "outside; "
-                "the rule vote takes windows",
-                solid_name, o->fill == BVX_FILL_FLOOD ? "flood" : "regions");
-    return BVX_OK;
-}
-
 static bvx_status check_arguments(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
                                   const bvx_voxelize_options *given, bvx_voxelize_options *o,
                                   bvx_window *window)
@@ -85,7 +69,18 @@ static bvx_status check_arguments(bvx_context *ctx, const bvx_mesh_view *mesh, c
     }
     BVXI_TRY(bvxi_lattice_check(ctx, solid_name, lattice));
     BVXI_TRY(bvxi_window_take(ctx, solid_name, lattice, &o->window, window));
-    return check_whole(ctx, lattice, o, window);
+
+    /* Other rules see only what lies in a row. */
+    if (o->fill != BVX_FILL_FLOOD && o->fill != BVX_FILL_REGIONS) return BVX_OK;
+    for (int32_t a = 0; a < 3; a++)
+        if (window->size[a] != lattice->dims[a])
+            return bvxi_fail_for(
+                ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                "%s: the rule %s needs the whole lattice, as what lies in the window depends on what lies "
+                "outside; "
+                "the rule vote takes windows",
+                solid_name, o->fill == BVX_FILL_FLOOD ? "flood" : "regions");
+    return BVX_OK;
 }
 
 /* ---- The rules ---- */
@@ -215,8 +210,6 @@ static bvx_status see_finer_volume(bvx_context *ctx, const char *function, const
 bvx_status bvxi_see_volume(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                            const bvx_lattice *lattice, int32_t fill, double made, double *volume)
 {
-    bvx_status status;
-
     /* Edges and thin bars put the sums off by the square of the spacing. */
     for (int a = 0; a < 3; a++)
         if (lattice->dims[a] > BVXI_MAX_SIDE / 2) return BVX_OK;
@@ -224,7 +217,7 @@ bvx_status bvxi_see_volume(bvx_context *ctx, const char *function, const bvx_mes
     if (!(*volume > 0.0) || bvxi_absolute(made - *volume) <= FINER_CLOSE * *volume ||
         bvx_grid_bound(lattice, NULL) > FINER_WORDS / 8)
         return BVX_OK;
-    status = BVXI_SCOPE(ctx, see_finer_volume(ctx, function, mesh, lattice, fill, volume));
+    bvx_status status = BVXI_SCOPE(ctx, see_finer_volume(ctx, function, mesh, lattice, fill, volume));
     return status == BVX_ERR_BUDGET ? BVX_OK : status;
 }
 
@@ -252,23 +245,21 @@ static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *
     bvx_solid_report report = {0};
     double filled; /* of the bar, when the rule has filled the grid */
     bvx_window window;
-    bvx_grid made;
-    bvx_status status;
 
     if (solid == NULL) return bvxi_fail_null(context, solid_name, "solid");
     BVXI_TRY(check_arguments(context, mesh, lattice, options, &o, &window));
     bvxi_grid_renew(context, lattice, &window, solid);
 
     /* A copy is filled, so that the caller's grid is untouched until all has gone well. */
-    made = *solid;
+    bvx_grid made = *solid;
     BVXI_TRY(bvxi_grid_open(context, solid_name, lattice, &window, &made));
     report.fill = o.fill;
 
     filled = o.add_shell || o.report != NULL ? 0.3 : 1.0;
-    status = BVXI_SHARE(context, 0.0, filled,
-                        o.fill == BVX_FILL_AUTO
-                            ? bvxi_fill_auto(context, solid_name, mesh, fill_chosen, &made, &report)
-                            : BVXI_SCOPE(context, fill_by_rule(context, mesh, &o, NULL, &made, &report)));
+    bvx_status status = BVXI_SHARE(
+        context, 0.0, filled,
+        o.fill == BVX_FILL_AUTO ? bvxi_fill_auto(context, solid_name, mesh, fill_chosen, &made, &report)
+                                : BVXI_SCOPE(context, fill_by_rule(context, mesh, &o, NULL, &made, &report)));
     if (status == BVX_OK && o.add_shell)
         status = BVXI_SHARE(context, 0.3, 0.45, BVXI_SCOPE(context, add_the_shell(context, mesh, &made)));
     if (status == BVX_OK && o.report != NULL)

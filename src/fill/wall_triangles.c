@@ -62,18 +62,6 @@ static void view_triangles(const bvx_mesh_view *mesh, const uint32_t *corner, ui
     view->triangle_count = count;
 }
 
-/* Blocks of voxels that hold [low, high], cut to the window. */
-static void block_range(const near_job *t, const double low[3], const double high[3], int32_t from[3],
-                        int32_t to[3])
-{
-    for (int a = 0; a < 3; a++) {
-        double const last = (double)t->block_size[a] - 1;
-        double const l = low[a] / t->block, h = high[a] / t->block;
-        from[a] = l > 0 ? (l < last ? (int32_t)l : (int32_t)last) : 0;
-        to[a] = h > 0 ? (h < last ? (int32_t)h : (int32_t)last) : 0;
-    }
-}
-
 static uint8_t *block_row(const near_job *t, int32_t y, int32_t z)
 {
     return t->blocks + ((size_t)z * (size_t)t->block_size[1] + (size_t)y) * (size_t)t->block_size[0];
@@ -95,7 +83,15 @@ static void mark_around(near_job *t, uint64_t bit, double reach, uint8_t mark)
         low[a] = (double)at[a] + 0.5 - far;
         high[a] = (double)at[a] + 0.5 + far;
     }
-    block_range(t, low, high, from, to);
+
+    /* Blocks of voxels that hold [low, high], cut to the window. */
+    for (int a = 0; a < 3; a++) {
+        double const last = (double)t->block_size[a] - 1;
+        double const l = low[a] / t->block, h = high[a] / t->block;
+        from[a] = l > 0 ? (l < last ? (int32_t)l : (int32_t)last) : 0;
+        to[a] = h > 0 ? (h < last ? (int32_t)h : (int32_t)last) : 0;
+    }
+
     for (int a = 0; a < 3 && mark == BESIDE_MARK; a++) {
         from[a] -= from[a] > 0;
         to[a] += to[a] + 1 < t->block_size[a];

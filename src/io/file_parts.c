@@ -67,7 +67,6 @@ bvx_status bvxi_make_file(bvx_context *ctx, const char *what, double from, uint6
                           const bvxi_file_part *part, int32_t parts, bvx_buffer *file)
 {
     file_job job = {0};
-    bvx_status status;
 
     /* The room is for the greatest length, since the true one is only known when the text is made. */
     job.part = part;
@@ -77,7 +76,8 @@ bvx_status bvxi_make_file(bvx_context *ctx, const char *what, double from, uint6
     job.pieces = bvxi_piece_count(most, FILE_PIECE_BYTES);
     BVXI_TRY(bvxi_make_buffer(ctx, head + most, what, file));
     job.bytes = file->bytes + head;
-    status = bvxi_for_pieces(ctx, "write", from, 1.0, job.pieces, job.things, make_file_piece, &job);
+    bvx_status status = bvxi_for_pieces(ctx, "write", from, 1.0, job.pieces, job.things, make_file_piece,
+                                        &job);
     if (status != BVX_OK) {
         bvx_buffer_free(ctx, file);
         return status;

@@ -14,7 +14,6 @@ static bvx_status run_read_sections(bvx_context *context, const void *bytes, uin
     static const char *const function = "bvx_read_sections";
     bvx_read_sections_options o;
     bvxi_contour_file f;
-    bvx_status status;
 
     if (bytes == NULL && size != 0) return bvxi_fail_null(context, function, "bytes");
     BVXI_TRY(bvxi_sections_check_result(context, function, sections));
@@ -33,8 +32,9 @@ static bvx_status run_read_sections(bvx_context *context, const void *bytes, uin
     f.begin = f.p = bytes != NULL ? (const char *)bytes : "";
     f.end = f.begin + (size_t)size;
     f.sections.owned = 1;
-    status = format == BVX_FORMAT_CSL ? bvxi_read_csl(&f)
-                                      : BVXI_SCOPE(context, bvxi_read_contour_table(&f, o.close_gap));
+    bvx_status status = format == BVX_FORMAT_CSL
+                            ? bvxi_read_csl(&f)
+                            : BVXI_SCOPE(context, bvxi_read_contour_table(&f, o.close_gap));
     if (status == BVX_OK) status = bvxi_contour_finish(&f, sections);
     if (status == BVX_OK && o.flipped != NULL) *o.flipped = f.flipped;
 

@@ -144,14 +144,14 @@ static bvx_status bvx_pack(bvx_context *ctx, const bvx_grid *grid, const uint8_t
     uint64_t const grain = 1 + 8192 * slices / bvxi_grid_words(grid); /* of many words, or one slice */
     bvx_packing job = {0};
     bvx_buffer made = {0};
-    bvx_status status;
 
     job.grid = grid;
     job.frame = bvxi_bvx_frame(head);
     job.raw = (uint64_t)grid->size[1] * (uint64_t)grid->words_per_row * 8;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, places, "the places of slices", &job.place));
-    status = BVXI_SHARE(ctx, 0.0, 0.5, bvxi_for(ctx, stage, slices, grain, bvx_measure_piece, &job));
+    bvx_status status = BVXI_SHARE(ctx, 0.0, 0.5,
+                                   bvxi_for(ctx, stage, slices, grain, bvx_measure_piece, &job));
     if (status == BVX_OK)
         status = bvxi_make_buffer(ctx,
                                   bvx_place_slices(job.place, grid->size[2], with_head ? BVXI_BVX_HEAD : 0),

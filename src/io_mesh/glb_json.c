@@ -134,16 +134,6 @@ static void glb_put_extensions(const bvxi_glb_file *file, bvxi_output *out)
         bvxi_output_print(out, "\"extensionsRequired\":[\"" QUANTIZE_EXTENSION "\"],");
 }
 
-/* Where the positions of all levels stand in the world. */
-static void glb_put_frame(const bvxi_file_frame *frame, bvxi_output *out)
-{
-    double const scale[3] = {frame->step, frame->step, frame->step};
-
-    if (frame->origin[0] != 0.0 || frame->origin[1] != 0.0 || frame->origin[2] != 0.0)
-        bvxi_output_print(out, ",\"translation\":[%v]", frame->origin, ",");
-    if (frame->step > 0.0) bvxi_output_print(out, ",\"scale\":[%v]", scale, ",");
-}
-
 /* The nodes of the coarser levels, with hints for the part of the screen below which each level gives way to
  * the next: there the next one has as many triangles on a pixel as the first has when it fills the screen. The
  * last level is never removed. */
@@ -177,7 +167,14 @@ static void glb_put_nodes(const bvxi_glb_file *file, bvxi_output *out)
         if (file->names != NULL) bvxi_output_print(out, "\"name\":%q,", file->names[i]);
         else if (file->levels > 1) bvxi_output_print(out, "\"name\":\"level_%u\",", i);
         bvxi_output_print(out, "\"mesh\":%u", i);
-        glb_put_frame(&file->frame, out);
+
+        /* Where the positions of all levels stand in the world. */
+        double const scale[3] = {file->frame.step, file->frame.step, file->frame.step};
+
+        if (file->frame.origin[0] != 0.0 || file->frame.origin[1] != 0.0 || file->frame.origin[2] != 0.0)
+            bvxi_output_print(out, ",\"translation\":[%v]", file->frame.origin, ",");
+        if (file->frame.step > 0.0) bvxi_output_print(out, ",\"scale\":[%v]", scale, ",");
+
         if (i == 0 && file->names == NULL && file->levels > 1) glb_put_lower_levels(file, out);
         bvxi_output_print(out, "}");
     }

@@ -136,18 +136,6 @@ static uint64_t place_of_name(const bvxi_models *m, const void *name, uint64_t s
     return low;
 }
 
-static bvx_status order_models(bvx_context *ctx, bvxi_models *m)
-{
-    BVXI_TRY(BVXI_ARRAY(ctx, m->count, "the models' order", m->order));
-    for (uint64_t i = 0; i < m->count; i++) {
-        const bvxi_model *const own = &m->model[i];
-        uint16_t *const place = m->order + place_of_name(m, own->entry + 46, own->name, i, 1);
-        memmove(place + 1, place, (size_t)(m->order + i - place) * sizeof *place);
-        *place = (uint16_t)i;
-    }
-    return BVX_OK;
-}
-
 uint64_t bvxi_models_find(const bvxi_models *m, const char *path, uint64_t size)
 {
     if (size == 0 || *path != '/') return m->count;
@@ -177,5 +165,13 @@ bvx_status bvxi_models_open(const bvxi_source *s, const bvx_read_options *o, bvx
         return fail_zip(s, end, "no directory of a zip file ends the file");
     BVXI_TRY(find_models(s, m, begin + offset, p - 22, bvxi_load_u16(p - 12, 0)));
     for (uint64_t i = 0; i < m->count; i++) BVXI_TRY(unpack_model(s, o, &m->model[i]));
-    return order_models(s->ctx, m);
+
+    BVXI_TRY(BVXI_ARRAY(s->ctx, m->count, "the models' order", m->order));
+    for (uint64_t i = 0; i < m->count; i++) {
+        const bvxi_model *const own = &m->model[i];
+        uint16_t *const place = m->order + place_of_name(m, own->entry + 46, own->name, i, 1);
+        memmove(place + 1, place, (size_t)(m->order + i - place) * sizeof *place);
+        *place = (uint16_t)i;
+    }
+    return BVX_OK;
 }

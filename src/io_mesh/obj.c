@@ -361,14 +361,6 @@ static void obj_fill_piece(void *user, int32_t index)
     f->pieces[index].status = obj_read_piece(f, index, NULL);
 }
 
-static bvx_status obj_fill(obj_file *f)
-{
-    BVXI_TRY(bvxi_source_pieces(f->source, 0.25, 1, f->piece_count, obj_fill_piece, f));
-    for (int32_t i = 0; i < f->piece_count; i++) /* again, for its message */
-        if (f->pieces[i].status != BVX_OK) BVXI_TRY(obj_read_piece(f, i, f->source->ctx));
-    return BVX_OK;
-}
-
 /* ---- what is left to do ---- */
 
 /* Whether the first vertex has a colour, and the first face's first corner a texture coordinate. */
@@ -461,18 +453,6 @@ static void obj_finish_uvs(obj_file *f)
     }
 }
 
-static bvx_status obj_read(obj_file *f)
-{
-    /* Counting, making arrays, filling: the second pass relies on counts that the first has made. */
-    BVXI_TRY(obj_count(f));
-    BVXI_TRY(obj_make_arrays(f));
-    BVXI_TRY(obj_fill(f));
-    if (f->triangles == 0) return bvxi_fail(f->source->ctx, BVX_ERR_EMPTY, "OBJ: the file has no face");
-    obj_finish_uvs(f);
-    if (f->colours != NULL) BVXI_TRY(obj_finish_colours(f));
-    return bvxi_cut_fans(f->source, f->mesh, f->fans, f->polygons);
-}
-
 bvx_status bvxi_read_obj(bvxi_source *source, uint32_t *lost, bvx_mesh *mesh)
 {
     obj_file f = {0};
@@ -486,9 +466,20 @@ bvx_status bvxi_read_obj(bvxi_source *source, uint32_t *lost, bvx_mesh *mesh)
                          bvxi_find_byte(source->begin, source->end, '\r') != source->end
                      ? '\r'
                      : '\n';
-    BVXI_TRY(obj_read(&f));
+
+    /* Counting, making arrays, filling: the second pass relies on counts that the first has made. */
+    BVXI_TRY(obj_count(&f));
+    BVXI_TRY(obj_make_arrays(&f));
+
+    BVXI_TRY(bvxi_source_pieces(f.source, 0.25, 1, f.piece_count, obj_fill_piece, &f));
+    for (int32_t i = 0; i < f.piece_count; i++) /* again, for its message */
+        if (f.pieces[i].status != BVX_OK) BVXI_TRY(obj_read_piece(&f, i, f.source->ctx));
+
+    if (f.triangles == 0) return bvxi_fail(f.source->ctx, BVX_ERR_EMPTY, "OBJ: the file has no face");
+    obj_finish_uvs(&f);
+    if (f.colours != NULL) BVXI_TRY(obj_finish_colours(&f));
     *lost = f.painted ? BVX_LOST_MATERIALS : 0;
-    return BVX_OK;
+    return bvxi_cut_fans(f.source, f.mesh, f.fans, f.polygons);
 }
 
 /* ---- Written ---- */

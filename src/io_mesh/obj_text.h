@@ -115,10 +115,9 @@ static inline const char *obj_next_statement(const obj_file *f, const char *p)
 static inline int obj_take_keyword(const obj_file *f, const char **p)
 {
     const char *t = *p;
-    int keyword;
 
     if (f->end - t < 2 || (*t != 'v' && *t != 'f')) return OBJ_OTHER;
-    keyword = *t++;
+    int keyword = *t++;
     if (keyword == OBJ_VERTEX && *t == 't' && f->end - t >= 2) {
         keyword = OBJ_TEXTURE;
         t++;

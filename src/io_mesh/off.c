@@ -434,20 +434,6 @@ static bvx_status off_make_room(off_file *f, uint64_t triangles, uint64_t polygo
     return BVX_OK;
 }
 
-static bvx_status off_take_faces(off_file *f)
-{
-    const char *const start = f->p;
-
-    /* A guess that is right for files of triangles: then one reading is enough. */
-    BVXI_TRY(off_make_room(f, f->face_count, 0));
-    BVXI_TRY(off_take_all_faces(f));
-    if (f->polygon_count == 0) return BVX_OK;
-    BVXI_TRY(off_make_room(f, f->triangle_count, f->polygon_count));
-    f->p = start;
-    BVXI_TRY(off_take_all_faces(f));
-    return bvxi_cut_fans(f->source, f->mesh, f->fans, f->polygon_count);
-}
-
 bvx_status bvxi_read_off(bvxi_source *source, bvx_mesh *mesh)
 {
     off_file f = {0};
@@ -456,7 +442,17 @@ bvx_status bvxi_read_off(bvxi_source *source, bvx_mesh *mesh)
     BVXI_TRY(off_take_keyword(&f));
     BVXI_TRY(off_take_counts(&f));
     BVXI_TRY(off_take_vertices(&f));
-    return off_take_faces(&f);
+
+    const char *const start = f.p;
+
+    /* A guess that is right for files of triangles: then one reading is enough. */
+    BVXI_TRY(off_make_room(&f, f.face_count, 0));
+    BVXI_TRY(off_take_all_faces(&f));
+    if (f.polygon_count == 0) return BVX_OK;
+    BVXI_TRY(off_make_room(&f, f.triangle_count, f.polygon_count));
+    f.p = start;
+    BVXI_TRY(off_take_all_faces(&f));
+    return bvxi_cut_fans(f.source, f.mesh, f.fans, f.polygon_count);
 }
 
 /* ---- Written ---- */

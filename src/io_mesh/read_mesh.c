@@ -77,7 +77,6 @@ static bvx_status run_read_mesh(bvx_context *context, const void *bytes, uint64_
     bvx_mesh made = {0};
     bvx_read_report report = {0};
     bvx_read_options options;
-    bvx_status status;
 
     BVXI_TRY(bvxi_take_options(context, function, given, &options, sizeof options));
     BVXI_TRY(check_read(context, function, bytes, size, format, &options, mesh));
@@ -87,7 +86,7 @@ static bvx_status run_read_mesh(bvx_context *context, const void *bytes, uint64_
     source.begin = bytes;
     source.end = source.begin + (size_t)size;
     source.takes_any = options.drop_nonfinite;
-    status = BVXI_SCOPE(context, read_mesh_as(&source, format, &options, &report.lost, &made));
+    bvx_status status = BVXI_SCOPE(context, read_mesh_as(&source, format, &options, &report.lost, &made));
 
     /* Vertices with odd coordinates are kept by the readers
      * only so that their triangles can be dropped here. */

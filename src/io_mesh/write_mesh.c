@@ -330,10 +330,9 @@ static bvx_status run_write_mesh(bvx_context *context, const bvx_mesh *levels, u
 {
     static const char *const function = "bvx_write_mesh";
     bvx_write_options o;
-    int reported;
 
     BVXI_TRY(take_write_options(context, function, options, &o));
-    reported = o.reports != NULL;
+    int reported = o.reports != NULL;
     if (levels == NULL) return bvxi_fail_null(context, function, "levels");
     if (!reported || file != NULL) BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(check_mesh_format(context, function, format, &o));

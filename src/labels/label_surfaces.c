@@ -664,7 +664,6 @@ static bvx_status run_label_surfaces(bvx_context *ctx, const bvx_volume_view *vo
 {
     bvx_complex made = {.owned = 1};
     label_work w = {.ctx = ctx, .volume = volume, .made = &made};
-    bvx_status status;
 
     if (complex == NULL) return bvxi_fail_null(ctx, surfaces_name, "complex");
     if (complex->owned != 1 && (complex->mesh.positions != NULL || complex->sides != NULL))
@@ -674,7 +673,7 @@ static bvx_status run_label_surfaces(bvx_context *ctx, const bvx_volume_view *vo
     BVXI_TRY(bvxi_volume_check(ctx, surfaces_name, volume, w.stride));
     BVXI_TRY(check_label_options(&w));
     int const fewer = w.options.triangles != 0 || w.options.error > 0;
-    status = BVXI_SHARE(ctx, 0.0, fewer ? 0.3 : 1.0, BVXI_SCOPE(ctx, make_complex(&w)));
+    bvx_status status = BVXI_SHARE(ctx, 0.0, fewer ? 0.3 : 1.0, BVXI_SCOPE(ctx, make_complex(&w)));
     if (status == BVX_OK && fewer)
         status = BVXI_SHARE(
             ctx, 0.3, 1.0,

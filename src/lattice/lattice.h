@@ -48,6 +48,24 @@ static inline int32_t bvxi_floor_shift(int32_t v, int32_t shift)
     return v < 0 ? ~(int32_t)((uint32_t)~v >> shift) : (int32_t)((uint32_t)v >> shift);
 }
 
+/* Floor of a / b for b > 0. */
+static inline int64_t bvxi_floor_div(int64_t a, int64_t b)
+{
+    return a / b - (a % b < 0);
+}
+
+static inline int32_t bvxi_least_of_three(int32_t a, int32_t b, int32_t c)
+{
+    int32_t const m = a < b ? a : b;
+    return m < c ? m : c;
+}
+
+static inline int32_t bvxi_most_of_three(int32_t a, int32_t b, int32_t c)
+{
+    int32_t const m = a > b ? a : b;
+    return m > c ? m : c;
+}
+
 /* Centres of lattice cells with coordinate below q: the lowest index i with i * 2^F + 2^(F-1) >= q.
  * It is also the first index whose displaced centre lies beyond q, as the displacement is positive. */
 static inline int32_t bvxi_centres_below(int32_t q, int32_t fraction_bits)

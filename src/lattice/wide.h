@@ -109,11 +109,10 @@ static inline double bvxi_wide_double(bvxi_wide a)
 static inline int64_t bvxi_wide_floor_div_scaled(bvxi_wide a, int64_t b, int64_t c, int64_t limit)
 {
     double const estimate = bvxi_wide_double(a) / ((double)b * (double)c);
-    int64_t q;
 
     if (estimate > (double)limit) return limit;
     if (estimate < -(double)limit) return -limit;
-    q = (int64_t)estimate;
+    int64_t q = (int64_t)estimate;
     while (bvxi_wide_sign(bvxi_wide_add(a, bvxi_wide_mul(-b, c * q))) < 0) q--;
     while (bvxi_wide_sign(bvxi_wide_add(a, bvxi_wide_mul(-b, c * (q + 1)))) >= 0) q++;
     return q;

@@ -85,9 +85,9 @@ static void depth_by_grid(ends_work *w, double *depth)
     for (int32_t j = low[1]; j <= high[1]; j++)
         for (int32_t i = low[0]; i <= high[0]; i++) {
             double d;
-            uint32_t part;
             if (!bvxi_grid_bit(s, w->plane, i, j)) continue;
-            part = part_of_place(w, s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], &d);
+            uint32_t part = part_of_place(w, s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1],
+                                          &d);
             if (!w->met[part] && d > depth[part]) depth[part] = d;
         }
 }

@@ -453,7 +453,6 @@ bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f, uint32_t lines)
 
     memset(f, 0, sizeof *f);
     f->s = s;
-    f->line_room = lines;
     for (int k = 0; k < (s->options.slabs.blend == BVX_BLEND_CUBIC ? BVXI_BLEND_SECTIONS : 2); k++) {
         BVXI_TRY(BVXI_ARRAY(s->ctx, s->size[0] + 3, "the distances of a section", f->plane[k].column));
         BVXI_TRY(BVXI_ZEROS(s->ctx, lines, "the distances of a section", f->line[k]));

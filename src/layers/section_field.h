@@ -51,7 +51,7 @@ typedef struct bvxi_field {
     uint64_t *crossed;
     uint32_t *before; /* a word of them each: crossings before it */
     uint32_t first;   /* the vertex of the first */
-    uint32_t lines, line_room;
+    uint32_t lines;
     double *line[4]; /* crossings each: distances on both planes, and with signs on those beyond */
     /* the slab's first hanging corner in each row of the grid or behind, and one more */
     uint32_t *hanging_row;

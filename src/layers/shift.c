@@ -241,23 +241,6 @@ static bvx_status add_sections(shift_lattice *l, uint32_t number)
     return BVX_OK;
 }
 
-/* Add the loops of sections between two planes to a stack, whose sections count on from number. */
-static bvx_status shift_between(const bvxi_stack *s, bvxi_discs on[2], bvxi_disc_groups *g, uint32_t number,
-                                bvxi_mended *to)
-{
-    shift_lattice l = {.s = s, .on = on, .g = g, .to = to};
-    lay_shift_lattice(&l);
-    uint64_t const points = (uint64_t)l.size[0] * (uint64_t)l.size[1];
-    BVXI_TRY(BVXI_ARRAY(s->ctx, points, "a section between two", l.value));
-    BVXI_TRY(BVXI_ARRAY(s->ctx, points, "a section between two", l.level));
-    BVXI_TRY(BVXI_ARRAY(s->ctx, (points + 63) / 64, "a section between two", l.seen));
-    BVXI_TRY(add_sections(&l, number));
-    bvxi_drop(s->ctx, l.seen);
-    bvxi_drop(s->ctx, l.level);
-    bvxi_drop(s->ctx, l.value);
-    return BVX_OK;
-}
-
 /* ---- all pairs ---- */
 
 /* Sections are put in where a part moves by more than an eighth of its width, as many as make neighbours overlap by
@@ -318,7 +301,19 @@ static bvx_status shift_pair(const bvxi_stack *s, const bvxi_plane *pair, bvxi_s
     if (g.steps == 1) return BVX_OK;
     to->sections += g.steps - 1;
     to->parts += g.shifted;
-    return shift_between(s, on, &g, number, &to->body);
+
+    /* The loops of the sections between, which count on from number. */
+    shift_lattice l = {.s = s, .on = on, .g = &g, .to = &to->body};
+    lay_shift_lattice(&l);
+    uint64_t const points = (uint64_t)l.size[0] * (uint64_t)l.size[1];
+    BVXI_TRY(BVXI_ARRAY(s->ctx, points, "a section between two", l.value));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, points, "a section between two", l.level));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, (points + 63) / 64, "a section between two", l.seen));
+    BVXI_TRY(add_sections(&l, number));
+    bvxi_drop(s->ctx, l.seen);
+    bvxi_drop(s->ctx, l.level);
+    bvxi_drop(s->ctx, l.value);
+    return BVX_OK;
 }
 
 bvx_status bvxi_shift_stack(const bvxi_stack *s, bvxi_shifted *to)

@@ -450,11 +450,10 @@ static const bvxi_plane *plane_beyond(const bvxi_stack *s, const bvxi_slab *slab
     const bvxi_slab *const b = &slabs[slab];
     uint32_t const last = s->plane_count - 1,
                    levels = s->nesting.count == NULL ? 1 : s->nesting.count[b->below];
-    const bvxi_plane *whole;
 
     /* The first and last section have nothing beyond; a plane without contours would have no distances. */
     if (side == 0 ? b->below == 0 : b->below + 1 == last) return NULL;
-    whole = &s->plane[side == 0 ? b->below - 1 : b->below + 2];
+    const bvxi_plane *whole = &s->plane[side == 0 ? b->below - 1 : b->below + 2];
     if (whole->contour_count == 0) return NULL;
     if (b->plane[0]->whole == NULL) return whole;
     if (s->nesting.joined[b->below] != BVXI_LEVELS_APART) return NULL;

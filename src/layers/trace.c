@@ -264,7 +264,6 @@ static bvx_status gather_ends(bvxi_trace *t)
                 bvxi_trace_end *const e = &t->end[t->end_count++];
                 e->arc = i;
                 e->cut = to ? a->to : a->from;
-                e->is_to = (uint8_t)to;
                 e->k = (uint8_t)k;
                 e->side = (uint8_t)bvxi_side_of(c, t->low);
                 BVXI_TRY(bvxi_trace_add_point(t, p->vertex + c->ring,

@@ -38,7 +38,7 @@ typedef struct bvxi_trace_point {
 
 typedef struct bvxi_trace_end {
     uint32_t arc, cut, point;
-    uint8_t is_to, side, k;
+    uint8_t side, k;
 } bvxi_trace_end;
 
 typedef struct bvxi_trace {

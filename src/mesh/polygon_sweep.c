@@ -245,17 +245,10 @@ static void sweep_bound(polygon_sweep *s, uint32_t interval, uint32_t floor, uin
 }
 
 /* The interval that an edge bounds as its floor, or as its roof; SWEEP_NONE if not simple. */
-static uint32_t sweep_with_floor(polygon_sweep *s, uint32_t edge)
+static uint32_t sweep_with(polygon_sweep *s, uint32_t edge, int roof)
 {
     uint32_t const i = s->interval_of[edge];
-    if (i == SWEEP_NONE || s->intervals[i].floor != edge) s->good = 0;
-    return s->good ? i : SWEEP_NONE;
-}
-
-static uint32_t sweep_with_roof(polygon_sweep *s, uint32_t edge)
-{
-    uint32_t const i = s->interval_of[edge];
-    if (i == SWEEP_NONE || s->intervals[i].roof != edge) s->good = 0;
+    if (i == SWEEP_NONE || (roof ? s->intervals[i].roof : s->intervals[i].floor) != edge) s->good = 0;
     return s->good ? i : SWEEP_NONE;
 }
 
@@ -304,10 +297,10 @@ static void sweep_part(polygon_sweep *s, uint32_t corner, uint32_t before)
 /* Both edges come from the left, the interior between them. */
 static void sweep_end(polygon_sweep *s, uint32_t corner, uint32_t before)
 {
-    uint32_t const i = sweep_with_floor(s, before);
+    uint32_t const i = sweep_with(s, before, 0);
     uint32_t next;
 
-    if (i == SWEEP_NONE || sweep_with_roof(s, corner) != i) {
+    if (i == SWEEP_NONE || sweep_with(s, corner, 1) != i) {
         s->good = 0;
         return;
     }
@@ -323,7 +316,7 @@ static void sweep_end(polygon_sweep *s, uint32_t corner, uint32_t before)
 /* Both edges come from the left, the interior around them: the interval below takes over the one above. */
 static void sweep_merge(polygon_sweep *s, uint32_t corner, uint32_t before)
 {
-    uint32_t const low = sweep_with_roof(s, corner), high = sweep_with_floor(s, before);
+    uint32_t const low = sweep_with(s, corner, 1), high = sweep_with(s, before, 0);
 
     if (!s->good || low == high) {
         s->good = 0;
@@ -350,11 +343,11 @@ static void sweep_corner(polygon_sweep *s, uint32_t corner)
 
     /* One edge comes and one goes: the corner continues a floor or a roof. */
     if (from_left && to_right) {
-        if ((i = sweep_with_floor(s, before)) == SWEEP_NONE) return;
+        if ((i = sweep_with(s, before, 0)) == SWEEP_NONE) return;
         sweep_bound(s, i, corner, s->intervals[i].roof);
         sweep_add_bottom(s, &s->intervals[i], corner);
     } else if (!from_left && !to_right) {
-        if ((i = sweep_with_roof(s, corner)) == SWEEP_NONE) return;
+        if ((i = sweep_with(s, corner, 1)) == SWEEP_NONE) return;
         sweep_bound(s, i, s->intervals[i].floor, before);
         sweep_add_top(s, &s->intervals[i], corner);
     } else {

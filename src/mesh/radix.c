@@ -18,16 +18,6 @@ typedef struct radix_arrays {
     uint64_t count;
 } radix_arrays;
 
-static void swap_radix_arrays(radix_arrays *a)
-{
-    uint64_t *const keys = a->key_from;
-    uint32_t *const numbers = a->number_from;
-    a->key_from = a->key_to;
-    a->key_to = keys;
-    a->number_from = a->number_to;
-    a->number_to = numbers;
-}
-
 /* Bits that are not the same in all keys. */
 static uint64_t differing_bits(const uint64_t *keys, uint64_t count)
 {
@@ -104,7 +94,13 @@ static void sort_radix(bvx_context *ctx, radix_arrays *a)
         bvxi_tasks(ctx, p.pieces, count_radix_piece, &p);
         place_radix_pieces(&p);
         bvxi_tasks(ctx, p.pieces, move_radix_piece, &p);
-        swap_radix_arrays(&p.all);
+
+        uint64_t *const keys = p.all.key_from;
+        uint32_t *const numbers = p.all.number_from;
+        p.all.key_from = p.all.key_to;
+        p.all.key_to = keys;
+        p.all.number_from = p.all.number_to;
+        p.all.number_to = numbers;
     }
     *a = p.all;
 }

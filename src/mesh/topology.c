@@ -251,10 +251,9 @@ static bvx_status check_edges(topology *c)
 static void join_ranges(topology *c)
 {
     for (int32_t i = 0; i < c->ranges; i++) {
-        const uint64_t *pair;
         uint64_t from, to;
         bvxi_piece(c->vertex_count, c->ranges, i, &from, &to);
-        pair = c->entries + first_entry(c, from);
+        const uint64_t *pair = c->entries + first_entry(c, from);
         for (uint64_t n = 0; n < c->counts[i].waiting; n++)
             c->result->components -= (uint64_t)bvxi_join(c->parent, (uint32_t)(pair[n] >> 32),
                                                          (uint32_t)pair[n]);

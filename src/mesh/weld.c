@@ -97,20 +97,6 @@ static void weld_key(const void *user, uint64_t vertex, uint32_t key[BVXI_KEY_WO
     memcpy(key, p, sizeof p);
 }
 
-static bvx_status weld_by_tree(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *representative,
-                               uint64_t *different)
-{
-    bvxi_key_tree tree;
-    BVXI_TRY(bvxi_key_tree_open(ctx, &tree, weld_key, view, view->vertex_count));
-    for (uint64_t i = 0; i < view->vertex_count; i++) {
-        BVXI_TRY(weld_ask(ctx, view, i));
-        representative[i] = (uint32_t)bvxi_key_tree_find(&tree, i);
-        *different += representative[i] == i; /* A vertex that finds itself is the first at its position. */
-    }
-    bvxi_key_tree_close(ctx, &tree);
-    return BVX_OK;
-}
-
 bvx_status bvxi_weld(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *representative,
                      uint64_t *different)
 {
@@ -121,7 +107,16 @@ bvx_status bvxi_weld(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *repr
     bvxi_drop(ctx, table);
     /* No vertex at all has been found different: the mark of a search that was given up. */
     if (status != BVX_OK || *different != 0 || view->vertex_count == 0) return status;
-    return weld_by_tree(ctx, view, representative, different);
+
+    bvxi_key_tree tree;
+    BVXI_TRY(bvxi_key_tree_open(ctx, &tree, weld_key, view, view->vertex_count));
+    for (uint64_t i = 0; i < view->vertex_count; i++) {
+        BVXI_TRY(weld_ask(ctx, view, i));
+        representative[i] = (uint32_t)bvxi_key_tree_find(&tree, i);
+        *different += representative[i] == i; /* A vertex that finds itself is the first at its position. */
+    }
+    bvxi_key_tree_close(ctx, &tree);
+    return BVX_OK;
 }
 
 /* ---- Triangles that are there once ---- */

@@ -121,18 +121,6 @@ static bvx_status measure_side(bvx_context *ctx, distance_job *job, int32_t insi
     return bvxi_transform_run(&t);
 }
 
-static bvx_status measure_grid_distances(bvx_context *ctx, distance_job *job)
-{
-    int32_t const side = job->o.side;
-    const double *const s = job->grid->lattice.spacing;
-    /* Whole numbers are exact and half as large; doubles where squares outgrow 32 bits. */
-    job->whole = s[0] == s[1] && s[0] == s[2] && bvxi_transform_fits_whole(job->grid->size);
-    job->cpu = bvxi_cpu(ctx);
-    if (side != BVX_DISTANCE_SIGNED) return measure_side(ctx, job, side == BVX_DISTANCE_INSIDE, 0.0, 1.0);
-    BVXI_TRY(measure_side(ctx, job, 0, 0.0, 0.5));
-    return measure_side(ctx, job, 1, 0.5, 1.0);
-}
-
 static const bvxi_option distance_rows[] = {
     BVXI_CHOICE(bvx_distance_options, side, BVX_DISTANCE_OUTSIDE, BVX_DISTANCE_SIGNED),
     BVXI_CHOICE(bvx_distance_options, beyond, BVX_BEYOND_NOTHING, BVX_BEYOND_SET),
@@ -213,7 +201,16 @@ static bvx_status run_grid_distance(bvx_context *context, const bvx_grid *grid,
     if (value_type == BVX_SQUARES) BVXI_TRY(check_squares(context, function, &job));
     job.values = values;
     job.value_type = value_type;
-    return measure_grid_distances(context, &job);
+
+    int32_t const side = job.o.side;
+    const double *const s = job.grid->lattice.spacing;
+    /* Whole numbers are exact and half as large; doubles where squares outgrow 32 bits. */
+    job.whole = s[0] == s[1] && s[0] == s[2] && bvxi_transform_fits_whole(job.grid->size);
+    job.cpu = bvxi_cpu(context);
+    if (side != BVX_DISTANCE_SIGNED)
+        return measure_side(context, &job, side == BVX_DISTANCE_INSIDE, 0.0, 1.0);
+    BVXI_TRY(measure_side(context, &job, 0, 0.0, 0.5));
+    return measure_side(context, &job, 1, 0.5, 1.0);
 }
 
 bvx_status bvx_grid_distance(bvx_context *context, const bvx_grid *grid, const bvx_distance_options *options,

@@ -217,7 +217,6 @@ static bvx_status run_grid_hollow(bvx_context *context, const bvx_grid *grid,
     bvx_hollow_options o;
     bvx_hollow_report report;
     bvx_window window;
-    bvx_status status;
 
     memset(&report, 0, sizeof report);
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
@@ -232,7 +231,8 @@ static bvx_status run_grid_hollow(bvx_context *context, const bvx_grid *grid,
     bvx_grid made = *result;
     BVXI_TRY(bvxi_grid_open(context, function, &grid->lattice, &window, &made));
     bvx_grid hollow = made;
-    status = bvxi_alloc(context, BVXI_SCRATCH, bvxi_grid_words(grid) * 8, "the hollow", &hollow.words);
+    bvx_status status = bvxi_alloc(context, BVXI_SCRATCH, bvxi_grid_words(grid) * 8, "the hollow",
+                                   &hollow.words);
     if (status == BVX_OK) status = make_shell(context, function, grid, &o, &hollow, &made, &report);
     BVXI_TRY(bvxi_grid_put(context, status, &made, result));
     if (o.report != NULL) *o.report = report;

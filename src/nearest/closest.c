@@ -36,13 +36,6 @@ typedef struct closest_visit {
     uint32_t node; /* in its level */
 } closest_visit;
 
-static void set_closest_limit(closest_search *s)
-{
-    /* Limits are of boxes, whose units and rounding are not those of triangles. */
-    double const d = sqrt(s->best->distance2) * s->tree->box_scale + s->margin;
-    s->limit = d * d;
-}
-
 /* The triangle at a place of the curve lies so far off. */
 static inline void take_closest(closest_search *s, uint32_t place, double distance2)
 {
@@ -53,7 +46,10 @@ static inline void take_closest(closest_search *s, uint32_t place, double distan
     s->best->distance2 = distance2;
     s->best->triangle = number;
     s->best->place = place;
-    set_closest_limit(s);
+
+    /* Limits are of boxes, whose units and rounding are not those of triangles. */
+    double const d = sqrt(s->best->distance2) * s->tree->box_scale + s->margin;
+    s->limit = d * d;
 }
 
 static void try_closest_triangle(closest_search *s, uint32_t place)

@@ -305,12 +305,12 @@ bvx_status bvxi_mesh_crossings(bvx_context *ctx, const char *function, const bvx
 {
     uint64_t const mark = bvxi_scratch_begin(ctx);
     crossings_job job;
-    bvx_status status;
     memset(&job, 0, sizeof job);
     job.view = mesh->view;
     job.representative = mesh->representative;
-    status = bvxi_closest_build(bvxi_call_of(ctx, NULL, "crossings", 0.0, 0.3), mesh->view, mesh->low,
-                                mesh->high, bvxi_unit_scale(mesh->low, mesh->high), &job.tree);
+    bvx_status status = bvxi_closest_build(bvxi_call_of(ctx, NULL, "crossings", 0.0, 0.3), mesh->view,
+                                           mesh->low, mesh->high, bvxi_unit_scale(mesh->low, mesh->high),
+                                           &job.tree);
     if (status == BVX_OK) status = give_crossings(ctx, function, &job, count, pairs, capacity);
     return bvxi_scratch_end(ctx, mark, status);
 }

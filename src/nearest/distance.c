@@ -43,16 +43,6 @@ static double distance_random(uint64_t key, uint64_t counter)
     return (double)(distance_mix(key + (counter + 1) * UINT64_C(0x9e3779b97f4a7c15)) >> 11) * 0x1p-53;
 }
 
-/* One after the other, since sums of doubles depend on their order. */
-static void add_curve_areas(const bvxi_closest_tree *tree, double *area_before)
-{
-    double sum = 0.0, t[3][3], n[3];
-    for (uint64_t i = 0; i < tree->triangle_count; i++) {
-        bvxi_closest_corners(tree, i, t);
-        area_before[i] = sum += bvxi_facet_normal((const double(*)[3])t, n);
-    }
-}
-
 /* Which place of the curve owns a share of the area; never that of a triangle without area. */
 static uint64_t owner_of_area(const double *area_before, uint64_t count, double share)
 {
@@ -122,7 +112,14 @@ static bvx_status measure_distance_one_way(bvx_context *ctx, const bvxi_closest_
 
     BVXI_TRY(BVXI_ARRAY(ctx, from->triangle_count, "the distance's areas", areas));
     BVXI_TRY(BVXI_ARRAY(ctx, (uint64_t)blocks, "the distance's sums", sums));
-    add_curve_areas(from, areas);
+
+    /* One after the other, since sums of doubles depend on their order. */
+    double sum = 0.0, t[3][3], n[3];
+    for (uint64_t i = 0; i < from->triangle_count; i++) {
+        bvxi_closest_corners(from, i, t);
+        areas[i] = sum += bvxi_facet_normal((const double(*)[3])t, n);
+    }
+
     w.area_before = areas;
     w.sums = sums;
     BVXI_TRY(bvxi_for_pieces(ctx, "distance", progress, progress + 0.4, blocks, w.samples,

@@ -19,16 +19,6 @@ static void order_near_corners(bvxi_near_pairs *p)
     }
 }
 
-static void gather_near_corners(const bvxi_nearest *n, bvxi_near_pairs *p)
-{
-    for (int32_t i = 0; i < p->count; i++) {
-        double t[3][3];
-        bvxi_near_corners(n, p->triangle[i], t);
-        for (int v = 0; v < 9; v++) p->corner[v][i] = t[v / 3][v % 3];
-    }
-    if (n->by_planes) order_near_corners(p);
-}
-
 static void evaluate_near_pair(bvxi_near_pairs *p, int32_t i)
 {
     double const point[3] = {p->point[0][i], p->point[1][i], p->point[2][i]};
@@ -53,7 +43,13 @@ static void evaluate_near_pair(bvxi_near_pairs *p, int32_t i)
 
 void bvxi_near_evaluate(const bvxi_nearest *n, int32_t fast, bvxi_near_pairs *pairs)
 {
-    gather_near_corners(n, pairs);
+    for (int32_t i = 0; i < pairs->count; i++) {
+        double t[3][3];
+        bvxi_near_corners(n, pairs->triangle[i], t);
+        for (int v = 0; v < 9; v++) pairs->corner[v][i] = t[v / 3][v % 3];
+    }
+    if (n->by_planes) order_near_corners(pairs);
+
 #if BVXI_HAVE_AVX2
     if (fast) {
         evaluate_near_fours_avx2(pairs);

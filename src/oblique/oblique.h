@@ -156,9 +156,9 @@ typedef struct bvxi_oblique {
     double *position;
     uint8_t *kept; /* [vertex] scratch: it has a point's coordinates; it stands for a body that stays */
     uint32_t *triangle;
-    uint32_t *owner;  /* the tetrahedron of each triangle after those of plain cells */
-    uint32_t *output; /* [tetra vertex] of those on contours */
-    uint64_t plain_positions, plain_triangles; /* of plain cells, which come first */
+    uint32_t *owner;          /* the tetrahedron of each triangle after those of plain cells */
+    uint32_t *output;         /* [tetra vertex] of those on contours */
+    uint64_t plain_triangles; /* of plain cells, which come first */
     uint64_t position_count, position_room, triangle_count, triangle_room, owner_room, output_room;
 } bvxi_oblique;
 

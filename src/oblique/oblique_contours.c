@@ -134,7 +134,6 @@ static bvx_status insert_point(bvxi_oblique *o, uint32_t plane, const double giv
     double const height = bvxi_oblique_height(p, given);
     double const at[3] = {given[0] - height * p->normal[0], given[1] - height * p->normal[1],
                           given[2] - height * p->normal[2]};
-    const bvxi_tetra *t;
     plane_face f;
     uint32_t end[2];
     int n = 0;
@@ -144,7 +143,7 @@ static bvx_status insert_point(bvxi_oblique *o, uint32_t plane, const double giv
     if (f.tetra == BVXI_NONE) return BVX_OK;
 
     /* Two vertices at one place would have an edge of no length: an old one that is as near is taken. */
-    t = &o->tetra[f.tetra];
+    const bvxi_tetra *t = &o->tetra[f.tetra];
     for (int k = 0; k < 4; k++) {
         double square = 0.0;
         for (int x = 0; x < 3; x++)

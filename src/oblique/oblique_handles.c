@@ -411,17 +411,6 @@ static bvx_status settle_surface_patch(handle_work *w, int32_t handles)
     return BVX_OK;
 }
 
-/* Vertices put into edges that stayed on their side get the number between their ends': with the small one,
- * which let them change first, the surface would reach out to them. */
-static void give_middle_numbers(const bvxi_oblique *o, uint64_t first)
-{
-    for (uint64_t v = first; v < o->vertex_count; v++) {
-        bvxi_tetra_vertex *const x = &o->vertex[v];
-        float const middle = 0.5F * (o->vertex[x->parent[0]].value + o->vertex[x->parent[1]].value);
-        if ((x->sign > 0 && middle > 0.0F) || (x->sign < 0 && middle < 0.0F)) x->value = middle;
-    }
-}
-
 bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t *settled)
 {
     handle_work w = {.o = o, .triangles = o->triangle_count};
@@ -439,7 +428,14 @@ bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t
         BVXI_TRY(look_around_patch(&w, owner, t));
         w.done = 0.6 + 0.4 * t / (double)w.triangles;
         BVXI_TRY(settle_surface_patch(&w, handles));
-        give_middle_numbers(o, vertices);
+
+        /* Vertices put into edges that stayed on their side get the number between their ends': with the
+         * small one, which let them change first, the surface would reach out to them. */
+        for (uint64_t v = vertices; v < o->vertex_count; v++) {
+            bvxi_tetra_vertex *const x = &o->vertex[v];
+            float const middle = 0.5F * (o->vertex[x->parent[0]].value + o->vertex[x->parent[1]].value);
+            if ((x->sign > 0 && middle > 0.0F) || (x->sign < 0 && middle < 0.0F)) x->value = middle;
+        }
     }
     *settled = w.settled;
     o->handles_left = found > *settled ? found - *settled : 0;

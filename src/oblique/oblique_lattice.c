@@ -186,14 +186,13 @@ static bvx_status know_round(bvxi_oblique *o, uint32_t i)
         int const d[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
         int32_t b[3];
         int out = n == 13;
-        uint64_t block;
         for (int k = 0; k < 3; k++) {
             b[k] = first[k] / BVXI_BLOCK_SIDE + d[k];
             out |= b[k] < 0 || b[k] >= o->blocks[k];
         }
         if (out) continue;
-        block = ((uint64_t)b[2] * (uint64_t)o->blocks[1] + (uint64_t)b[1]) * (uint64_t)o->blocks[0] +
-                (uint64_t)b[0];
+        uint64_t block = ((uint64_t)b[2] * (uint64_t)o->blocks[1] + (uint64_t)b[1]) * (uint64_t)o->blocks[0] +
+                         (uint64_t)b[0];
         if (o->block_at[block] < 0 &&
             disagrees(o, o->value + (uint64_t)i * BVXI_BLOCK_SIZE, d, o->block_kind[block]))
             BVXI_TRY(know_block(o, block));
@@ -338,9 +337,8 @@ int bvxi_oblique_in_cube(const bvxi_oblique_plane *p, const int32_t first[3], do
     for (int c = 0; c < 8; c++)
         for (int k = 0; k < 3; k++) {
             int const e = c | 1 << k;
-            double t;
             if (e == c || (height[c] < 0.0) == (height[e] < 0.0)) continue;
-            t = height[c] / (height[c] - height[e]);
+            double t = height[c] / (height[c] - height[e]);
             for (int x = 0; x < 3; x++)
                 at[x] += first[x] + (c >> x & 1 ? side : 0.0) + (x == k ? t * side : 0.0);
             count += 1.0;

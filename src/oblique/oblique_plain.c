@@ -256,7 +256,7 @@ static bvx_status number_plain(bvxi_oblique *o, plain_job *job)
                                  "%s: the surface has more than 2^31 triangles", o->function);
     }
     job->triangles[o->known_count] = (uint32_t)triangles;
-    o->position_count = o->plain_positions = vertices;
+    o->position_count = vertices;
     o->triangle_count = o->plain_triangles = triangles;
     return BVX_OK;
 }

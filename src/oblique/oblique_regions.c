@@ -107,13 +107,12 @@ static void settle_kinds(bvxi_oblique *o, oblique_region_work *w, uint32_t plane
     for (uint32_t v_at = 0; v_at < 3; v_at++)
         for (uint64_t i = begin; i < end; i++) {
             double at[3][2], area;
-            uint32_t root;
             bvxi_tetra_face(&o->tetra[w->face[i] / 4], (int)(w->face[i] % 4), v);
             if (o->vertex[v[v_at]].sign == 0) continue;
             for (int k = 0; k < 3; k++) bvxi_oblique_uv(&o->plane[plane], o->vertex[v[k]].at, at[k]);
             area = bvxi_absolute((at[1][0] - at[0][0]) * (at[2][1] - at[0][1]) -
                                  (at[1][1] - at[0][1]) * (at[2][0] - at[0][0]));
-            root = bvxi_root(w->joined, v[v_at]);
+            uint32_t root = bvxi_root(w->joined, v[v_at]);
             if (w->vote[root] == 0.0) w->kind[root] = o->vertex[v[v_at]].value;
             w->vote[root] += w->kind[root] == o->vertex[v[v_at]].value ? area : -area;
             if (w->vote[root] >= 0.0) continue;

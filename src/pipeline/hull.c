@@ -56,10 +56,9 @@ static bvx_status find_body(hull_job *job)
 {
     bvxi_repair_job *const r = &job->repair;
     bvx_grid *const grid[4] = {&r->solid, &job->outside, &job->ends, &job->sheets};
-    uint64_t words;
 
     for (int i = 0; i < 4; i++) BVXI_TRY(open_hull_grid(job, grid[i]));
-    words = bvxi_grid_words(&r->solid);
+    uint64_t words = bvxi_grid_words(&r->solid);
     r->grid_bytes = words * 8;
     BVXI_TRY(BVXI_SHARE(r->ctx, 0.0, 0.95,
                         BVXI_SCOPE(r->ctx, bvxi_outside(r->ctx, hull_name, &r->mesh, job->options->close_gaps,
@@ -112,10 +111,9 @@ static void walk_edge(const hull_job *job, hull_edge *e, uint8_t *mark)
     for (int a = 0; a < 3; a++) centre[a] = l->origin[a] + ((double)e->voxel[0][a] + 0.5) * l->spacing[a];
     for (int end = 0; end < 2; end++) {
         const int32_t *const v = e->voxel[end];
-        uint64_t n;
 
         if (!bvx_grid_get(&e->thin->where, v[0], v[1], v[2])) continue;
-        n = bvxi_sparse_index(e->thin, v[0], v[1], v[2]);
+        uint64_t n = bvxi_sparse_index(e->thin, v[0], v[1], v[2]);
         next[end] = e->listed->offsets[n];
         last[end] = e->listed->offsets[n + 1];
     }
@@ -123,13 +121,12 @@ static void walk_edge(const hull_job *job, hull_edge *e, uint8_t *mark)
         uint32_t const of[2] = {next[0] < last[0] ? e->listed->triangles[next[0]] : UINT32_MAX,
                                 next[1] < last[1] ? e->listed->triangles[next[1]] : UINT32_MAX};
         uint32_t const t = of[0] < of[1] ? of[0] : of[1];
-        double place;
 
         /* Both voxels may list a triangle, in the same order. */
         next[0] += of[0] == t;
         next[1] += of[1] == t;
         bvxi_view_corners(&job->repair.mesh, t, p);
-        place = crossing_on_edge((const double(*)[3])p, centre, e->axis, length);
+        double place = crossing_on_edge((const double(*)[3])p, centre, e->axis, length);
         if (place < 0) continue;
         if (mark != NULL) mark[t] |= HULL_SHEET;
         if (!e->outside[0]) place = length - place;
@@ -241,11 +238,10 @@ static bvx_status find_outer(hull_job *job)
     bvx_attached listed = {0};
     bvx_surface_options const o = {.struct_size = sizeof o, .mode = BVX_SURFACE_THIN, .attached = &listed};
     bvx_grid thin;
-    bvx_status status;
 
     BVXI_TRY(open_hull_grid(job, &thin));
-    status = BVXI_SHARE(ctx, 0.0, 0.8,
-                        bvx_voxelize_surface(ctx, &job->repair.mesh, &job->repair.lattice, &o, &thin));
+    bvx_status status = BVXI_SHARE(
+        ctx, 0.0, 0.8, bvx_voxelize_surface(ctx, &job->repair.mesh, &job->repair.lattice, &o, &thin));
     if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.8, 1.0, list_outer(job, &thin, &listed));
     bvx_attached_free(ctx, &listed);
     return status;
@@ -353,7 +349,6 @@ static bvx_status run_hull(bvx_context *context, const bvx_mesh_view *mesh, cons
     hull_job job = {.report = {.lids = 0}};
     bvx_hull_options o;
     double low[3], high[3];
-    bvx_status status;
 
     if (levels == NULL) return bvxi_fail_null(context, hull_name, "levels");
     BVXI_TRY(bvxi_take_options(context, hull_name, options, &o, sizeof o));
@@ -382,7 +377,7 @@ static bvx_status run_hull(bvx_context *context, const bvx_mesh_view *mesh, cons
     job.repair.given = mesh;
     job.repair.mesh = *mesh;
     job.repair.fill = BVX_FILL_PARITY; /* lids over openings are cut in the middle */
-    status = hull_steps(&job, &chain);
+    bvx_status status = hull_steps(&job, &chain);
     if (status != BVX_OK) bvxi_levels_drop(context, levels, level_count);
     if (status != BVX_OK || o.report == NULL) return status;
     warn_of_hull(&job, &chain);

@@ -73,13 +73,12 @@ static bvx_status extract_block(octree_mesh_job *job, const int32_t b[3])
 {
     bvx_grid grid = {0};
     bvx_window w;
-    bvx_status status;
 
     block_window(job, b, &w);
     /* The block at the finest level; its open sides are left to others. */
     BVXI_TRY(bvx_octree_expand(job->ctx, job->tree, job->tree->levels, job->states, &w, &grid));
     job->options.open_sides = open_sides_of_block(job, b);
-    status = bvx_extract_surface(job->ctx, &grid, &job->options, &job->part[job->part_count]);
+    bvx_status status = bvx_extract_surface(job->ctx, &grid, &job->options, &job->part[job->part_count]);
     bvx_grid_free(job->ctx, &grid);
     if (status == BVX_OK) job->part_count++;
     return status;

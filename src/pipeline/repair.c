@@ -24,11 +24,6 @@ static const bvxi_option repair_rows[] = {
     BVXI_CHOICE(bvx_repair_options, thin, BVX_THIN_KEEP, BVX_THIN_SHELL),
 };
 
-static bvx_status check_repair_choices(bvx_context *ctx, bvx_repair_options *o)
-{
-    return bvxi_check_options(ctx, bvxi_repair_name, o, BVXI_OPTIONS(repair_rows));
-}
-
 static bvx_status check_repair_lattice(bvx_context *ctx, bvx_repair_options *o)
 {
     /* A lattice has its resolution: nothing is left to look for. */
@@ -184,15 +179,13 @@ bvx_status bvxi_repair_known(bvx_context *context, const bvx_mesh_view *mesh, co
 {
     bvx_repair_options o;
     bvxi_repair_job job;
-    bvx_status status;
-    int mine;
 
     if (repaired == NULL) return bvxi_fail_null(context, bvxi_repair_name, "repaired");
     BVXI_TRY(bvxi_take_options(context, bvxi_repair_name, options, &o, sizeof o));
     /* The result is not the mesh that it is made of. */
     BVXI_TRY(bvxi_view_check(context, bvxi_repair_name, mesh));
     BVXI_TRY(bvxi_view_apart(context, bvxi_repair_name, mesh, repaired));
-    BVXI_TRY(check_repair_choices(context, &o));
+    BVXI_TRY(bvxi_check_options(context, bvxi_repair_name, &o, BVXI_OPTIONS(repair_rows)));
     BVXI_TRY(check_repair_lattice(context, &o));
     memset(&job, 0, sizeof job);
     job.ctx = context;
@@ -200,8 +193,8 @@ bvx_status bvxi_repair_known(bvx_context *context, const bvx_mesh_view *mesh, co
     job.given = mesh;
     job.known = known;
     job.facts.handles = -1;
-    mine = repaired->positions == NULL;
-    status = repair_steps(&job, repaired);
+    int mine = repaired->positions == NULL;
+    bvx_status status = repair_steps(&job, repaired);
     if (status == BVX_OK && o.report != NULL) {
         *o.report = job.report;
         *facts = job.facts;

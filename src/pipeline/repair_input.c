@@ -199,10 +199,9 @@ static bvx_status turn_inside_out(bvxi_repair_job *job, const uint32_t *represen
 
     for (uint64_t t = 0; t < triangles; t++) {
         uint32_t v[3];
-        int turned;
 
         bvxi_view_triangle(&mesh, t, v);
-        turned = turn[bvxi_piece_mark(&mesh, by, t)];
+        int turned = turn[bvxi_piece_mark(&mesh, by, t)];
         job->corner[3 * t] = v[0];
         job->corner[3 * t + 1] = v[turned ? 2 : 1];
         job->corner[3 * t + 2] = v[turned ? 1 : 2];

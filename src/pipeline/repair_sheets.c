@@ -150,11 +150,10 @@ static double vector_length(const double v[3])
 /* 1 when the voxel that holds a place is set. [Units: voxels of the window] */
 static int is_set_at(const bvx_grid *solid, const double at[3])
 {
-    size_t row;
     /* Beyond the window nothing is set. */
     for (int a = 0; a < 3; a++)
         if (!(at[a] >= 0 && at[a] < (double)solid->size[a])) return 0;
-    row = (size_t)at[2] * (size_t)solid->size[1] + (size_t)at[1];
+    size_t row = (size_t)at[2] * (size_t)solid->size[1] + (size_t)at[1];
     return (int)(solid->words[row * (size_t)solid->words_per_row + ((size_t)at[0] >> 6)] >>
                      ((size_t)at[0] & 63) &
                  1);
@@ -357,9 +356,8 @@ static bvx_status list_parted(bvxi_repair_job *job, const all_sums *sums)
                             &job->parted));
     bvxi_repair_view(job, job->parted + 3 * next[1], sheet_triangles, &job->sheets);
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
-        const piece_sums *piece;
         bvxi_view_triangle(&job->mesh, t, c);
-        piece = sums_of(job, sums, c[0]);
+        const piece_sums *piece = sums_of(job, sums, c[0]);
         if (piece->area > 0) memcpy(job->parted + 3 * next[is_sheet(piece)]++, c, sizeof c);
     }
     bvxi_repair_view(job, job->parted, next[0], &job->body);

@@ -22,12 +22,12 @@ static bvx_status measure_mesh(bvxi_repair_job *job, const bvxi_sparse *v, const
     double const guess = (off + bvxi_largest_spacing(&job->lattice)) * (1 + 1e-6);
     double const part = 0.5 * (from + to);
     bvxi_nearest *nearest = NULL;
-    bvx_status status;
 
     BVXI_TRY(bvxi_nearest_open(bvxi_call_of(job->ctx, bvxi_repair_name, "measure", from, part), mesh,
                                &job->lattice, &nearest));
     bvxi_nearest_prefer_planes(nearest);
-    status = bvxi_nearest_fill(bvxi_call_of(job->ctx, NULL, "measure", part, to), nearest, guess, v);
+    bvx_status status = bvxi_nearest_fill(bvxi_call_of(job->ctx, NULL, "measure", part, to), nearest, guess,
+                                          v);
     bvxi_nearest_close(job->ctx, nearest);
     return status;
 }
@@ -64,14 +64,6 @@ static bvx_status measure_with_shells(bvxi_repair_job *job, const bvxi_sparse *v
     BVXI_TRY(measure_mesh(job, &sheets, &job->sheets, thick, 0.5, 1.0));
     join_values(job, v, thick, &sheets);
     return BVX_OK;
-}
-
-/* Where is measured: both ends of each crossed edge. */
-static bvx_status open_ends(bvxi_repair_job *job, bvxi_sparse *v)
-{
-    BVXI_TRY(bvxi_sparse_open(job->ctx, &job->inside, v));
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.0, bvxi_ends_mark(job->ctx, &job->inside, NULL, &v->where)));
-    return bvxi_sparse_rank(job->ctx, v);
 }
 
 /* What is measured, in doubles; triangles where edges are sharp, in the order of job->body. */
@@ -134,7 +126,11 @@ bvx_status bvxi_repair_surface(bvxi_repair_job *job, bvx_mesh *repaired)
 {
     bvxi_sparse v = {.count = 0};
 
-    BVXI_TRY(open_ends(job, &v));
+    /* Where is measured: both ends of each crossed edge. */
+    BVXI_TRY(bvxi_sparse_open(job->ctx, &job->inside, &v));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.0, bvxi_ends_mark(job->ctx, &job->inside, NULL, &v.where)));
+    BVXI_TRY(bvxi_sparse_rank(job->ctx, &v));
+
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.5, open_values(job, &v)));
 
     /* Lids lie where the winding number is a half; parity has none. */

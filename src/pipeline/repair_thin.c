@@ -54,7 +54,6 @@ static bvx_status thicken(repair_walls *t)
 bvx_status bvxi_repair_thicken(bvxi_repair_job *job)
 {
     repair_walls t;
-    bvx_status status;
 
     /* What an earlier resolution found goes. */
     bvxi_thin_close(job->ctx, &job->thin);
@@ -74,7 +73,7 @@ bvx_status bvxi_repair_thicken(bvxi_repair_job *job)
     t.walls.unoriented = job->fill == BVX_FILL_VOTE;
     t.walls.open = job->holes.loops != 0 ? BVXI_WALLS_HOLES : BVXI_WALLS_CLOSED;
 
-    status = bvxi_walls_open(&t.walls);
+    bvx_status status = bvxi_walls_open(&t.walls);
     if (status == BVX_OK) status = thicken(&t);
     bvxi_walls_close(&t.walls);
     return status;

@@ -123,10 +123,10 @@ typedef struct crumb_job {
 static uint64_t crumb_word(const crumb_job *job, int32_t k, int32_t y, int32_t z)
 {
     const bvx_grid *const g = job->inside;
-    uint64_t w;
     /* Beyond the window is not of the part. */
     if (k < 0 || y < 0 || z < 0 || k >= g->words_per_row || y >= g->size[1] || z >= g->size[2]) return 0;
-    w = g->words[((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row + (size_t)k];
+    uint64_t w =
+        g->words[((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row + (size_t)k];
     return job->empty ? ~w : w;
 }
 

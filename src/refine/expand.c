@@ -161,7 +161,6 @@ static bvx_status run_octree_expand(bvx_context *context, const bvx_octree *tree
     expand_job job = {.tree = tree, .level = level};
     bvx_lattice lattice;
     bvx_window w;
-    uint64_t rows;
 
     if (grid == NULL) return bvxi_fail_null(context, "bvx_octree_expand", "grid");
     BVXI_TRY(check_expand_arguments(context, tree, level, states, window, &lattice, &w));
@@ -180,7 +179,7 @@ static bvx_status run_octree_expand(bvx_context *context, const bvx_octree *tree
         job.first[a] = w.low[a] >> level;
         job.last[a] = (job.high[a] - 1) >> level;
     }
-    rows = (uint64_t)(job.last[1] - job.first[1] + 1) * (uint64_t)(job.last[2] - job.first[2] + 1);
+    uint64_t rows = (uint64_t)(job.last[1] - job.first[1] + 1) * (uint64_t)(job.last[2] - job.first[2] + 1);
     return bvxi_grid_put(context, bvxi_for(context, "octree", rows, 1, expand_piece, &job), &made, grid);
 }
 

@@ -214,16 +214,20 @@ static bvx_status run_refinement(bvxi_refine_job *job)
                                     : status;
 }
 
-/* A start level that was chosen, not requested, gives way to the base when memory does not allow it. */
-static bvx_status refine_from_start(bvxi_refine_job *job, int32_t asked)
+static bvx_status refine_mesh(bvxi_refine_job *job, const bvx_lattice *base, bvx_refine_options *o)
 {
+    BVXI_TRY(last_lattice(job->ctx, base, o->levels, &job->tree->lattice));
+    BVXI_TRY(bvxi_snap(job->ctx, bvx_refine_name, job->view, &job->tree->lattice, &job->snapped));
+    BVXI_TRY(take_refine_window(job, o));
+
+    /* A start level that was chosen, not requested, gives way to the base when memory does not allow it. */
     uint64_t const mark = bvxi_scratch_begin(job->ctx);
 
-    job->start = asked >= 0 ? asked : choose_start(job);
+    job->start = o->start_level >= 0 ? o->start_level : choose_start(job);
     bvx_status status = run_refinement(job);
 
     /* From the base on less memory is needed: lists in place of one large grid. */
-    if (status == BVX_ERR_BUDGET && asked < 0 && job->start > 0) {
+    if (status == BVX_ERR_BUDGET && o->start_level < 0 && job->start > 0) {
         drop_octets(job, 0);
         bvxi_octets_close(job->ctx, &job->tree->root);
         (void)bvxi_scratch_end(job->ctx, mark, status);
@@ -233,14 +237,6 @@ static bvx_status refine_from_start(bvxi_refine_job *job, int32_t asked)
         status = run_refinement(job);
     }
     return status;
-}
-
-static bvx_status refine_mesh(bvxi_refine_job *job, const bvx_lattice *base, bvx_refine_options *o)
-{
-    BVXI_TRY(last_lattice(job->ctx, base, o->levels, &job->tree->lattice));
-    BVXI_TRY(bvxi_snap(job->ctx, bvx_refine_name, job->view, &job->tree->lattice, &job->snapped));
-    BVXI_TRY(take_refine_window(job, o));
-    return refine_from_start(job, o->start_level);
 }
 
 static bvx_status run_refine(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *base,

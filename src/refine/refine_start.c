@@ -15,18 +15,6 @@ static const char refine_name[] = "bvx_refine";
 
 /* ---- one triangle among large voxels ---- */
 
-static inline int32_t start_least(int32_t a, int32_t b, int32_t c)
-{
-    int32_t const ab = a < b ? a : b;
-    return ab < c ? ab : c;
-}
-
-static inline int32_t start_most(int32_t a, int32_t b, int32_t c)
-{
-    int32_t const ab = a > b ? a : b;
-    return ab > c ? ab : c;
-}
-
 /* A run cut to the window and the tile. */
 static inline void touch_cut_run(bvxi_surface_tile *tile, int32_t j, int32_t k, int32_t x0, int32_t x1,
                                  uint32_t t)
@@ -83,8 +71,8 @@ static void touch_large_voxels(bvxi_surface_tile *tile, const bvxi_refine_job *r
     for (int c = 0; c < 3; c++) memcpy(p[c], tile->job->snapped.xyz + 3 * (size_t)corner[c], sizeof p[c]);
     for (int a = 0; a < 3; a++) {
         /* A corner on a plane between voxels touches both: the low end goes one unit down. */
-        low[a] = bvxi_floor_shift(start_least(p[0][a], p[1][a], p[2][a]) - 1, f);
-        high[a] = bvxi_floor_shift(start_most(p[0][a], p[1][a], p[2][a]), f);
+        low[a] = bvxi_floor_shift(bvxi_least_of_three(p[0][a], p[1][a], p[2][a]) - 1, f);
+        high[a] = bvxi_floor_shift(bvxi_most_of_three(p[0][a], p[1][a], p[2][a]), f);
         thick += high[a] > low[a];
         if (high[a] - low[a] > widest) widest = high[a] - low[a];
     }

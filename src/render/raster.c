@@ -33,12 +33,6 @@ void bvxi_raster_clear(const bvxi_raster *raster, bvxi_raster_rows rows)
     for (size_t i = begin; i < end; i++) raster->depth[i] = BVXI_RASTER_FAR;
 }
 
-static int64_t raster_floor_div(int64_t n, int64_t d)
-{
-    int64_t const q = n / d;
-    return q - (n % d < 0);
-}
-
 /* Let the edge from a down to b (a above b) take part in the spans of rows [begin, end), which it crosses. */
 static void raster_edge(raster_span *span, int32_t first, int32_t begin, int32_t end, const int32_t a[2],
                         const int32_t b[2], int32_t bits)
@@ -48,12 +42,12 @@ static void raster_edge(raster_span *span, int32_t first, int32_t begin, int32_t
     int64_t const y = ((int64_t)begin * 2 + 1) * half;
     /* first sample at or right of it: floor(n / unit) */
     int64_t const n = (a[0] - half) * dy + dx * (y - a[1]) + unit - 1;
-    int64_t x = raster_floor_div(n, unit), rest = n - x * unit;
+    int64_t x = bvxi_floor_div(n, unit), rest = n - x * unit;
     int64_t step = 0, step_rest = 0;
 
     /* A single row needs no step, and most edges are that short. */
     if (end - begin > 1) {
-        step = raster_floor_div(dx, dy);
+        step = bvxi_floor_div(dx, dy);
         step_rest = (dx - step * dy) * ((int64_t)1 << bits);
     }
 

@@ -35,22 +35,19 @@ typedef struct mesh_scene {
 
 /* ---- the cut ---- */
 
-/* Corners of a triangle [Units: world * unit]. */
-static void scaled_corners(const mesh_scene *s, uint64_t t, double p[3][3])
+/* What the cut leaves of a triangle, turned; the number of its corners. */
+static int32_t cut_corners(const mesh_scene *s, uint64_t t, double q[BVXI_CUT_MOST][3])
 {
+    double p[3][3];
+
+    /* Corners of a triangle [Units: world * unit]. */
     uint32_t c[3];
     bvxi_view_triangle(s->view, t, c);
     for (int k = 0; k < 3; k++) {
         bvxi_view_position(s->view, c[k], p[k]);
         for (int a = 0; a < 3; a++) p[k][a] *= s->picture.camera.unit;
     }
-}
 
-/* What the cut leaves of a triangle, turned; the number of its corners. */
-static int32_t cut_corners(const mesh_scene *s, uint64_t t, double q[BVXI_CUT_MOST][3])
-{
-    double p[3][3];
-    scaled_corners(s, t, p);
     int32_t const n = bvxi_cut_triangle(&s->cut, (const double(*)[3])p, q);
     for (int32_t k = 0; k < n; k++) {
         double const at[3] = {q[k][0], q[k][1], q[k][2]};

@@ -42,13 +42,7 @@ static inline int bvxi_beyond_plane(const bvxi_triangle *t, int32_t fraction_bit
 /* First centre of row (j, k) beyond the plane, by bisection between the triangle's own ends. */
 int32_t bvxi_cross_exact(const bvxi_triangle *t, int32_t fraction_bits, int32_t j, int32_t k);
 
-/* Floor and ceiling of a / b for b > 0. */
-static inline int64_t bvxi_floor_div(int64_t a, int64_t b)
-{
-    int64_t const q = a / b;
-    return q - (a % b < 0);
-}
-
+/* Ceiling of a / b for b > 0. */
 static inline int64_t bvxi_ceil_div(int64_t a, int64_t b)
 {
     int64_t const q = a / b;

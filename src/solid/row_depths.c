@@ -65,7 +65,6 @@ bvx_status bvxi_row_depths(bvx_context *ctx, bvxi_solid_job *job, const bvx_latt
 {
     bvx_solid_report unused = {0};
     bvx_grid rows = {0}; /* a shape without words: nothing is filled */
-    bvx_status status;
 
     rows.lattice = *lattice;
     for (int32_t a = 0; a < 3; a++) rows.size[a] = lattice->dims[a];
@@ -73,7 +72,8 @@ bvx_status bvxi_row_depths(bvx_context *ctx, bvxi_solid_job *job, const bvx_latt
 
     job->user = depths;
     job->take_lists = look_at_depth_block;
-    status = bvxi_solid_fill(bvxi_solid_step(ctx, job, from, to), job, &rows, 0, BVX_FILL_NONZERO, &unused);
+    bvx_status status = bvxi_solid_fill(bvxi_solid_step(ctx, job, from, to), job, &rows, 0, BVX_FILL_NONZERO,
+                                        &unused);
     job->take_lists = NULL;
     job->user = NULL;
     return status;

@@ -118,15 +118,15 @@ static void solve_rows(void *user, int32_t tile)
             uint64_t const begin = row == 0 ? 0 : job->lists.row_end[row - 1];
             uint32_t const n = (uint32_t)(job->lists.row_end[row] - begin);
             uint64_t *const words = bvxi_block_words(job, j, k);
-            uint64_t lost;
             /* Balanced rows have their bits already. */
             if (job->listed != NULL && !job->listed[row]) continue;
             memset(words, 0, row_bytes);
             if (n == 0) continue;
 
             bvxi_sort_i32(job->lists.crossing + begin, n);
-            lost = job->fill == BVX_FILL_PARITY ? fill_parity(job, words, job->lists.crossing + begin, n)
-                                                : fill_nonzero(job, words, job->lists.crossing + begin, n);
+            uint64_t lost = job->fill == BVX_FILL_PARITY
+                                ? fill_parity(job, words, job->lists.crossing + begin, n)
+                                : fill_nonzero(job, words, job->lists.crossing + begin, n);
             crossings += n;
             unbalanced += lost != 0;
         }

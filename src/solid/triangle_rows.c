@@ -28,18 +28,6 @@ int32_t bvxi_cross_exact(const bvxi_triangle *t, int32_t fraction_bits, int32_t 
     return low;
 }
 
-static inline int32_t least_of_three(int32_t a, int32_t b, int32_t c)
-{
-    int32_t const m = a < b ? a : b;
-    return m < c ? m : c;
-}
-
-static inline int32_t most_of_three(int32_t a, int32_t b, int32_t c)
-{
-    int32_t const m = a > b ? a : b;
-    return m > c ? m : c;
-}
-
 /* Rows of the triangle's box, from the cells of its corners, cut to the rows requested. */
 static int box_rows(const uint32_t *cell, const uint32_t corner[3], bvxi_rows asked, bvxi_rows *r)
 {
@@ -49,10 +37,10 @@ static int box_rows(const uint32_t *cell, const uint32_t corner[3], bvxi_rows as
         y[i] = (int32_t)(cell[corner[i]] & 0xffff);
         z[i] = (int32_t)(cell[corner[i]] >> 16);
     }
-    r->j0 = least_of_three(y[0], y[1], y[2]);
-    r->j1 = most_of_three(y[0], y[1], y[2]);
-    r->k0 = least_of_three(z[0], z[1], z[2]);
-    r->k1 = most_of_three(z[0], z[1], z[2]);
+    r->j0 = bvxi_least_of_three(y[0], y[1], y[2]);
+    r->j1 = bvxi_most_of_three(y[0], y[1], y[2]);
+    r->k0 = bvxi_least_of_three(z[0], z[1], z[2]);
+    r->k1 = bvxi_most_of_three(z[0], z[1], z[2]);
 
     if (r->j0 < asked.j0) r->j0 = asked.j0;
     if (r->j1 > asked.j1) r->j1 = asked.j1;
@@ -80,8 +68,8 @@ void bvxi_cover_spans(const bvxi_solid_job *job, bvxi_rows rows, uint32_t triang
     if (!bvxi_triangle_setup(p[0], p[1], p[2], &t)) return;
     bvxi_triangle_walk(&t, job->snapped.axis);
     for (int32_t a = 1; a < 3; a++)
-        extent[a] = (double)((int64_t)most_of_three(p[0][a], p[1][a], p[2][a]) -
-                             least_of_three(p[0][a], p[1][a], p[2][a]));
+        extent[a] = (double)((int64_t)bvxi_most_of_three(p[0][a], p[1][a], p[2][a]) -
+                             bvxi_least_of_three(p[0][a], p[1][a], p[2][a]));
     bvxi_divider_setup(&t, f, extent[1], extent[2], &d);
     for (int32_t k = r.k0; k < r.k1; k++) {
         int64_t const y0 = (job->block.y0 + r.j0) * step + half, z = (job->block.z0 + k) * step + half;

@@ -223,9 +223,8 @@ BVXI_VECTOR_INLINE void emit_slot(const bvxi_march *m, uint64_t slot, const uint
 BVXI_VECTOR_INLINE void emit_piece(const bvxi_march *m, int32_t piece, int fast)
 {
     uint64_t begin, end;
-    const uint32_t *piece_end;
     bvxi_piece(m->slot_count, m->pieces, piece, &begin, &end);
-    piece_end = m->mesh->triangles + 3 * (size_t)m->slots[end].triangle;
+    const uint32_t *piece_end = m->mesh->triangles + 3 * (size_t)m->slots[end].triangle;
     for (uint64_t s = begin; s < end; s++) emit_slot(m, s, piece_end, fast);
 }
 

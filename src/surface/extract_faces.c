@@ -17,7 +17,6 @@ static bvx_status run_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *gri
                             const bvx_faces_options *options, bvx_mesh *mesh)
 {
     uint64_t *empty;
-    bvx_status status;
 
     bvx_faces_options *const o = &f->options;
     BVXI_TRY(bvxi_take_options(ctx, f->function, options, o, sizeof *o));
@@ -38,7 +37,7 @@ static bvx_status run_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *gri
     uint64_t const empty_bytes = (uint64_t)grid->words_per_row * 8;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, empty_bytes, "an empty row", &empty));
     f->empty_row = empty;
-    status = f->options.merged ? bvxi_faces_merge(ctx, f, mesh) : bvxi_faces_single(ctx, f, mesh);
+    bvx_status status = f->options.merged ? bvxi_faces_merge(ctx, f, mesh) : bvxi_faces_single(ctx, f, mesh);
     bvxi_drop(ctx, empty);
     return status;
 }

@@ -6,7 +6,7 @@
  * then listed; their corners are bits whose rank is the vertex.
  * Guarantee: each exposed face lies in one rectangle; planes by axis x, y, z, then rising, the side of the
  * normal along - before the one along +, in a plane by their first faces; no thread shows in it. */
-#include "bits/bits.h"
+#include "bits/runs.h"
 #include "mesh/mesh.h"
 #include "surface/faces.h"
 
@@ -30,14 +30,6 @@ typedef struct face_merge {
     bvxi_rank rank;
 } face_merge;
 
-/* Bits of [begin, end) in word k, which the run meets. */
-static inline uint64_t run_in_word(int32_t begin, int32_t end, int32_t k)
-{
-    int32_t const low = begin - k * BVXI_WORD_BITS, high = end - k * BVXI_WORD_BITS;
-    uint64_t const head = low > 0 ? ~UINT64_C(0) << low : ~UINT64_C(0);
-    return high < BVXI_WORD_BITS ? head & ((UINT64_C(1) << high) - 1) : head;
-}
-
 /* The first clear bit from a set one on, or the end of the words. */
 static int32_t end_of_run(const uint64_t *row, int32_t words, int32_t begin)
 {
@@ -56,8 +48,8 @@ static int take_run(uint64_t *row, int32_t begin, int32_t end)
     int32_t const first = begin / BVXI_WORD_BITS, last = (end - 1) / BVXI_WORD_BITS;
     /* First look, then clear: a run that is not whole stays for a rectangle of its own. */
     for (int32_t k = first; k <= last; k++)
-        if ((~row[k] & run_in_word(begin, end, k)) != 0) return 0;
-    for (int32_t k = first; k <= last; k++) row[k] &= ~run_in_word(begin, end, k);
+        if ((~row[k] & bvxi_run_mask(begin, end, k)) != 0) return 0;
+    for (int32_t k = first; k <= last; k++) row[k] &= ~bvxi_run_mask(begin, end, k);
     return 1;
 }
 
@@ -214,9 +206,9 @@ static void emit_rectangles(void *user, uint64_t begin, uint64_t end)
 static bvx_status emit_merged(bvx_context *ctx, face_merge *m, bvx_mesh *mesh)
 {
     int const mine = mesh->positions == NULL;
-    bvx_status status;
     BVXI_TRY(bvxi_faces_open_mesh(ctx, m->f, mesh));
-    status = bvxi_for_ranges(ctx, "faces", 0.6, 0.8, m->f->pieces, m->f->row_count, emit_corner_rows, m);
+    bvx_status status = bvxi_for_ranges(ctx, "faces", 0.6, 0.8, m->f->pieces, m->f->row_count,
+                                        emit_corner_rows, m);
     if (status == BVX_OK)
         status = BVXI_SHARE(ctx, 0.8, 1.0,
                             bvxi_for(ctx, "faces", m->f->face_count, RECTANGLE_GRAIN, emit_rectangles, m));

@@ -99,10 +99,9 @@ static uint64_t turn_sides(const bvxi_sharp_work *w, uint64_t slot, const bvxi_c
     for (int32_t i = 0; i < l->corners; i++) {
         int32_t const next = i + 1 < l->corners ? i + 1 : 0;
         int32_t const face = bvxi_face_of_edges(l->edge[i], l->edge[next]);
-        const bvxi_sharp_loop *beside;
         /* Each face is decided once, by the cell on its negative side. */
         if ((face & 1) == 0 || bvxi_face_is_cut_twice(c->cell_case, face)) continue;
-        beside = sharp_beside(w, slot, c->x, face);
+        const bvxi_sharp_loop *beside = sharp_beside(w, slot, c->x, face);
         if (beside == NULL || !better_turned(w, l->vertex[i], l->vertex[next], s->apex, beside->apex))
             continue;
         s->turned = (uint8_t)(s->turned | 1u << (face >> 1));
@@ -136,11 +135,10 @@ static uint64_t kept_before(const bvxi_sharp_work *w, uint64_t loop)
 static uint32_t apex_beyond(const bvxi_sharp_work *w, uint64_t slot, const bvxi_cell_walk *c,
                             const bvxi_sharp_loop *s, int32_t face)
 {
-    const bvxi_sharp_loop *beside;
     /* The mark of a turned side stands with the cell on its negative side. */
     if (!s->alone || ((face & 1) != 0 && (s->turned >> (face >> 1) & 1) == 0)) return UINT32_MAX;
     if (bvxi_face_is_cut_twice(c->cell_case, face)) return UINT32_MAX;
-    beside = sharp_beside(w, slot, c->x, face);
+    const bvxi_sharp_loop *beside = sharp_beside(w, slot, c->x, face);
     if (beside == NULL || ((face & 1) == 0 && (beside->turned >> (face >> 1) & 1) == 0)) return UINT32_MAX;
     return (uint32_t)w->march->vertex_count + beside->before;
 }
@@ -241,7 +239,6 @@ static bvx_status write_sharp(bvx_context *ctx, bvxi_sharp_work *w, uint32_t kep
 {
     const bvxi_march *const m = w->march;
     int const mine = surface->positions == NULL;
-    bvx_status status;
     BVXI_TRY(bvxi_mesh_open(ctx, m->function, m->options.position_type, 0, m->vertex_count + kept,
                             m->triangle_count + 2 * (uint64_t)kept, surface));
     memcpy(surface->frame, m->mesh->frame, sizeof surface->frame);
@@ -260,7 +257,8 @@ static bvx_status write_sharp(bvx_context *ctx, bvxi_sharp_work *w, uint32_t kep
             else ((double *)w->surface->positions)[to + a] = s->apex[a];
     }
 
-    status = bvxi_for_ranges(ctx, "sharp edges", 0.8, 1.0, m->pieces, m->slot_count, write_sharp_piece, w);
+    bvx_status status = bvxi_for_ranges(ctx, "sharp edges", 0.8, 1.0, m->pieces, m->slot_count,
+                                        write_sharp_piece, w);
     return bvxi_mesh_made(ctx, status, mine, surface);
 }
 

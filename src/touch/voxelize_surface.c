@@ -138,17 +138,6 @@ static bvx_status open_helpers(bvx_context *ctx, bvxi_surface_job *job)
     return BVX_OK;
 }
 
-/* Sums of whole numbers and sets of bits: in any order the same. */
-static bvx_status close_helpers(bvx_context *ctx, bvxi_surface_job *job, double at)
-{
-    if (job->helper_count == 0) return BVX_OK;
-    for (int32_t h = 0; h < job->helper_count; h++) join_counts(job, &job->helpers[h].job);
-    BVXI_TRY(bvxi_each(ctx, "surface", at, at, job->size[2], join_slice, job));
-    bvxi_drop(ctx, job->helper_words);
-    bvxi_drop(ctx, job->helpers);
-    return BVX_OK;
-}
-
 static bvx_status touch_tiles(bvx_context *ctx, bvxi_surface_job *job, int32_t task, double from, double to)
 {
     double const bytes = (double)bvxi_grid_words(job->grid) * 8.0 * NANOSECONDS_A_BYTE;
@@ -169,14 +158,14 @@ static bvx_status touch_tiles(bvx_context *ctx, bvxi_surface_job *job, int32_t t
     BVXI_TRY(open_helpers(ctx, job));
     BVXI_TRY(bvxi_parallel_long(ctx, "surface", middle, to, job->pieces, triangles / (double)job->pieces,
                                 touch_only_tile, job));
-    return close_helpers(ctx, job, to);
-}
 
-/* Filling has moved each place to its voxel's end, which is where the next one begins. */
-static void restore_places(uint64_t *offset, uint64_t voxels)
-{
-    for (uint64_t v = voxels; v > 0; v--) offset[v] = offset[v - 1];
-    offset[0] = 0;
+    /* Sums of whole numbers and sets of bits: in any order the same. */
+    if (job->helper_count == 0) return BVX_OK;
+    for (int32_t h = 0; h < job->helper_count; h++) join_counts(job, &job->helpers[h].job);
+    BVXI_TRY(bvxi_each(ctx, "surface", to, to, job->size[2], join_slice, job));
+    bvxi_drop(ctx, job->helper_words);
+    bvxi_drop(ctx, job->helpers);
+    return BVX_OK;
 }
 
 static bvx_status fill_lists(bvx_context *ctx, bvxi_surface_job *job, uint64_t voxels, bvx_attached *made)
@@ -196,7 +185,11 @@ static bvx_status fill_lists(bvx_context *ctx, bvxi_surface_job *job, uint64_t v
     /* The second run must see the same as the first, so it begins with the same marks. */
     memset(job->last, 0, (size_t)voxels * 4);
     BVXI_TRY(touch_tiles(ctx, job, BVXI_TOUCH_LIST, 0.7, 1.0));
-    restore_places(made->offsets, voxels);
+
+    /* Filling has moved each place to its voxel's end, which is where the next one begins. */
+    for (uint64_t v = voxels; v > 0; v--) made->offsets[v] = made->offsets[v - 1];
+    made->offsets[0] = 0;
+
     return BVX_OK;
 }
 

@@ -113,7 +113,6 @@ static bvx_status plant_edge_tree(bvx_context *ctx, edge_table *t)
 static bvx_status grow_edge_tree(bvx_context *ctx, edge_table *t)
 {
     edge_table larger;
-    bvx_status status;
 
     /* A size of its own: as large only as the edges that still wait require. */
     BVXI_TRY(open_edge_table(ctx, 2 * (t->used + 3) > t->size ? 2 * t->size : t->size, &larger));
@@ -123,9 +122,10 @@ static bvx_status grow_edge_tree(bvx_context *ctx, edge_table *t)
         larger.net[larger.used++] = t->net[i];
     }
     close_edge_table(ctx, t);
-    status = larger.size > UINT32_MAX ? bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                                                      "more than 2^31 edges of one triangle wait for another")
-                                      : plant_edge_tree(ctx, &larger);
+    bvx_status status = larger.size > UINT32_MAX
+                            ? bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                            "more than 2^31 edges of one triangle wait for another")
+                            : plant_edge_tree(ctx, &larger);
     *t = larger;
     return status;
 }

@@ -237,12 +237,12 @@ bvx_status bvxi_holes_open_rule(bvx_context *ctx, const char *function, const bv
                                 const bvx_lattice *lattice, int32_t fill, bvxi_holes *holes)
 {
     bvxi_snapped snapped;
-    bvx_status status;
     memset(holes, 0, sizeof *holes);
     /* Corners are checked here, as snapping trusts them. */
     BVXI_TRY(bvxi_holes_check_corners(ctx, function, view));
     BVXI_TRY(bvxi_snap(ctx, function, view, lattice, &snapped));
-    status = BVXI_SHARE(ctx, 0.1, 1.0, open_holes(ctx, view, &snapped, fill != BVX_FILL_WINDING, holes));
+    bvx_status status = BVXI_SHARE(ctx, 0.1, 1.0,
+                                   open_holes(ctx, view, &snapped, fill != BVX_FILL_WINDING, holes));
     bvxi_snap_free(ctx, &snapped);
     return status;
 }

@@ -65,9 +65,8 @@ static inline double bvxi_sheet_distance(const double a[3], const double b[3])
 /* What loops order[i] .. order[j - 1] are from far off. */
 static inline const bvxi_sheet_node *bvxi_sheet_group(const bvxi_sheet *s, uint64_t i, uint64_t j)
 {
-    uint64_t begin;
     if (j - i > 1) return &s->group[i + (j - i) / 2];
-    begin = bvxi_loop_begin(s->holes, s->order[i]);
+    uint64_t begin = bvxi_loop_begin(s->holes, s->order[i]);
     return &s->node[begin + (s->holes->loop_end[s->order[i]] - 1 - begin) / 2];
 }
 
