@@ -293,6 +293,18 @@ static void buckets_piece(void *user, int32_t index)
     }
 }
 
+/* The corners of some triangles, and where these come from. */
+static void ranks_piece(void *user, int32_t index)
+{
+    const collapse_order *const o = user;
+    uint64_t const n = o->view->triangle_count;
+    uint64_t begin, end;
+
+    bvxi_piece(n, bvxi_piece_count(n, COLLAPSE_GRAIN), index, &begin, &end);
+    for (uint64_t t = begin; t < end; t++)
+        o->index[t] = (uint32_t)(t << 2) | (uint32_t)ranked_triangle(o, t, o->c->origin + 3 * t);
+}
+
 /* Triangles by their least vertex, which comes first, and the ones after it: the order depends on the mesh
  * alone. */
 static bvx_status order_triangles(bvxi_collapse *c, collapse_order *o)
@@ -304,10 +316,8 @@ static bvx_status order_triangles(bvxi_collapse *c, collapse_order *o)
     BVXI_TRY(
         bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, (c->mesh.vertices + 1) * 4, "the triangles' vertices", &begin));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 12, "the mesh's corners", &c->origin));
-    for (uint64_t t = 0; t < n; t++) {
-        o->index[t] = (uint32_t)(t << 2) | (uint32_t)ranked_triangle(o, t, c->origin + 3 * t);
-        begin[c->origin[3 * t]]++;
-    }
+    bvxi_tasks(c->ctx, bvxi_piece_count(n, COLLAPSE_GRAIN), ranks_piece, o);
+    for (uint64_t t = 0; t < n; t++) begin[c->origin[3 * t]]++;
     for (uint64_t i = 0; i <= c->mesh.vertices; i++) {
         uint64_t const own = begin[i];
 

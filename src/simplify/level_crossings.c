@@ -23,6 +23,7 @@ enum {
     BOUNDS = 2 * (3 + CROSSING_SLANTS),
     BOX_HIGHEST = 32767,
     CROSSING_GRAIN = 64,  /* nodes of a task, at least */
+    CROSSING_AHEAD = 16,  /* triangles */
     CROSSING_KEYS = 16384 /* pairs that there is room for before they are counted */
 };
 
@@ -69,12 +70,12 @@ BVXI_VECTOR_INLINE uint32_t overlaps_along(const int16_t *bound, const bvxi_shor
     return ~bvxi_shorts_bits(apart) & 0xff;
 }
 
-static uint32_t overlaps(const box_node *node, const box_query *q)
+BVXI_VECTOR_INLINE uint32_t overlaps(const box_node *node, const box_query *q)
 {
     return overlaps_along(node->bound[0], q->bound, 6);
 }
 
-static uint32_t overlaps_leaf(const crossing_tree *tree, uint64_t node, const box_query *q)
+BVXI_VECTOR_INLINE uint32_t overlaps_leaf(const crossing_tree *tree, uint64_t node, const box_query *q)
 {
     uint32_t const bits = overlaps(&tree->node[0][node], q);
 
@@ -194,6 +195,16 @@ static void corners_in(const crossing_tree *tree, const uint32_t *v, const doubl
     for (int k = 0; k < 3; k++) p[k] = tree->at + v[k] * tree->at_step;
 }
 
+/* The boxes of some nodes to the level above them. */
+static void put_above(const crossing_tree *tree, int32_t level, uint64_t begin, uint64_t end)
+{
+    for (uint64_t i = begin; i < end; i++) {
+        triangle_box const box = box_of_all(&tree->node[level][i]);
+
+        put_box(&tree->node[level + 1][i / WIDTH], i, &box);
+    }
+}
+
 static void leaf_piece(void *user, int32_t index)
 {
     const crossing_job *const job = user;
@@ -207,21 +218,17 @@ static void leaf_piece(void *user, int32_t index)
         triangle_box box;
         const double *p[3];
 
+        /* Memory that a later one needs is requested before its turn. */
+        if (is_alive(tree, t + CROSSING_AHEAD)) {
+            corners_in(tree, vertices_in(tree, t + CROSSING_AHEAD), p);
+            for (int k = 0; k < 3; k++) BVXI_PREFETCH(p[k]);
+        }
         if (!is_alive(tree, t)) continue;
         corners_in(tree, vertices_in(tree, t), p);
         put_box_of(tree, p, &box);
         put_leaf(tree, t, &box);
     }
-}
-
-static void upper_boxes(const crossing_tree *tree, int32_t level)
-{
-    empty_bounds(tree->node[level][0].bound[0], tree->nodes[level] * 6 * WIDTH);
-    for (uint64_t i = 0; i < tree->nodes[level - 1]; i++) {
-        triangle_box const box = box_of_all(&tree->node[level - 1][i]);
-
-        put_box(&tree->node[level][i / WIDTH], i, &box);
-    }
+    if (tree->levels > 1) put_above(tree, 0, begin, end);
 }
 
 bvx_status bvxi_crossing_tree_open(bvx_context *ctx, crossing_tree *tree)
@@ -243,10 +250,11 @@ bvx_status bvxi_crossing_tree_open(bvx_context *ctx, crossing_tree *tree)
     for (int32_t l = 0; l < tree->levels; l++) {
         tree->node[l] = block;
         block += tree->nodes[l];
+        if (l > 0) empty_bounds(tree->node[l][0].bound[0], tree->nodes[l] * 6 * WIDTH);
     }
     job.pieces = bvxi_piece_count(tree->nodes[0], CROSSING_GRAIN);
     bvxi_tasks(ctx, job.pieces, leaf_piece, &job);
-    for (int32_t l = 1; l < tree->levels; l++) upper_boxes(tree, l);
+    for (int32_t l = 1; l + 1 < tree->levels; l++) put_above(tree, l, 0, tree->nodes[l]);
     return BVX_OK;
 }
 
