@@ -460,6 +460,17 @@ static bvx_status sweep_ranges(collapse_sweep *s)
     return BVX_OK;
 }
 
+/* 1: one of the next eight vertices may be tried. */
+static int any_of_eight(const collapse_sweep *s, int ranged, uint64_t v)
+{
+    uint64_t waits = 1;
+    int cheap = 0;
+
+    if (ranged) memcpy(&waits, s->c->waits + v, sizeof waits);
+    for (uint64_t k = v; k < v + 8 && waits != 0; k++) cheap |= s->c->least[k] <= s->threshold;
+    return cheap;
+}
+
 bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint64_t *done)
 {
     uint64_t const begun = c->counts.collapsed;
@@ -486,13 +497,10 @@ bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint
     /* What reaches over the ranges' borders, or all. */
     r.order = c->order;
     for (uint64_t v = 0, n = c->mesh.vertices; v < n; v++) {
-        /* Few wait: eight are looked at at once. */
-        if (ranged && v + 8 <= n) {
-            uint64_t eight;
-
-            memcpy(&eight, c->waits + v, sizeof eight);
-            v += eight == 0 ? 7 : 0;
-            if (eight == 0) continue;
+        /* Few wait, and few are that cheap: eight are looked at at once. */
+        if (v + 8 <= n && !any_of_eight(&s, ranged, v)) {
+            v += 7;
+            continue;
         }
         if ((ranged && !c->waits[v]) || !(c->least[v] <= s.threshold)) continue;
         if (c->mesh.left <= target + r.triangles) break;

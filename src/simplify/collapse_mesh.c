@@ -293,20 +293,31 @@ static void buckets_piece(void *user, int32_t index)
     }
 }
 
+/* The corners of some triangles, and where these come from. */
+static void ranks_piece(void *user, int32_t index)
+{
+    const collapse_order *const o = user;
+    uint64_t const n = o->view->triangle_count;
+    uint64_t begin, end;
+
+    bvxi_piece(n, bvxi_piece_count(n, COLLAPSE_GRAIN), index, &begin, &end);
+    for (uint64_t t = begin; t < end; t++)
+        o->index[t] = (uint32_t)(t << 2) | (uint32_t)ranked_triangle(o, t, o->c->origin + 3 * t);
+}
+
 /* Triangles by their least vertex, which comes first, and the ones after it: the order depends on the mesh
  * alone. */
 static bvx_status order_triangles(bvxi_collapse *c, collapse_order *o)
 {
     uint64_t const n = o->view->triangle_count;
-    uint32_t *begin, v[3];
+    uint32_t *begin;
     uint64_t sum = 0;
 
     BVXI_TRY(
         bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, (c->mesh.vertices + 1) * 4, "the triangles' vertices", &begin));
-    for (uint64_t t = 0; t < n; t++) {
-        ranked_triangle(o, t, v);
-        begin[v[0]]++;
-    }
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 12, "the mesh's corners", &c->origin));
+    bvxi_tasks(c->ctx, bvxi_piece_count(n, COLLAPSE_GRAIN), ranks_piece, o);
+    for (uint64_t t = 0; t < n; t++) begin[c->origin[3 * t]]++;
     for (uint64_t i = 0; i <= c->mesh.vertices; i++) {
         uint64_t const own = begin[i];
 
@@ -314,12 +325,11 @@ static bvx_status order_triangles(bvxi_collapse *c, collapse_order *o)
         sum += own;
     }
     for (uint64_t t = 0; t < n; t++) {
-        int const first = ranked_triangle(o, t, v);
-        bvxi_corner_triangle *const to = &c->mesh.triangle[begin[v[0]]++];
+        bvxi_corner_triangle *const to = &c->mesh.triangle[begin[c->origin[3 * t]]++];
 
         /* Where it comes from waits in a field that is not set yet. */
-        memcpy(to->vertex, v, sizeof v);
-        to->left[0] = (int32_t)(t << 2) | first;
+        memcpy(to->vertex, c->origin + 3 * t, sizeof to->vertex);
+        to->left[0] = (int32_t)o->index[t];
     }
 
     o->begin = begin;
@@ -430,7 +440,7 @@ static void add_plane(bvxi_corner_vertex *at, const double n[3], double weight)
 
 /* Each triangle's plane to those of its corners from begin to end, by area; b, 0 after add_lines, sums the triangles'
  * area normals. Its doubled area waits in a field that is not set yet. */
-static void add_planes(bvxi_collapse *c, uint64_t begin, uint64_t end)
+BVXI_VECTOR_INLINE void add_planes(bvxi_collapse *c, uint64_t begin, uint64_t end)
 {
     const bvxi_corners *const m = &c->mesh;
 
@@ -464,6 +474,8 @@ static void add_planes(bvxi_collapse *c, uint64_t begin, uint64_t end)
     }
 }
 
+BVXI_AVX2_COPY(add_planes_avx2, (bvxi_collapse * c, uint64_t begin, uint64_t end), add_planes(c, begin, end))
+
 /* The squared distance to the line through each vertex along its normal, b: to the vertex, less that along the
  * normal. */
 static void add_lines(bvxi_collapse *c, uint64_t begin, uint64_t end)
@@ -492,7 +504,7 @@ static void quadrics_piece(void *user, int32_t index)
     uint64_t begin, end;
 
     bvxi_piece(c->mesh.vertices, bvxi_threads(c->ctx), index, &begin, &end);
-    add_planes(c, begin, end);
+    BVXI_PATH(c->fast, add_planes(c, begin, end), add_planes_avx2(c, begin, end));
     /* After it: the weight of lines is a share of that of planes. */
     add_lines(c, begin, end);
 }
@@ -581,7 +593,6 @@ static bvx_status open_arrays(bvxi_collapse *c)
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * sizeof *c->undo, "what undoes collapses", &c->undo));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 16, "the vertices' edges", &c->least));
     BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, 4 * n, "the vertices' kinds", &c->kind));
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, m->triangles * 12, "the mesh's corners", &c->origin));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 4, "the mesh's vertices", &c->first_source));
     c->first_triangles = m->triangles;
     c->first_vertices = n;

@@ -11,45 +11,62 @@
 #include "mesh/view.h"
 #include "simplify/collapse_state.h"
 
-enum { JUDGE_GRAIN = 1024 }; /* vertices of a task */
+enum {
+    JUDGE_GRAIN = 1024, /* vertices of a task */
+    FAN_HELD = 16       /* triangles */
+};
 
 /* Sines and cosines that rounding does not bring to the other side of 0. */
 #define FAN_SINE 1e-9
 
 /* ---- Fans ---- */
 
-/* A walk around a vertex over its neighbours, counter-clockwise, from its border on where it has one. */
+/* A walk around a vertex, counter-clockwise, from its border on where it has one; so many triangles at a time. */
 typedef struct fan_walk {
     const bvxi_corners *m;
     const double *p;
     int32_t start, at;
-    int open;               /* 1: it begins and ends at a border */
-    double way[3], next[3]; /* to the two neighbours of a triangle */
+    int open;                    /* 1: it begins and ends at a border */
+    int count, last;             /* triangles that are held; 1: no more follow */
+    double way[3][FAN_HELD + 1]; /* to their neighbours: triangle i has those of i and i + 1 */
+    double n[3][FAN_HELD];       /* their normals */
+    double square[FAN_HELD + 1]; /* of the ways */
 } fan_walk;
 
-BVXI_VECTOR_INLINE void fan_neighbour(const fan_walk *w, int32_t corner, double way[3])
+BVXI_VECTOR_INLINE void fan_neighbour(fan_walk *w, int32_t corner, int i)
 {
     const double *const q = w->m->at[bvxi_corner_vertex_of(w->m, corner)].p;
 
-    for (int k = 0; k < 3; k++) way[k] = q[k] - w->p[k];
+    for (int k = 0; k < 3; k++) w->way[k][i] = q[k] - w->p[k];
 }
 
-/* The first triangle. */
-BVXI_VECTOR_INLINE void fan_begin(fan_walk *w)
+/* Hold the next triangles; begin 1: the first ones. */
+static void fan_hold(fan_walk *w, int begin)
 {
-    w->at = w->start;
-    fan_neighbour(w, bvxi_corner_next(w->at), w->way);
-    fan_neighbour(w, bvxi_corner_previous(w->at), w->next);
-}
+    if (begin) {
+        w->at = w->start;
+        fan_neighbour(w, bvxi_corner_next(w->at), 0);
+    }
+    for (int k = 0; k < 3 && !begin; k++) w->way[k][0] = w->way[k][w->count];
+    w->count = 0;
+    do {
+        fan_neighbour(w, bvxi_corner_previous(w->at), ++w->count);
+        w->at = bvxi_corner_turn_left(w->m, w->at);
+        w->last = w->at == w->start || bvxi_corner_is_ghost(w->m, w->at);
+    } while (!w->last && w->count < FAN_HELD);
 
-/* The next one; 0: all have been. */
-BVXI_VECTOR_INLINE int fan_next(fan_walk *w)
-{
-    w->at = bvxi_corner_turn_left(w->m, w->at);
-    if (w->at == w->start || bvxi_corner_is_ghost(w->m, w->at)) return 0;
-    memcpy(w->way, w->next, sizeof w->way);
-    fan_neighbour(w, bvxi_corner_previous(w->at), w->next);
-    return 1;
+    for (int i = 0; i <= w->count; i++) {
+        double const x = w->way[0][i], y = w->way[1][i], z = w->way[2][i];
+
+        w->square[i] = x * x + y * y + z * z;
+    }
+    for (int i = 0; i < w->count; i++) {
+        double const u[3] = {w->way[0][i], w->way[1][i], w->way[2][i]};
+        double const v[3] = {w->way[0][i + 1], w->way[1][i + 1], w->way[2][i + 1]};
+
+        for (int k = 0; k < 3; k++)
+            w->n[k][i] = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
+    }
 }
 
 static void fan_open(const bvxi_corners *m, uint32_t v, int32_t any, fan_walk *w)
@@ -76,42 +93,41 @@ static void fan_open(const bvxi_corners *m, uint32_t v, int32_t any, fan_walk *w
  * they begin and end at a border: then no two of them meet beside their common edges. */
 static int is_graph(const bvxi_corners *m, uint32_t v, int32_t any)
 {
-    double n[3], sum[3] = {0, 0, 0}, first[3], left[3], sum_square, left_square;
-    int changes = 0, side_before = 1;
+    double sum[3] = {0, 0, 0}, first[3], left[3], sum_square, left_square;
+    int changes = 0, side_before = 1, holds = 0;
     fan_walk w;
 
     fan_open(m, v, any, &w);
-    fan_begin(&w);
     do {
-        bvxi_vec_cross(w.way, w.next, n);
-        for (int k = 0; k < 3; k++) sum[k] += n[k];
-    } while (fan_next(&w));
+        fan_hold(&w, holds++ == 0);
+        for (int i = 0; i < w.count; i++)
+            for (int k = 0; k < 3; k++) sum[k] += w.n[k][i];
+        for (int k = 0; k < 3 && holds == 1; k++) first[k] = w.way[k][0];
+    } while (!w.last);
     sum_square = bvxi_vec_dot(sum, sum);
 
     /* Each triangle turns left by less than half a turn. A fan that goes around once is first to the left of its
      * first edge, then to the right: one change. One that ends at a border may end anywhere before it comes to its
      * first edge. What lies on that line within rounding tells nothing. */
-    fan_begin(&w);
-    memcpy(first, w.way, sizeof first);
     bvxi_vec_cross(sum, first, left);
     left_square = bvxi_vec_dot(left, left);
-    do {
-        double const next_square = bvxi_vec_dot(w.next, w.next);
-        double along, side;
+    for (int begin = 1; begin || !w.last; begin = 0) {
+        if (holds > 1) fan_hold(&w, begin);
+        for (int i = 0; i < w.count; i++) {
+            double const n[3] = {w.n[0][i], w.n[1][i], w.n[2][i]};
+            double const next[3] = {w.way[0][i + 1], w.way[1][i + 1], w.way[2][i + 1]};
+            double const along = bvxi_vec_dot(n, sum), side = bvxi_vec_dot(next, left);
+            double const least = FAN_SINE * FAN_SINE * sum_square * w.square[i] * w.square[i + 1];
 
-        bvxi_vec_cross(w.way, w.next, n);
-        along = bvxi_vec_dot(n, sum);
-        if (!((along > 0) &
-              (along * along > FAN_SINE * FAN_SINE * sum_square * bvxi_vec_dot(w.way, w.way) * next_square)))
-            return 0;
-        side = bvxi_vec_dot(w.next, left);
-        if (BVXI_UNLIKELY(side * side < FAN_SINE * FAN_SINE * next_square * left_square)) {
-            if (w.open && bvxi_vec_dot(w.next, first) > 0) return 0;
-            continue;
+            if (!((along > 0) & (along * along > least))) return 0;
+            if (BVXI_UNLIKELY(side * side < FAN_SINE * FAN_SINE * w.square[i + 1] * left_square)) {
+                if (w.open && bvxi_vec_dot(next, first) > 0) return 0;
+                continue;
+            }
+            changes += (side > 0) != side_before;
+            side_before = side > 0;
         }
-        changes += (side > 0) != side_before;
-        side_before = side > 0;
-    } while (fan_next(&w));
+    }
     return w.open ? changes <= 1 : changes == 1 && !side_before;
 }
 

@@ -23,6 +23,7 @@ enum {
     BOUNDS = 2 * (3 + CROSSING_SLANTS),
     BOX_HIGHEST = 32767,
     CROSSING_GRAIN = 64,  /* nodes of a task, at least */
+    CROSSING_AHEAD = 16,  /* triangles */
     CROSSING_KEYS = 16384 /* pairs that there is room for before they are counted */
 };
 
@@ -54,12 +55,9 @@ typedef struct box_query {
     bvxi_shorts bound[BOUNDS];
 } box_query;
 
-static box_query query_of(const triangle_box *box, int count)
+BVXI_VECTOR_INLINE void put_query(const triangle_box *box, int count, box_query *q)
 {
-    box_query q;
-
-    for (int i = 0; i < count; i++) q.bound[i] = bvxi_shorts_all((int16_t)-box->bound[i ^ 1]);
-    return q;
+    for (int i = 0; i < count; i++) q->bound[i] = bvxi_shorts_all((int16_t)-box->bound[i ^ 1]);
 }
 
 /* Bit k: child k overlaps along some axes. */
@@ -72,12 +70,12 @@ BVXI_VECTOR_INLINE uint32_t overlaps_along(const int16_t *bound, const bvxi_shor
     return ~bvxi_shorts_bits(apart) & 0xff;
 }
 
-static uint32_t overlaps(const box_node *node, const box_query *q)
+BVXI_VECTOR_INLINE uint32_t overlaps(const box_node *node, const box_query *q)
 {
     return overlaps_along(node->bound[0], q->bound, 6);
 }
 
-static uint32_t overlaps_leaf(const crossing_tree *tree, uint64_t node, const box_query *q)
+BVXI_VECTOR_INLINE uint32_t overlaps_leaf(const crossing_tree *tree, uint64_t node, const box_query *q)
 {
     uint32_t const bits = overlaps(&tree->node[0][node], q);
 
@@ -98,56 +96,70 @@ static triangle_box box_of_all(const box_node *node)
     return box;
 }
 
-/* What is not there overlaps nothing. */
-static triangle_box no_box(void)
-{
-    triangle_box box;
-
-    for (int i = 0; i < BOUNDS; i++) box.bound[i] = INT16_MAX;
-    return box;
-}
-
 /* Rounding down keeps order: what overlaps, overlaps in steps too. */
-static int16_t slant_step(double at)
+static int16_t box_step(double at)
 {
     double const above = at > 0 ? at : 0;
 
     return (int16_t)(int32_t)(above < BOX_HIGHEST ? above : BOX_HIGHEST);
 }
 
-/* The box of three corners. */
-static triangle_box box_of(const crossing_tree *tree, const double *const p[3])
+static double least_of(double x, double y, double z)
+{
+    double const less = x < y ? x : y;
+
+    return less < z ? less : z;
+}
+
+static double most_of(double x, double y, double z)
+{
+    double const more = x > y ? x : y;
+
+    return more > z ? more : z;
+}
+
+/* Along the diagonals. Sums are rounded, by less than half a step unless their terms are huge. */
+static void put_slants(const crossing_tree *tree, const double *const p[3], double slack, triangle_box *box)
 {
     double const steps = tree->scale * BOX_HIGHEST;
-    double at[BOUNDS / 2][3];
-    triangle_box box;
-    int const axes = tree->slanted ? BOUNDS / 2 : 3;
-    int far = 0;
+    double at[CROSSING_SLANTS][3];
 
     for (int k = 0; k < 3; k++) {
         double const x = (p[k][0] - tree->low[0]) * steps, y = (p[k][1] - tree->low[1]) * steps;
         double const z = (p[k][2] - tree->low[2]) * steps;
 
-        at[0][k] = x;
-        at[1][k] = y;
-        at[2][k] = z;
-        if (!tree->slanted) continue;
-        at[3][k] = (x + y + z) * (1.0 / 3);
-        at[4][k] = (x + y - z + BOX_HIGHEST) * (1.0 / 3);
-        at[5][k] = (x - y + z + BOX_HIGHEST) * (1.0 / 3);
-        at[6][k] = (y - x + z + BOX_HIGHEST) * (1.0 / 3);
+        at[0][k] = (x + y + z) * (1.0 / 3);
+        at[1][k] = (x + y - z + BOX_HIGHEST) * (1.0 / 3);
+        at[2][k] = (x - y + z + BOX_HIGHEST) * (1.0 / 3);
+        at[3][k] = (y - x + z + BOX_HIGHEST) * (1.0 / 3);
     }
-    for (int a = 0; a < axes; a++) {
-        /* Sums are rounded, by less than half a step unless their terms are huge. */
-        double const slack = a < 3 ? 0 : far ? BOX_FAR : 0.5, x = at[a][0], y = at[a][1], z = at[a][2];
-        double const less = x < y ? x : y, more = x > y ? x : y;
-        double const least = less < z ? less : z, most = more > z ? more : z;
+    for (int i = 0; i < CROSSING_SLANTS; i++) {
+        box->bound[6 + 2 * i] = box_step(least_of(at[i][0], at[i][1], at[i][2]) - slack);
+        box->bound[7 + 2 * i] = (int16_t)-box_step(most_of(at[i][0], at[i][1], at[i][2]) + slack);
+    }
+}
 
-        far |= (a < 3) & ((least < -BOX_FAR) | (most > BOX_FAR));
-        box.bound[2 * a] = slant_step(least - slack);
-        box.bound[2 * a + 1] = (int16_t)-slant_step(most + slack);
+/* The box of three corners: the least and the most of them stay so in steps. */
+BVXI_VECTOR_INLINE void put_box_of(const crossing_tree *tree, const double *const p[3], triangle_box *box)
+{
+    double const steps = tree->scale * BOX_HIGHEST;
+    int far = 0;
+
+    for (int a = 0; a < 3; a++) {
+        double const least = (least_of(p[0][a], p[1][a], p[2][a]) - tree->low[a]) * steps;
+        double const most = (most_of(p[0][a], p[1][a], p[2][a]) - tree->low[a]) * steps;
+
+        far |= (least < -BOX_FAR) | (most > BOX_FAR);
+        box->bound[2 * a] = box_step(least);
+        box->bound[2 * a + 1] = (int16_t)-box_step(most);
     }
-    return box;
+    if (tree->slanted) put_slants(tree, p, far ? BOX_FAR : 0.5, box);
+}
+
+/* What is not there overlaps nothing. */
+static void empty_bounds(int16_t *bound, uint64_t count)
+{
+    for (uint64_t i = 0; i < count; i++) bound[i] = INT16_MAX;
 }
 
 static void put_box(box_node *node, uint64_t child, const triangle_box *box)
@@ -183,6 +195,16 @@ static void corners_in(const crossing_tree *tree, const uint32_t *v, const doubl
     for (int k = 0; k < 3; k++) p[k] = tree->at + v[k] * tree->at_step;
 }
 
+/* The boxes of some nodes to the level above them. */
+static void put_above(const crossing_tree *tree, int32_t level, uint64_t begin, uint64_t end)
+{
+    for (uint64_t i = begin; i < end; i++) {
+        triangle_box const box = box_of_all(&tree->node[level][i]);
+
+        put_box(&tree->node[level + 1][i / WIDTH], i, &box);
+    }
+}
+
 static void leaf_piece(void *user, int32_t index)
 {
     const crossing_job *const job = user;
@@ -190,26 +212,23 @@ static void leaf_piece(void *user, int32_t index)
     uint64_t begin, end;
 
     bvxi_piece(tree->nodes[0], job->pieces, index, &begin, &end);
+    empty_bounds(tree->node[0][begin].bound[0], (end - begin) * 6 * WIDTH);
+    if (tree->slanted) empty_bounds(tree->slant[begin].bound[0], (end - begin) * 2 * CROSSING_SLANTS * WIDTH);
     for (uint64_t t = begin * WIDTH; t < end * WIDTH; t++) {
-        triangle_box box = no_box();
+        triangle_box box;
         const double *p[3];
 
-        if (is_alive(tree, t)) {
-            corners_in(tree, vertices_in(tree, t), p);
-            box = box_of(tree, p);
+        /* Memory that a later one needs is requested before its turn. */
+        if (is_alive(tree, t + CROSSING_AHEAD)) {
+            corners_in(tree, vertices_in(tree, t + CROSSING_AHEAD), p);
+            for (int k = 0; k < 3; k++) BVXI_PREFETCH(p[k]);
         }
+        if (!is_alive(tree, t)) continue;
+        corners_in(tree, vertices_in(tree, t), p);
+        put_box_of(tree, p, &box);
         put_leaf(tree, t, &box);
     }
-}
-
-static void upper_boxes(const crossing_tree *tree, int32_t level)
-{
-    for (uint64_t i = 0; i < tree->nodes[level] * WIDTH; i++) {
-        triangle_box box = no_box();
-
-        if (i < tree->nodes[level - 1]) box = box_of_all(&tree->node[level - 1][i]);
-        put_box(&tree->node[level][i / WIDTH], i, &box);
-    }
+    if (tree->levels > 1) put_above(tree, 0, begin, end);
 }
 
 bvx_status bvxi_crossing_tree_open(bvx_context *ctx, crossing_tree *tree)
@@ -231,10 +250,11 @@ bvx_status bvxi_crossing_tree_open(bvx_context *ctx, crossing_tree *tree)
     for (int32_t l = 0; l < tree->levels; l++) {
         tree->node[l] = block;
         block += tree->nodes[l];
+        if (l > 0) empty_bounds(tree->node[l][0].bound[0], tree->nodes[l] * 6 * WIDTH);
     }
     job.pieces = bvxi_piece_count(tree->nodes[0], CROSSING_GRAIN);
     bvxi_tasks(ctx, job.pieces, leaf_piece, &job);
-    for (int32_t l = 1; l < tree->levels; l++) upper_boxes(tree, l);
+    for (int32_t l = 1; l + 1 < tree->levels; l++) put_above(tree, l, 0, tree->nodes[l]);
     return BVX_OK;
 }
 
@@ -259,7 +279,7 @@ void bvxi_crossing_tree_move(crossing_tree *tree, uint32_t t)
     uint64_t child = t / WIDTH;
 
     corners_in(tree, tree->vertex + t * tree->vertex_step, p);
-    box = box_of(tree, p);
+    put_box_of(tree, p, &box);
     put_leaf(tree, t, &box);
 
     /* Up to the first node that contains it already; those above it do too. */
@@ -272,7 +292,8 @@ void bvxi_crossing_tree_move(crossing_tree *tree, uint32_t t)
 /* A triangle that is held against many. */
 typedef struct held_triangle {
     const uint32_t *vertex; /* NULL: it is not looked at */
-    const double *p[3];
+    uint32_t fan[3];        /* vertices whose triangles lie side by side, or BVXI_VERTEX_NONE */
+    int planed;             /* 1: the plane is set */
     bvxi_orient_plane plane;
     box_query query;
 } held_triangle;
@@ -304,18 +325,27 @@ static int crosses(const crossing_tree *tree, const bvxi_orient_plane *plane, co
 }
 
 /* 1: both have a vertex whose triangles lie side by side, and so meet in nothing else. */
-static int share_graph(const crossing_tree *tree, const uint32_t *a, const uint32_t *b)
+static int share_fan(const uint32_t *fan, const uint32_t *v)
 {
     int shared = 0;
 
-    for (int k = 0; k < 3 && tree->graph != NULL; k++)
-        shared |= ((b[k] == a[0]) | (b[k] == a[1]) | (b[k] == a[2])) & tree->graph[b[k]];
+    for (int k = 0; k < 3; k++) shared |= (v[k] == fan[0]) | (v[k] == fan[1]) | (v[k] == fan[2]);
     return shared;
 }
 
+static int held_crosses(const crossing_tree *tree, held_triangle *held, const uint32_t *v)
+{
+    const double *p[3];
+
+    corners_in(tree, held->vertex, p);
+    if (!held->planed) bvxi_orient_plane_of(p, &held->plane);
+    held->planed = 1;
+    return crosses(tree, &held->plane, p, v);
+}
+
 /* Count pairs between two nodes, or within one, on from found, and write those that there is room for. */
-static uint64_t pairs_of_nodes(const crossing_job *job, const held_triangle *held, uint64_t first,
-                               uint64_t second, uint64_t *keys, uint64_t room, uint64_t found)
+static uint64_t pairs_of_nodes(const crossing_job *job, held_triangle *held, uint64_t first, uint64_t second,
+                               uint64_t *keys, uint64_t room, uint64_t found)
 {
     const crossing_tree *const tree = job->tree;
     uint32_t near = 0xff;
@@ -327,7 +357,7 @@ static uint64_t pairs_of_nodes(const crossing_job *job, const held_triangle *hel
         box_query query;
 
         for (int i = 0; i < 6; i++) box.bound[i] = above->bound[i][second % WIDTH];
-        query = query_of(&box, 6);
+        put_query(&box, 6, &query);
         near = overlaps(&tree->node[0][first], &query);
     }
     for (; near != 0; near &= near - 1) {
@@ -342,8 +372,7 @@ static uint64_t pairs_of_nodes(const crossing_job *job, const held_triangle *hel
             uint64_t const t = second * WIDTH + (uint64_t)bvxi_lowest(bits);
             const uint32_t *const v = vertices_in(tree, t);
 
-            if (share_graph(tree, held[i].vertex, v)) continue;
-            if (!crosses(tree, &held[i].plane, held[i].p, v)) continue;
+            if (share_fan(held[i].fan, v) || !held_crosses(tree, &held[i], v)) continue;
             if (found < room) keys[found] = triangle_at(tree, s) << 32 | triangle_at(tree, t);
             found++;
         }
@@ -355,6 +384,7 @@ static uint64_t pairs_of_nodes(const crossing_job *job, const held_triangle *hel
 static int hold_node(const crossing_job *job, uint64_t node, held_triangle held[WIDTH])
 {
     const crossing_tree *const tree = job->tree;
+    int const bounds = tree->slanted ? BOUNDS : 6;
     int any = 0;
 
     for (uint64_t i = 0; i < WIDTH; i++) {
@@ -364,13 +394,15 @@ static int hold_node(const crossing_job *job, uint64_t node, held_triangle held[
         held[i].vertex = is_alive(tree, t) ? vertices_in(tree, t) : NULL;
         if (held[i].vertex == NULL) continue;
         any = 1;
-        for (int k = 0; k < BOUNDS; k++)
-            box.bound[k] = k < 6           ? tree->node[0][node].bound[k][i]
-                           : tree->slanted ? tree->slant[node].bound[k - 6][i]
-                                           : 0;
-        held[i].query = query_of(&box, BOUNDS);
-        corners_in(tree, held[i].vertex, held[i].p);
-        bvxi_orient_plane_of(held[i].p, &held[i].plane);
+        for (int k = 0; k < 6; k++) box.bound[k] = tree->node[0][node].bound[k][i];
+        for (int k = 6; k < bounds; k++) box.bound[k] = tree->slant[node].bound[k - 6][i];
+        put_query(&box, bounds, &held[i].query);
+        for (int k = 0; k < 3; k++) {
+            uint32_t const v = held[i].vertex[k];
+
+            held[i].fan[k] = tree->graph != NULL && tree->graph[v] != 0 ? v : BVXI_VERTEX_NONE;
+        }
+        held[i].planed = 0;
     }
     return any;
 }
@@ -426,7 +458,7 @@ static uint64_t pairs_of_node(const crossing_job *job, uint64_t node, uint64_t *
     if (!hold_node(job, node, held)) return found;
     if (!share_a_fan(job, node, node)) found = pairs_of_nodes(job, held, node, node, keys, room, found);
     box = box_of_all(&tree->node[0][node]);
-    whole = query_of(&box, 6);
+    put_query(&box, 6, &whole);
 
     if (tree->levels > 1) stack[depth++] = (uint64_t)(tree->levels - 1);
     while (depth > 0) {
@@ -548,11 +580,13 @@ int bvxi_crossing_tree_visit(const crossing_tree *tree, const double *const p[3]
 {
     uint32_t const ends[2] = {u, v};
     uint64_t stack[WIDTH * CROSSING_LEVELS];
-    triangle_box const box = box_of(tree, p);
-    box_query const query = query_of(&box, tree->slanted ? BOUNDS : 6);
+    triangle_box box;
+    box_query query;
     int32_t depth = 0;
     bvxi_orient_plane plane;
 
+    put_box_of(tree, p, &box);
+    put_query(&box, tree->slanted ? BOUNDS : 6, &query);
     bvxi_orient_plane_of(p, &plane);
     stack[depth++] = (uint64_t)(tree->levels - 1);
     while (depth > 0) {
