@@ -60,19 +60,21 @@ static void side_corners(const bvxi_patch_sides *in, uint64_t t, double p[3][3])
     for (int k = 0; k < 3; k++) bvxi_view_position(in->view, in->corner[3 * t + (uint64_t)k], p[k]);
 }
 
-/* Returns how many face inward. */
-static uint64_t find_inward_sides(patch_side *sides, uint64_t count)
+/* Returns 1 where some face inward, and some outward. */
+static int find_inward_sides(patch_side *sides, uint64_t count)
 {
-    uint64_t found = 0;
+    uint64_t inward = 0, outward = 0;
     for (uint64_t n = 0; n < count; n++) {
         patch_side *const s = &sides[n];
         double volume = s->volume6;
         /* From the centre to the border's middle: the volume changes by what the patch shows there. */
         for (int a = 0; a < 3 && s->border > 0; a++) volume -= s->middle[a] / s->border * s->face2[a];
-        s->inward = volume < 0 && bvxi_vec_length(s->face2) < MOST_FLAT * s->area2;
-        found += s->inward;
+        int const flat = !(bvxi_vec_length(s->face2) < MOST_FLAT * s->area2);
+        s->inward = volume < 0 && !flat;
+        inward += s->inward;
+        outward += volume > 0 && !flat;
     }
-    return found;
+    return inward != 0 && outward != 0;
 }
 
 /* ---- Rays ---- */
@@ -182,12 +184,12 @@ static int crosses_before(const side_crossing *a, const side_crossing *b)
     return a->patch < b->patch;
 }
 
-/* 1: the crossings fit together as they are. */
-static int depths_fit(const side_crossing *c, uint64_t n)
+/* 1: the crossings fit together as they are (way: 1), or with each turned (-1). */
+static int depths_fit(const side_crossing *c, uint64_t n, int32_t way)
 {
     int32_t depth = 0;
     for (uint64_t i = 0; i < n; i++) {
-        depth += c[i].step;
+        depth += way * c[i].step;
         if (depth < 0) return 0;
     }
     return depth == 0;
@@ -216,16 +218,18 @@ static void judge_ray(side_crossing *c, uint64_t n, int chance, patch_side *side
         for (; k > 0 && crosses_before(&one, &c[k - 1]); k--) c[k] = c[k - 1];
         c[k] = one;
     }
-    int const fit = !chance && depths_fit(c, n);
+    int const fit = !chance && depths_fit(c, n, 1);
+    /* Patches that overlap and all face inward: none of them is right. */
+    int const inward = !chance && depths_fit(c, n, -1);
 
     for (uint64_t i = 0; i < n; i++) {
         patch_side *const s = &sides[c[i].patch];
-        if (fit || is_as_parity_has_it(c, i)) {
+        if (fit || (!inward && is_as_parity_has_it(c, i))) {
             s->keep++;
             continue;
         }
         s->turn++;
-        s->beside += (uint32_t)is_beside_a_right_one(c, n, i);
+        s->beside += (uint32_t)(!inward && is_beside_a_right_one(c, n, i));
     }
 }
 
@@ -319,8 +323,9 @@ bvx_status bvxi_patch_sides_turn(bvx_context *ctx, const bvxi_patch_sides *in)
             s->middle[a] += length * (0.5 * p[k][a] + 0.5 * p[(k + 1) % 3][a] - in->centre[a]);
     }
 
-    /* Of most meshes no patch faces inward, and no ray is needed. */
-    if (find_inward_sides(sides, in->patches) != 0 || in->chance) BVXI_TRY(judge_rays(ctx, in, sides));
+    /* Of most meshes no patch faces inward, or all do, and no ray is needed. */
+    if (!find_inward_sides(sides, in->patches) && !in->chance) return BVX_OK;
+    BVXI_TRY(judge_rays(ctx, in, sides));
     for (uint64_t t = 0; t < in->triangles; t++)
         if (is_side_turned(&sides[in->patch[t]], in->chance)) in->turn[t] ^= 1;
     return BVX_OK;

@@ -435,6 +435,44 @@ static void test_a_body_inside_out_is_turned_where_it_overlaps_an_open_one(void)
     }
 }
 
+/* Of three that overlap, parity has some crossings right by chance: two were turned, and cut out of the third. Beside
+ * a ball that faces outward all three are turned. */
+static void test_open_parts_that_overlap_and_all_face_inward_are_one_body(void)
+{
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    bvx_grid good;
+
+    for (int inside_out = 0; inside_out < 2; inside_out++) {
+        maker_clear(&mesh);
+        for (size_t i = 0; i < 3; i++) {
+            double const at = 4.0 + 7.0 * (double)i, low[3] = {at, 5, at}, high[3] = {at + 22, 37, at + 20};
+
+            add_open_box(low, high, 4, inside_out);
+        }
+        if (!inside_out) good = solid_of(&l, BVX_FILL_WINDING);
+        assert_auto_equals(&good, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN, 0, "three open boxes");
+    }
+    bvx_grid_free(ctx, &good);
+
+    for (int inside_out = 0; inside_out < 2; inside_out++) {
+        size_t first;
+
+        maker_clear(&mesh);
+        add_ball(10, 24, 24, 9);
+        maker_remove(&mesh, 5);
+        first = mesh.triangles;
+        for (int i = 0; i < 3; i++) {
+            add_ball(29 + 4 * i, 24 - 2 * i, 23 + 2 * i, 9);
+            maker_remove(&mesh, mesh.triangles - 40);
+        }
+        if (inside_out) maker_flip(&mesh, first, mesh.triangles);
+        else good = solid_of(&l, BVX_FILL_WINDING);
+        assert_auto_equals(&good, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN,
+                           inside_out ? mesh.triangles - first : 0, "three open balls");
+    }
+    bvx_grid_free(ctx, &good);
+}
+
 /* A smaller ball inside out that overlaps a larger one: whatever else there is, its volume says so. */
 static void test_a_closed_part_inside_out_is_turned_beside_an_open_one(void)
 {
@@ -772,6 +810,7 @@ int main(void)
     RUN_TEST(test_an_open_half_inside_out_is_turned);
     RUN_TEST(test_an_open_half_inside_out_is_turned_in_any_order);
     RUN_TEST(test_a_body_inside_out_is_turned_where_it_overlaps_an_open_one);
+    RUN_TEST(test_open_parts_that_overlap_and_all_face_inward_are_one_body);
     RUN_TEST(test_a_closed_part_inside_out_is_turned_beside_an_open_one);
     RUN_TEST(test_what_faces_inward_rightly_is_not_turned);
     RUN_TEST(test_patches_at_the_ends_of_doubles_are_left);
