@@ -166,7 +166,8 @@ def test_dicom_in_folders_of_folders(tmp_path):
     assert formats.read_dicom_volume(tmp_path, series=second).array.max() == 1
 
 
-@pytest.mark.parametrize("ending,module", [("npz", "numpy"), ("nii", "nibabel"), ("tif", "tifffile"), ("mha.gz", "SimpleITK"), ("dcm", "pydicom")])
+@pytest.mark.parametrize("ending,module", [("npz", "numpy"), ("nii", "nibabel"), ("tif", "tifffile"), ("mha.gz", "SimpleITK"), ("dcm", "pydicom"), ("dxf", "ezdxf"),
+                                           ("vtk", "pyvista")])
 def test_damaged_files_of_other_libraries(ending, module, tmp_path):
     """Whatever the library that reads them raises, it is an error of this package."""
     pytest.importorskip(module)
@@ -175,6 +176,16 @@ def test_damaged_files_of_other_libraries(ending, module, tmp_path):
         np.savez(path, samples)
     elif ending == "tif":
         pytest.importorskip("tifffile").imwrite(path, samples)
+    elif ending == "vtk":
+        pytest.importorskip("pyvista")
+        vtk = pytest.importorskip("vtkmodules.vtkIOLegacy").vtkDataSetWriter()
+        vtk.SetFileName(str(path))
+        vtk.SetInputData(bitvox.Volume(samples).to_pyvista())
+        vtk.Write()
+    elif ending == "dxf":
+        drawing = pytest.importorskip("ezdxf").new()
+        drawing.modelspace().add_lwpolyline([(0, 0), (1, 0), (1, 1)], close=True)
+        drawing.saveas(path)
     elif ending == "dcm":
         formats.write_rtstruct(bitvox.slice_mesh(box_mesh((0, 0, 0), (5, 5, 5)), spacing=0.5), path)
     else:
@@ -182,13 +193,13 @@ def test_damaged_files_of_other_libraries(ending, module, tmp_path):
     whole, random, refused = path.read_bytes(), np.random.default_rng(7), 0
     for _ in range(150):
         data = bytearray(whole)
-        for at in random.integers(0, min(len(data), 700 if ending != "dcm" else 4000), 3):
+        for at in random.integers(0, min(len(data), 4000 if ending in ("dcm", "dxf") else 700), 3):
             data[at] = random.integers(0, 256)
         path.write_bytes(data[: random.integers(1, len(data))] if random.random() < 0.2 else data)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             try:
-                (bitvox.read if ending in ("mha.gz", "dcm") else bitvox.read_volume)(path)
+                (bitvox.read if ending in ("mha.gz", "dcm", "dxf") else bitvox.read_volume)(path)
             except (bitvox.Error, MemoryError):
                 refused += 1
     assert refused > 20

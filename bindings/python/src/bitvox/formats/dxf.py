@@ -6,7 +6,7 @@ import os
 from typing import Any, Sequence
 
 from .. import _arrays as arrays
-from .._errors import ArgumentError, EmptyError, FormatError, need
+from .._errors import ArgumentError, EmptyError, need, reading
 from .._sections import Loop, Sections, stacked
 
 
@@ -73,14 +73,8 @@ def read_dxf(path: Any, *, positions: Sequence[float] | None = None, layers: Seq
 
 def _drawing(name: str) -> Any:
     ezdxf = need("ezdxf", "geo")
-    try:
+    with reading(name, "ezdxf"):
         return ezdxf.readfile(name)
-    except ezdxf.DXFError as why:
-        raise FormatError(f"{name}: {why}") from why
-    except OSError as why:
-        if isinstance(why, FileNotFoundError) or why.errno is not None:
-            raise
-        raise FormatError(f"{name} is no DXF drawing") from why  # so does ezdxf say it
 
 
 def _layers(drawing: Any) -> set[str]:

@@ -129,7 +129,10 @@ def read_by_library(path: str, kind: str) -> Volume:
                 return _by_simpleitk(beside, path)
     if kind in BY_SIMPLEITK:
         return _by_simpleitk(path, path)
-    return Volume.of(need("pyvista", "view").read(path))
+    pyvista = need("pyvista", "view")
+    with reading(path, "PyVista"):
+        image = pyvista.read(path)
+    return Volume.of(image)
 
 
 def _by_simpleitk(path: str, name: str) -> Volume:
