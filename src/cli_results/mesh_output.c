@@ -112,9 +112,32 @@ int cli_check_carry(cli_run *run, const bvx_mesh *mesh)
     return CLI_DONE;
 }
 
+/* 1: two triangles at a vertex have different texture coordinates there. Without memory nothing is known. */
+static int has_seams(const bvx_mesh *mesh)
+{
+    const float **const first = mesh->uv_triangles != NULL ? calloc(mesh->vertex_count, sizeof *first) : NULL;
+    int found = 0;
+
+    for (uint64_t i = 0; first != NULL && !found && i < mesh->triangle_count * 3; i++) {
+        const float *const uv = mesh->uvs + 2 * (size_t)mesh->uv_triangles[i];
+        const float **const at = &first[mesh->triangles[i]];
+        if (*at == NULL) *at = uv;
+        found = (*at)[0] != uv[0] || (*at)[1] != uv[1];
+    }
+    free(first);
+    return found;
+}
+
 int cli_carry(cli_run *run, const bvx_mesh *input, bvx_mesh *mesh, const char *stage, const char *about)
 {
     if (!run->options->carry) return CLI_DONE;
+    if (!run->report.seams && has_seams(input))
+        cli_warn(
+            run, BVX_WARN_LOST,
+            "%s: seams of its texture are not kept: triangles across them stretch; levels of the mesh as it "
+            "is keep them",
+            cli_input_name(run->options->input[0]));
+    run->report.seams = 1;
     cli_stage_begin(run, "%s", stage);
     return cli_stage_check(run, bvx_mesh_carry(run->context, input, mesh), about);
 }

@@ -101,6 +101,7 @@ typedef struct cli_report {
     uint64_t nonfinite; /* triangles of the inputs that were left out */
     uint32_t had, kept; /* CLI_HAS_...: attributes of the inputs, of the meshes in files */
     int materials;      /* of the inputs */
+    int seams;          /* 1: those of the texture were looked for */
     struct {
         char name[32];
         double seconds;

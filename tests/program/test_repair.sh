@@ -176,6 +176,13 @@ result 'a copy in another format has the attributes' $?
 run repair own.obj -o same.obj --resolution 16
 [ $status = 0 ] && grep -q 'texture coordinates are not kept; --carry' err
 result 'what is lost is said' $?
+run repair own.obj -o same.obj --resolution 16 --carry
+[ $status = 0 ] && [ "$(grep -c 'own.obj: seams of its texture are not kept.*\[BVX_WARN_LOST\]' err)" = 1 ]
+result 'seams that are not carried are said' $?
+{ grep '^v ' own.obj && printf 'vt %s\n' '1 1' '0 1' '1 0' '0 0' && printf 'f %s\n' '1/4 3/2 2/3' '1/4 2/3 4/1' '2/3 3/2 4/1' '3/2 1/4 4/1'; } >whole.obj
+run repair whole.obj -o same.obj --resolution 16 --carry
+[ $status = 0 ] && ! grep -q seams err
+result 'a texture without seams has no word of them' $?
 certified 'parts are kept' "$knot" --resolution 24 --least-part 0
 # Two boxes apart: the smaller one goes without a word about the volume that is gone with it.
 printf 'v %s\n' '0 0 0' '1 0 0' '0 1 0' '1 1 0' '0 0 1' '1 0 1' '0 1 1' '1 1 1' '3 0 0' '3.9 0 0' '3 1 0' '3.9 1 0' '3 0 1' '3.9 0 1' '3 1 1' '3.9 1 1' >boxes.obj

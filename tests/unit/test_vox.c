@@ -260,7 +260,7 @@ static void test_vox_refuses(void)
     add_voxels(&f, three, 3);
     add_size(&f, 4, 5, 6);
     add_voxels(&f, three, 3);
-    check_vox_refused(&f, BVX_ERR_UNSUPPORTED, "the file has 2 models; files of one can be read");
+    check_vox_refused(&f, BVX_ERR_UNSUPPORTED, "the file has 2 models; save each in a file of its own");
     add_size(&f, 4, 5, 6);
     add_voxels(&f, three, 3);
     check_vox_refused(&f, BVX_ERR_UNSUPPORTED, "3 models");
