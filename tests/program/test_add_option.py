@@ -89,11 +89,11 @@ def follow(tree):
 
 # ---- what came of it ----
 
-def check_c(tree, folder):
+def check_c(tree, folder, needed):
     source, program = os.path.join(tree, 'inward.c'), os.path.join(tree, 'inward')
     open(source, 'w').write(PROGRAM_IN_C)
-    status, out, err = run(*CC.split(), '-std=c99', '-I', os.path.join(tree, 'include'), source, os.path.join(folder, 'libbitvox.a'), '-lm',
-                           '-pthread', '-o', program)
+    status, out, err = run(*CC.split(), '-std=c99', '-I', os.path.join(tree, 'include'), source, os.path.join(folder, 'libbitvox.a'), *needed,
+                           '-o', program)
     if check('a program in C compiles', status == 0, err):
         # BVX_ERR_ARGUMENT, BVX_REASON_CHOICE or _RANGE
         found = run(program)[1].split()
@@ -150,13 +150,28 @@ def check_python(tree):
         skip('Python', 'no Python here has cffi, pcpp and setuptools 77')
         return
     package = os.path.join(tree, 'bindings/python')
-    status, out, err = run(python, 'setup.py', '--quiet', 'build_ext', '--inplace', cwd=package, env={**os.environ, 'CC': CC, 'CFLAGS': '-O0'})
+    status, out, err = run(python, 'setup.py', '--quiet', 'build_ext', '--inplace', cwd=package, env={**os.environ, 'CC': CC, 'CFLAGS': '-O0', 'BITVOX_COMMAND': '0'})  # the program was looked at above
     if not check('the Python package builds', status == 0, err[-2000:]):
         return
     ask = ('import bitvox; g = bitvox.voxelize(([[0.,0,0],[1,0,0],[0,1,0],[0,0,1]], [[0,2,1],[0,1,3],[1,2,3],[2,0,3]]), resolution=8); '
            'print(bitvox.check(bitvox.faces(g)).volume == -bitvox.check(bitvox.faces(g, inward=True)).volume, "inward" in bitvox.faces.__doc__)')
     status, out, err = run(python, '-c', ask, cwd=tree, env={**os.environ, 'PYTHONPATH': os.path.join(package, 'src')})
     check('Python: inward=True turns the sign of the volume', out.split() == ['True', 'True'], out + err)
+
+
+def take_objects(tree, folder):
+    """Objects of the tree that the tests were built from: what no step touches is not compiled again. The header's change
+    moves no field, so only what names the options reads it anew."""
+    built = os.path.join(os.environ.get('BUILD', 'build'), os.path.basename(folder))
+    if not os.path.isfile(os.path.join(built, 'libbitvox.a')):
+        return
+    shutil.copytree(built, folder, ignore=shutil.ignore_patterns('bitvox', 'test_*', 'golden', 'fuzz', 'fault', 'bench', '*.so'))
+    header = 'include/bitvox.h'
+    shutil.copystat(header, os.path.join(tree, header))
+    for place, _, names in os.walk(os.path.join(tree, 'src')):
+        for path in (os.path.join(place, name) for name in names):
+            if 'faces_options' in open(path, encoding='utf-8', errors='replace').read():
+                os.utime(path)
 
 
 def main():
@@ -167,13 +182,14 @@ def main():
             shutil.copy(name, tree)
         follow(tree)
         build = os.path.join(tree, 'build')
-        make = [os.environ.get('MAKE_COMMAND', 'make'), '-s', f'-j{os.cpu_count() or 1}', f'BUILD={build}', f'CC={CC}', 'CFLAGS=-O0', 'THREADS=posix']
+        make = [os.environ.get('MAKE_COMMAND', 'make'), '-s', f'-j{os.cpu_count() or 1}', f'BUILD={build}', f'CC={CC}']
         clean = {k: v for k, v in os.environ.items() if k not in ('MAKEFLAGS', 'MFLAGS', 'MAKELEVEL', 'MAKEOVERRIDES', 'BITVOX', 'BUILD')}
+        folder = run(*make, 'print-folder', cwd=tree, env=clean)[1].strip()
+        folder = folder if os.path.isabs(folder) else os.path.join(tree, folder)
+        take_objects(tree, folder)
         status, out, err = run(*make, 'library', 'program', cwd=tree, env=clean)
         if check('the tree builds', status == 0, (out + err)[-2000:]):
-            folder = run(*make, 'print-folder', cwd=tree, env=clean)[1].strip()
-            folder = folder if os.path.isabs(folder) else os.path.join(tree, folder)
-            check_c(tree, folder)
+            check_c(tree, folder, run(*make, 'print-needed', cwd=tree, env=clean)[1].split())
             check_calls(tree, folder, make, clean)
             check_program(tree, folder)
             check_options(tree, folder)
