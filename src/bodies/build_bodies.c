@@ -5,7 +5,6 @@
  * given to one body or to the outside (joint_cut.c), by numbers that all bodies share (joint_fields.c); a
  * body's surface is that of its tetrahedra (joint_surface.c). Parallel planes are taken the same way. */
 #include "bodies/joint.h"
-#include "contours/section.h"
 
 #include "mesh/mesh.h"
 

@@ -15,7 +15,6 @@
  * thickness beyond it: a lens. Else it is copied half a thickness to either side: a slab. The section stays
  * in the middle, so that its points are vertices as they were given. Loops are looked at before they are
  * copied, so that what is refused is named by the numbers of those given. */
-#include "contours/section.h"
 #include "layers/shift.h"
 #include "layers/slab.h"
 #include "oblique/oblique.h"

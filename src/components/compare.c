@@ -5,7 +5,6 @@
  * union-find (components.c), and once more for the sizes of the pieces found. Where nothing differs the first
  * pass is all. */
 #include "components/room.h"
-#include "grid/grid.h"
 
 enum { COMPARE_GRAIN = 2048 /* least words a piece */ };
 

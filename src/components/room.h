@@ -8,7 +8,6 @@
 #ifndef BVXI_COMPONENTS_ROOM_H
 #define BVXI_COMPONENTS_ROOM_H
 
-#include "bits/bits.h"
 #include "bits/runs.h"
 #include "grid/grid.h"
 

@@ -3,7 +3,6 @@
  *
  * Reading and printing share the powers of ten of decimal.h. Each has its sources at its own heading
  * below. */
-#include "core/core.h"
 #include "core/decimal.h"
 
 /* ---- Decimal text to binary numbers, correctly rounded, for any number of digits, without a locale or a

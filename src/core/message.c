@@ -3,7 +3,6 @@
  *
  * A message is formatted without stdio and locale, into the context, so a failure allocates nothing. */
 #include "context.h"
-#include "core.h"
 
 #include <math.h>
 #include <stdarg.h>

@@ -4,7 +4,6 @@
  * neighbours pass on, an upper bound. Rows are written by themselves, so threads do not show. */
 #include "field/room.h"
 #include "nearest/closest.h"
-#include "mesh/view.h"
 
 enum { DENSE_GRAIN = 1 << 15 /* centres of the smallest task */ };
 

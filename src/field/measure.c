@@ -6,7 +6,6 @@
  * Everything is checked first. Then the centres near the mesh are found and counted (nearest.h), so the
  * arrays have their exact sizes; then values are filled in by rank, the sign rule sets the grid of inside
  * centres (signs.h), and distances of centres inside become negative. */
-#include "nearest/nearest.h"
 #include "field/signs.h"
 #include "mesh/view.h"
 

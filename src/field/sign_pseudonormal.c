@@ -7,10 +7,8 @@
 #include "field/room.h"
 #include "field/signs.h"
 #include "nearest/closest.h"
-#include "mesh/view.h"
 #include "mesh/facet.h"
 #include "core/vec3.h"
-#include "mesh/topology.h"
 
 /* ---- On which side of its closest feature a centre lies ---- */
 

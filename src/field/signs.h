@@ -3,7 +3,6 @@
 #define BVXI_SIGNS_H
 
 #include "nearest/nearest.h"
-#include "grid/grid.h"
 
 /* sign_features.c: NORMAL, PSEUDONORMAL: the words of inside are set by the closest
  * features in the band, which it has columns of, and beyond it by carry_signs.c. In a window whose band

@@ -10,9 +10,7 @@
  * Guarantee: the choice follows from mesh and lattice, whatever the window; a sound closed mesh has parity's
  * bits. */
 #include "nearest/closest.h"
-#include "mesh/topology.h"
 #include "fill/fills.h"
-#include "winding/holes.h"
 
 typedef struct auto_work {
     bvxi_solid_job job; /* of the mesh; later of the turned one */

@@ -10,8 +10,6 @@
  * lid over a hole cuts off: all others bound what is counted.
  * Source: Mirtich. Fast and Accurate Computation of Polyhedral Mass Properties. 1996 (what is integrated). */
 #include "mesh/facet.h"
-#include "mesh/mesh.h"
-#include "mesh/view.h"
 #include "fill/fills.h"
 #include "touch/surface_voxels.h"
 

@@ -5,7 +5,6 @@
  * are looked at only where requested.
  * Guarantee: sums are taken in pieces of the mesh's shape only, so threads do not show. */
 #include "mesh/facet.h"
-#include "mesh/view.h"
 #include "fill/fills.h"
 #include "fill/thin_walls.h"
 

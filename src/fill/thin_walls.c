@@ -15,9 +15,6 @@
 
 #include "mesh/facet.h"
 #include "mesh/mesh.h"
-#include "mesh/topology.h"
-#include "mesh/view.h"
-#include "fill/fills.h"
 #include "touch/surface_voxels.h"
 
 #include <math.h>

@@ -5,9 +5,7 @@
  * lost. */
 #include "fill/fills.h"
 #include "fill/thin_walls.h"
-#include "mesh/view.h"
 #include "touch/surface_voxels.h"
-#include "winding/holes.h"
 
 #include <math.h>
 

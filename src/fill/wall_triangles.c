@@ -9,7 +9,6 @@
 
 #include "mesh/facet.h"
 #include "mesh/mesh.h"
-#include "mesh/view.h"
 
 /* From a place to the centres around it: the root of 3, rounded up [Units: largest spacings] */
 #define WALL_BESIDE 1.8

@@ -6,7 +6,6 @@
  * pending word and a sum word each, so a row costs one full adder on average. Then neighbours along x: counts
  * of m columns become those of 2 m and 2 m + 1 by adding a row to itself shifted. Then the bits at which
  * blocks begin are brought together. No voxel is looked at only. */
-#include "bits/bits.h"
 #include "grid/blocks.h"
 
 #if BVXI_HAVE_AVX2

@@ -1,7 +1,6 @@
 /* crop.c - the box of what is set, other windows of a lattice, and lattices with a rim around.
  *
  * A row of the result is a row of the grid read from another bit on (bits/bits.h): two shifts a word. */
-#include "bits/bits.h"
 #include "grid/grid.h"
 
 enum { CROP_GRAIN = 4096 /* least words a piece */ };

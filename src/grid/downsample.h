@@ -6,7 +6,6 @@
 #ifndef BVXI_DOWNSAMPLE_H
 #define BVXI_DOWNSAMPLE_H
 
-#include "bits/bits.h"
 #include "grid/grid.h"
 
 enum { BVXI_DOWNSAMPLE_SIDE = 1 << 20 }; /* so that products of three sides fit 62 bits */

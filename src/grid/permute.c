@@ -4,8 +4,6 @@
  * Where bits turn, 64 rows and one word are a square that is turned over its diagonal (bits/bits.h). Each
  * word of the result is written by one square, so threads do not show. */
 #include "grid/turned_rows.h"
-#include "grid/grid.h"
-#include "bits/bits.h"
 
 /* ---- Rows along y or z brought back to rows along x, in blocks of 64 x 64 bits (bits/bits.h) ---- */
 

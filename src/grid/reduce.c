@@ -4,7 +4,6 @@
  * counts at a time with half of the block's voxels, and looks at the first and the last block of a row apart,
  * as the window may cut them; counts are the planes turned over (bits/bits.h). */
 #include "grid/blocks.h"
-#include "bits/bits.h"
 
 enum { BLOCKS_GRAIN = 4096 /* least words of the grid a piece */ };
 

@@ -3,7 +3,6 @@
 #ifndef BVXI_XML_SCAN_H
 #define BVXI_XML_SCAN_H
 
-#include "core/core.h"
 #include "io/formats.h"
 
 /* ---- The tags of an XML text one after the other ---- */

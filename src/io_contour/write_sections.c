@@ -2,7 +2,6 @@
  *
  * The writer runs twice, to count and to write. CSL and CSV numbers are the shortest decimals that read back
  * to the same ones. */
-#include "io/bytes.h"
 #include "io/formats.h"
 #include "contours/section.h"
 

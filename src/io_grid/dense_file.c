@@ -4,7 +4,6 @@
  * Guarantee: a file's size is held against its header before a grid is made, so a small file cannot request
  * a large one. */
 #include "io_grid/grid_formats.h"
-#include "io/formats.h"
 
 bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double origin[3],
                          const double spacing[3], const uint64_t dims[3], bvx_lattice *box)

@@ -1,7 +1,6 @@
 /* grid_file.c - grids from and to the bytes of files: bvx_read_grid and bvx_write_grid. Arguments are
  * checked here, then the format's own reader or writer runs. */
 #include "io_grid/grid_formats.h"
-#include "io/formats.h"
 
 static bvx_status read_dense_as(const bvxi_grid_source *source, int32_t format, bvx_grid *grid)
 {

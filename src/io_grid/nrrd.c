@@ -8,7 +8,6 @@
  * number. A detached head's samples stand in bytes of the caller's. Guarantee: the bytes agree with the
  * head, as far as is known, before anything is made. */
 #include "io_grid/nrrd_head.h"
-#include "io_grid/grid_formats.h"
 
 /* ---- geometry ---- */
 

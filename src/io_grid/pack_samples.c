@@ -4,7 +4,6 @@
  * own order, so neither byte order needs turning. Eight bytes become eight bits by a multiplication, and
  * back. */
 #include "volume/room.h"
-#include "io/formats.h"
 #include "io_grid/grid_formats.h"
 
 #if BVXI_HAVE_AVX2

@@ -17,7 +17,6 @@
  * x y z.
  *
  * 64 layers of x at a time are decoded to rows along y, and turned to a column of words of the grid. */
-#include "io/formats.h"
 #include "io_grid/grid_formats.h"
 
 typedef struct binvox_reading {

@@ -2,7 +2,6 @@
  *
  * Source: https://github.com/ephtracy/voxel-model, file format and its extension. */
 #include "io_grid/grid_formats.h"
-#include "io/formats.h"
 
 /* ---- Read ---- */
 

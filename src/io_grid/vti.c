@@ -6,7 +6,6 @@
  * corner is half a voxel lower.
  * Guarantee: counts are held against the file's bytes before anything is made. */
 #include "io_grid/grid_formats.h"
-#include "io/xml_scan.h"
 
 enum vti_format { VTI_ASCII = 1, VTI_BINARY, VTI_APPENDED };
 enum vti_rank { VTI_CELLS_ACTIVE = 0, VTI_POINTS_ACTIVE, VTI_CELLS_FIRST, VTI_POINTS_FIRST, VTI_NO_ARRAY };

@@ -7,7 +7,6 @@
  * Bits run along x in a grid and along y in the file, so 64 layers of x at a time are turned. Runs go on from
  * layers to layers: the file has the fewest pairs that there can be. */
 #include "bits/runs.h"
-#include "io/formats.h"
 #include "io_grid/grid_formats.h"
 
 enum { BINVOX_LONGEST_RUN = 255 };

@@ -5,7 +5,6 @@
  * follow from the bits only. */
 #include "bits/runs.h"
 #include "io_grid/bvx_file.h"
-#include "io/formats.h"
 #include "io_grid/grid_formats.h"
 
 typedef struct bvx_packing {

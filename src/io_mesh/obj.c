@@ -4,7 +4,6 @@
  * size and each piece knows its position in them. Guarantee: pieces follow from the file's size only, so
  * threads do not show. Nothing that a file names is opened. */
 #include "io_mesh/obj_text.h"
-#include "io_mesh/mesh_formats.h"
 
 /* ---- The first pass over a file: pieces of whole lines, and how much of everything stands in each ---- */
 

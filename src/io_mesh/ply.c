@@ -3,7 +3,6 @@
  *
  * Source: Turk. The PLY Polygon File Format. 1994. */
 #include "io_mesh/ply_file.h"
-#include "io_mesh/mesh_formats.h"
 
 /* ---- Read ---- */
 

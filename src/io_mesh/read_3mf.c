@@ -11,7 +11,6 @@
  * they are made; an id is found in as many steps as the number of resources has bits. */
 #include "io/xml_scan.h"
 #include "io_mesh/glb.h"
-#include "io_mesh/mesh_formats.h"
 #include "io_mesh/models_3mf.h"
 
 enum { MODEL_RESOURCES = 16384, MODEL_REPEATS = 1024 };

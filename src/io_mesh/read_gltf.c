@@ -297,6 +297,7 @@ typedef struct gltf_target {
     uint64_t base;          /* where its vertices begin */
     uint64_t limit;         /* of indices */
     double low[3], high[3]; /* of finite positions */
+    float *uvs;             /* of the attribute at hand */
 } gltf_target;
 
 static void gltf_world_position(const bvxi_gltf_world *w, const double v[3], double p[3])
@@ -364,10 +365,10 @@ static bvx_status gltf_put_normal(void *user, uint64_t element, const double *v)
 }
 
 /* v runs down in glTF, and up in a mesh. */
-static bvx_status gltf_put_pair(const gltf_target *t, uint64_t element, const double *v, float *array)
+static bvx_status gltf_put_uv(void *user, uint64_t element, const double *v)
 {
+    const gltf_target *const t = user;
     const bvxi_source *const s = t->r->f.source;
-
     double const pair[2] = {v[0], 1.0 - v[1]};
 
     for (size_t k = 0; k < 2; k++) {
@@ -375,21 +376,9 @@ static bvx_status gltf_put_pair(const gltf_target *t, uint64_t element, const do
             return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
                                  "%s: mesh %u: vertex %i has a texture coordinate that is not finite",
                                  s->format, (uint64_t)t->mesh, element);
-        array[(size_t)(t->base + element) * 2 + k] = (float)pair[k];
+        t->uvs[(size_t)(t->base + element) * 2 + k] = (float)pair[k];
     }
     return BVX_OK;
-}
-
-static bvx_status gltf_put_uv(void *user, uint64_t element, const double *v)
-{
-    const gltf_target *const t = user;
-    return gltf_put_pair(t, element, v, t->r->out->uvs);
-}
-
-static bvx_status gltf_put_uv2(void *user, uint64_t element, const double *v)
-{
-    const gltf_target *const t = user;
-    return gltf_put_pair(t, element, v, t->r->out->uvs2);
 }
 
 /* The byte whose linear light is nearest: the writer's table, searched by halves. */
@@ -448,10 +437,11 @@ static bvx_status gltf_put_corner(void *user, uint64_t element, const double *v)
 static bvx_status gltf_take_values(gltf_target *t, uint32_t accessor, int which)
 {
     static bvxi_gltf_put *const put[GLTF_ATTRIBUTES] = {gltf_put_position, gltf_put_normal, gltf_put_uv,
-                                                        gltf_put_uv2, gltf_put_colour};
+                                                        gltf_put_uv, gltf_put_colour};
     bvxi_gltf_array a;
     BVXI_TRY(bvxi_gltf_array_of(&t->r->f, accessor, &a));
     if (which == GLTF_COLOUR) a.normalized = 1;
+    t->uvs = which == GLTF_UV2 ? t->r->out->uvs2 : t->r->out->uvs;
     return bvxi_gltf_each(&t->r->f, accessor, &a,
                           which == GLTF_COLOUR && a.components == 3 ? gltf_put_rgb : put[which], t);
 }

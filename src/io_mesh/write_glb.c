@@ -4,8 +4,6 @@
  * Sources: Khronos Group. glTF 2.0 Specification. 2017. Khronos Group. KHR_mesh_quantization. Microsoft.
  * MSFT_lod. Guarantee: repeated vertices stand in the order of their first use. */
 #include "io_mesh/glb.h"
-#include "io_mesh/mesh_formats.h"
-#include "mesh/mesh.h"
 #include "mesh/facet.h"
 #include "mesh/view.h"
 

@@ -3,7 +3,6 @@
  * Nodes, skins, animations, morph targets, all attributes and whatever else the file has stay as they are, byte for
  * byte. Each primitive gets its triangles back, by their vertices, as indices that follow the file's buffer. */
 #include "io_mesh/glb.h"
-#include "mesh/mesh.h"
 
 enum { KEPT_HEAD = 20, KEPT_CHUNK = 8, KEPT_TRIANGLE = 12 };
 

@@ -3,7 +3,6 @@
  * The checks around the formats' own writers: arguments, normals, and whether rounding to 32-bit floats
  * would spoil the mesh. */
 #include "io_mesh/mesh_formats.h"
-#include "mesh/mesh.h"
 #include "mesh/facet.h"
 #include "mesh/view.h"
 #include "mesh/topology.h"

@@ -13,7 +13,6 @@
  * Guarantee: pairs are listed in the order of triangles, and each vertex moves once a round, so the result follows
  * from the labels alone. */
 #include "labels/labels.h"
-#include "mesh/mesh.h"
 
 enum {
     ROUNDS = 64,

@@ -8,7 +8,6 @@
 #ifndef BVXI_LATTICE_H
 #define BVXI_LATTICE_H
 
-#include "core/core.h"
 #include "lattice/wide.h"
 
 #define BVXI_FIXED_LIMIT 1073741824.0 /* 2^30 */

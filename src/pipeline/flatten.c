@@ -7,11 +7,8 @@
  * before had none, so that ends. Each time only what lies beside vertices that went back is looked at.
  * Guarantee: that of the surface before, as every step is checked on the coordinates as written. Threads do
  * not show. */
-#include "nearest/closest.h"
 #include "mesh/cross.h"
 #include "mesh/mesh.h"
-#include "mesh/view.h"
-#include "mesh/topology.h"
 #include "pipeline/thicken.h"
 
 #include <math.h>

@@ -8,10 +8,7 @@
 #include "fill/fills.h"
 #include "mesh/facet.h"
 #include "mesh/mesh.h"
-#include "mesh/topology.h"
-#include "mesh/view.h"
 #include "pipeline/repair.h"
-#include "pipeline/steps.h"
 #include "simplify/room.h"
 
 #include <math.h>

@@ -7,7 +7,6 @@
  * keeps the target and the next does not. With collapse the search aims higher and edges go until the target
  * is kept (collapse.c). */
 #include "grid/downsample.h"
-#include "mesh/mesh.h"
 #include "simplify/room.h"
 #include "surface/march.h"
 

@@ -7,8 +7,6 @@
  * differ in nothing else, say whether something does.  Sums are taken around the middle of the mesh, so that
  * far coordinates keep their digits. */
 #include "mesh/cross.h"
-#include "mesh/view.h"
-#include "nearest/closest.h"
 #include "pipeline/repair.h"
 
 enum {

@@ -3,7 +3,6 @@
  * Source: Lian. LOD by voxelization and downsampling (docs/papers.md, 3): levels are good where each sample
  * stands for 5 to 15 voxels along an axis. Eight are taken, or as many as memory allows.
  * Guarantee: the plan follows from mesh, options and memory limit, not from the machine. */
-#include "core/core.h"
 #include "mesh/view.h"
 
 #include <math.h>

@@ -7,8 +7,6 @@
  * encloses nothing becomes a shell.
  * Guarantee: that of marching cubes on bits (march.c), whatever the input. */
 #include "pipeline/repair.h"
-#include "pipeline/steps.h"
-#include "mesh/view.h"
 
 #include <math.h>
 

@@ -3,7 +3,6 @@
 #ifndef BVXI_REPAIR_H
 #define BVXI_REPAIR_H
 
-#include "grid/grid.h"
 #include "mesh/topology.h"
 #include "pipeline/steps.h"
 #include "pipeline/thicken.h"

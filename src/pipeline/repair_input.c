@@ -3,9 +3,6 @@
  *
  * A triangle that is there twice would count as two turns of the surface. Where a patch cannot be turned one
  * way the rule for inside becomes VOTE. */
-#include "mesh/topology.h"
-#include "mesh/view.h"
-#include "nearest/closest.h"
 #include "pipeline/repair.h"
 
 /* ---- The lattice ---- */

@@ -4,8 +4,6 @@
  * the cavity of another, and no piece may lie within another without being its cavity; the rules parity and
  * nonzero then fill the same voxels. Crossings are looked for last, as that takes longest. */
 #include "mesh/mesh.h"
-#include "mesh/topology.h"
-#include "mesh/view.h"
 #include "pipeline/repair.h"
 
 static int32_t repair_need(const bvx_certificate *c)

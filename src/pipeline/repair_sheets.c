@@ -5,9 +5,7 @@
  * Numbers. 2013. */
 #include "nearest/nearest.h"
 #include "mesh/facet.h"
-#include "mesh/view.h"
 #include "pipeline/repair.h"
-#include "winding/holes.h"
 
 #include <math.h>
 

@@ -5,9 +5,7 @@
  * is nearer of the body's surface and the shell's: the union of both. Edges that no triangle comes near are
  * crossed by a lid over a hole, and the winding number says where. */
 #include "nearest/nearest.h"
-#include "pipeline/steps.h"
 #include "pipeline/repair.h"
-#include "surface/field_surface.h"
 
 #include <math.h>
 

@@ -1,6 +1,5 @@
 /* repair_thin.c - walls of a repaired body that are thinner than the lattice can hold: found
  * (fill/thin_walls.h), reported, and kept by thicken.c unless the options drop them. */
-#include "mesh/view.h"
 #include "pipeline/repair.h"
 
 typedef struct repair_walls {

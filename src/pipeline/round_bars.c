@@ -6,8 +6,6 @@
  * Guarantee: that of the surface before, as flatten.c checks each step. What is even, hollow or thicker stays
  * to the bit. Numbers and threads do not show. */
 #include "core/vec3.h"
-#include "mesh/view.h"
-#include "nearest/closest.h"
 #include "pipeline/thicken.h"
 
 #define BAR_EVEN   0.999 /* of a vertex: its triangles' areas as vectors summed, over the areas' sum */

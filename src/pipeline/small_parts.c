@@ -5,10 +5,7 @@
  * that a piece of a mesh has for itself stays. */
 #include "pipeline/steps.h"
 #include "components/room.h"
-#include "fill/thin_walls.h"
-#include "nearest/closest.h"
 #include "mesh/facet.h"
-#include "mesh/view.h"
 #include "pipeline/repair.h"
 
 #include <math.h>

@@ -3,8 +3,6 @@
 #ifndef BVXI_STEPS_H
 #define BVXI_STEPS_H
 
-#include "core/core.h"
-#include "grid/grid.h"
 #include "surface/field_surface.h"
 #include "winding/holes.h"
 

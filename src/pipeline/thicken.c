@@ -8,7 +8,6 @@
 #include "pipeline/thicken.h"
 
 #include "pipeline/steps.h"
-#include "fill/fills.h"
 
 #define THIN_BESIDE 0.75  /* how far off a wall centres go inside [Units: largest spacings] */
 #define THIN_BEYOND 0.05f /* a surface lies beyond the centres that it has inside */

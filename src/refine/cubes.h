@@ -3,7 +3,6 @@
 #ifndef BVXI_CUBES_H
 #define BVXI_CUBES_H
 
-#include "core/core.h"
 #include "lattice/lattice.h"
 
 /* ---- 4 x 4 x 4 voxels in a word: an octet and the octets of its children ---- */

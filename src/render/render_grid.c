@@ -4,7 +4,6 @@
  * it or of the face, the colour by whose voxel it is, the lines between voxels.
  * Two sets cost no memory beyond that of one: their words are joined as they are read. */
 #include "render/scenes.h"
-#include "render/raster.h"
 
 #include <math.h>
 

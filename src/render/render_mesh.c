@@ -9,7 +9,6 @@
 #include "mesh/facet.h"
 #include "mesh/view.h"
 #include "render/picture.h"
-#include "render/raster.h"
 
 #define SCENE_SHARP \
     0.9 /* cosine between a facet and the mean at its corner below which the edge is meant to be one */

@@ -3,7 +3,6 @@
  *
  * Sources at the headings below. Guarantee: no transcendental functions, so the bytes are the same
  * everywhere. */
-#include "render/raster.h"
 #include "render/picture.h"
 
 #include <math.h>

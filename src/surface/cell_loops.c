@@ -3,7 +3,6 @@
  * An edge of a triangle that no other triangle of the cell has lies on a face of the cell; these edges make
  * the loops. Guarantee: each cut edge of a cell belongs to one loop, and loops come in the order of their
  * first triangles. */
-#include "surface/cells.h"
 #include "surface/sharp.h"
 
 /* The cell's edge that a triangle corner of tables.h stands on. Lanes 0 to 3 are the x-edges themselves;

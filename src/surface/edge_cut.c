@@ -7,7 +7,6 @@
 #include "core/vec3.h"
 #include "nearest/closest.h"
 #include "mesh/facet.h"
-#include "mesh/view.h"
 
 /* ---- By vectors ---- */
 

@@ -7,7 +7,6 @@
  * say, strictly inside its edge. The triangulations of the tables do not cross for any places inside the
  * edges, so the result is closed, manifold and free of crossings whatever the field holds; sharp.c adds
  * vertices inside cells and keeps that. */
-#include "surface/field_surface.h"
 #include "surface/sharp.h"
 #include "mesh/mesh.h"
 #include "mesh/topology.h"

@@ -3,7 +3,6 @@
 #ifndef BVXI_FIELD_SURFACE_H
 #define BVXI_FIELD_SURFACE_H
 
-#include "core/core.h"
 #include "grid/sparse.h"
 #include "surface/march.h"
 

@@ -12,7 +12,6 @@
  *   and the plane;
  *   larger: runs by divisions (touch_rows.c).
  * Guarantee: exact, closed sets, for every triangle, also without area. */
-#include "touch/surface_voxels.h"
 #include "touch/touch_cells.h"
 
 /* What is done with a triangle. TWO and THREE: up to so many voxels along

@@ -5,7 +5,6 @@
  * sorting. The body is what a cube that comes from outside cannot reach (close_gaps.c).
  * Guarantee: exact; the order of points plays no part. */
 #include "fill/fills.h"
-#include "solid/snap.h"
 
 enum { POINTS_ASKED = 1 << 20 /* points between two questions for progress */ };
 

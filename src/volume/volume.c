@@ -1,7 +1,6 @@
 /* volume.c - views of volumes, checked before anything is read through them: type, strides of either sign,
  * and that all samples lie within what addresses can express. */
 #include "volume/room.h"
-#include "lattice/lattice.h"
 
 /* The way from the first sample to the last along all axes must be one that addresses can tell. */
 static bvx_status check_reach(bvx_context *ctx, const char *function, const bvx_volume_view *v,

@@ -3,7 +3,6 @@
 #ifndef BVXI_SHEET_H
 #define BVXI_SHEET_H
 
-#include "core/core.h"
 #include "core/vec3.h"
 #include "winding/holes.h"
 

@@ -10,7 +10,6 @@
  * The last three functions say what a look from the middle of a brick has for its centres; both ways of
  * cutting blocks use them. */
 #include "winding/turns.h"
-#include "core/vec3.h"
 
 /* Going by h, an edge from a to b sweeps the parallelogram a, b, b - h, a - h. Both halves of it, a, b, c = b
  * - h and a, c, d = a - h, have the volume - h (a x b) with the origin; half their solid angles are those of

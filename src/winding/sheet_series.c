@@ -4,7 +4,6 @@
  * Source: Greengard, Rokhlin. A Fast Algorithm for Particle Simulations. 1987; here in Cartesian
  * coordinates. */
 #include "winding/sheet.h"
-#include "core/vec3.h"
 
 #include <math.h>
 

@@ -14,7 +14,6 @@
  * polynomial, and pending are the cells that are too near to be in it.
  * Guarantee: as sheet_turns.c, what each centre would say by itself. */
 #include "winding/turns.h"
-#include "core/vec3.h"
 
 #include <math.h>
 

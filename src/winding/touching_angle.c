@@ -7,7 +7,6 @@
  * way back from the displacement is towards -x, but across an edge that runs along x towards -y.
  * Guarantee: which case it is, and the side, are decided in integers. */
 #include "winding/sheet.h"
-#include "core/vec3.h"
 
 #include <math.h>
 

@@ -12,7 +12,6 @@
  * fall as in the reals, crossings with the snapped triangles being exact. A mesh without open edges is filled
  * as by the rule nonzero, bit for bit. The bits follow from the snapped triangles only. */
 #include "winding/turns.h"
-#include "winding/holes.h"
 
 typedef struct wind_work {
     const bvx_grid *solid;
