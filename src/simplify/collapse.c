@@ -46,6 +46,12 @@ int bvxi_star_gather_side(const bvxi_corners *m, int32_t start, uint32_t other, 
 
         if (previous == other) return 1;
         if (star->count == most) return 0;
+        /* Shapes and costs are looked at next, then the triangles beyond the link. */
+        if (previous != BVXI_VERTEX_GHOST) {
+            BVXI_PREFETCH(&m->at[previous]);
+            BVXI_PREFETCH(&m->at[previous].q.b);
+        }
+        BVXI_PREFETCH(&m->triangle[(uint32_t)bvxi_corner_turn_left(m, bvxi_corner_previous(c)) >> 2]);
         star->corner[star->count++] = c;
         star->link[star->count] = previous;
         c = left;

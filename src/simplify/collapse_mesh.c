@@ -15,6 +15,7 @@ enum {
     COLLAPSE_CURVE_BITS = 21, /* of the order in space along each axis */
     COLLAPSE_BUCKET = 32,     /* triangles that are ordered by insertion */
     COLLAPSE_GRAIN = 4096,    /* vertices of a task */
+    COLLAPSE_AHEAD = 16,      /* vertices or triangles */
     COLLAPSE_IDLE = 8,        /* sweeps without a collapse until all edges are looked at anew */
     COLLAPSE_JUDGED = 4,      /* crossings are looked for after so many triangles have become one, */
     COLLAPSE_MANY = 1 << 16,  /* and in closed meshes of so many, where few cross, after twice as many */
@@ -354,6 +355,8 @@ static void positions_piece(void *user, int32_t index)
     for (uint64_t i = begin; i < end; i++) {
         bvxi_corner_vertex at = {.q = {.c = 0}};
 
+        if (i + COLLAPSE_AHEAD < end)
+            BVXI_PREFETCH(bvxi_view_position_at(o->view, o->index[i + COLLAPSE_AHEAD]));
         bvxi_view_position(o->view, o->index[i], at.p);
         /* Rounded to the type of the result from the start, so that what is judged is what is given. */
         for (int a = 0; a < 3; a++) at.p[a] = bvxi_collapse_rounded(o->c, at.p[a]);
@@ -451,6 +454,9 @@ BVXI_VECTOR_INLINE void add_planes(bvxi_collapse *c, uint64_t begin, uint64_t en
         double n[3], a[6], length, inverse, weight;
         int index = 0;
 
+        /* Memory that a later one needs is requested before its turn. */
+        for (int k = 0; k < 3 && t + COLLAPSE_AHEAD < m->triangles; k++)
+            BVXI_PREFETCH(m->at[m->triangle[t + COLLAPSE_AHEAD].vertex[k]].q.a);
         if (!(own[0] | own[1] | own[2])) continue;
         bvxi_area_normal(m->at[v[0]].p, m->at[v[1]].p, m->at[v[2]].p, n);
         length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
