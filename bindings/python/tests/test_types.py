@@ -83,6 +83,9 @@ RIGHT = """
     surface: bitvox.Mesh = field.surface(interpolation="tangent")
     many: list[bitvox.Mesh] = bitvox.simplify(mesh, triangles=(20, 10), strict=True)
     inside: bool = solid[1, 2, 3]
+    told: tuple[str, bool, int, float] = solid.report.fill, levels[0].report.met, mesh.report.holes, levels[0].report.distance.mean
+    least: float = volume.report.least
+    fine: bitvox.Grid = bitvox.voxelize(mesh, resolution=(8, 8, 9))
     sums: int = sum(one.value for one in volume.labels())
     nearest: int = int(solid.distance(nearest=True)[1].max()) + int(field.to_numpy().shape[0]) + int(solid.components()["voxels"][0])
 
@@ -106,7 +109,8 @@ WRONG = ["bitvox.voxelise('x')", "bitvox.does_not_exist", "bitvox.voxelize('x', 
          "solid.to_numpy('yxz')", "bitvox.slice_mesh('x', axis='w')", "solid.hollow(1.0, drain_side='down')", "bitvox.surface(solid, face_rule='none')", "bitvox.simplify('x', open='shell')",
          "bitvox.read('x').sav()", "mesh.simplify(triangles=5).fac", "mesh.simplify(triangles=(5, 4)).faces", "volume.labels()[0].valu", "solid[0, 0, 0].shape",
          "solid.distance().shap", "field.to_numpy().shap", "bitvox.repair('x', mesure=True)", "bitvox.lod('x', edge_samples='2')", "mesh.simplify(topolgy='keep')",
-         "bitvox.boolean('a', 'b', 'union', thin='fat')", "solid.surface(bogus=1)"]
+         "bitvox.boolean('a', 'b', 'union', thin='fat')", "solid.surface(bogus=1)",
+         "solid.report.boundry", "mesh.report.mett", "levels[0].report.certificat", "volume.report.leest", "bitvox.voxelize('x', resolution='64')"]
 
 
 def checked(tmp_path, lines):

@@ -347,7 +347,7 @@ def surface_of_mesh(grid: Grid, mesh: Any, offset: float, **options: Any) -> Mes
 def field(
     mesh: Any,
     *,
-    resolution: Any = None,
+    resolution: int | Sequence[int] | None = None,
     spacing: Any = None,
     corner: Sequence[float] | None = None,
     padding: int | None = None,

@@ -14,7 +14,7 @@ from ._html import shown
 from ._lattice import Lattice, Window, WindowLike, set_window
 from ._records import record
 from ._run import SIDES, Progress, Run, choice, connected, ffi, function, in_range, lib, names_of, options_of, quiet
-from ._words import Array, Beyond, DistanceSide, FloatName, Order, Reduce, Side
+from ._words import Array, Beyond, DistanceSide, FloatName, GridReport, Order, Reduce, Side
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -66,7 +66,7 @@ class Grid:
         if not isinstance(lattice, Lattice):
             raise TypeError(f"lattice must be a Lattice, not {type(lattice).__name__}; Grid.from_numpy takes arrays")
         self._c = new_grid()
-        self.report: Any = None
+        self.report: GridReport = None  # type: ignore[assignment]
         self.attached: Attached | None = None
         self._hash: int | None = None
         box = ffi.new("bvx_window *")

@@ -87,7 +87,7 @@ class Lattice:
         return self
 
     @classmethod
-    def fit(cls, mesh: Any, *, resolution: Any = None, spacing: Any = None, padding: int = 0, corner: Any = None) -> Lattice:
+    def fit(cls, mesh: Any, *, resolution: int | Sequence[int] | None = None, spacing: Any = None, padding: int = 0, corner: Any = None) -> Lattice:
         """A lattice around a mesh, low-aligned: the least shape that covers the bounds.
 
         Parameters
@@ -113,7 +113,7 @@ class Lattice:
             return cls._fitted(run, source._view(run), resolution, spacing, padding, corner)
 
     @classmethod
-    def fit_points(cls, points: Any, *, resolution: Any = None, spacing: Any = None, padding: int = 0, corner: Any = None) -> Lattice:
+    def fit_points(cls, points: Any, *, resolution: int | Sequence[int] | None = None, spacing: Any = None, padding: int = 0, corner: Any = None) -> Lattice:
         """A lattice around a cloud of points, as `fit` makes it around a mesh.
 
         Parameters
@@ -132,7 +132,7 @@ class Lattice:
             return cls._fitted(run, call("points_view", points, run), resolution, spacing, padding, corner)
 
     @classmethod
-    def fit_box(cls, low: Sequence[float], high: Sequence[float], *, resolution: Any = None, spacing: Any = None, padding: int = 0,
+    def fit_box(cls, low: Sequence[float], high: Sequence[float], *, resolution: int | Sequence[int] | None = None, spacing: Any = None, padding: int = 0,
                 corner: Any = None) -> Lattice:
         """A lattice around a box, as `fit` makes it around a mesh with these bounds.
 

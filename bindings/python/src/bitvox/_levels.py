@@ -259,9 +259,10 @@ def simplify(
     del kept
     levels = _meshes(_take(array, targets.count), reports, source, None, limits)
     for level in levels if any(frame) else ():
-        level.frame, found = frame, level.report.certificate
+        report: Any = level.report
+        level.frame, found = frame, report.certificate
         low, high = (tuple(x + f for x, f in zip(corner, frame)) for corner in (found.low, found.high))
-        level.report = level.report._replace(certificate=found._replace(low=low, high=high))
+        level.report = report._replace(certificate=found._replace(low=low, high=high))
     return levels[0] if single else list(levels)
 
 
@@ -386,7 +387,7 @@ def hull(
         levels = _meshes(_take(array, targets.count), reports, None, source if carry else None, limits)
     levels.report = record(report)
     if single:
-        levels[0].report = levels.report
+        levels[0].report = levels.report  # type: ignore[assignment]
     return levels[0] if single else levels
 
 
@@ -401,7 +402,7 @@ def lod(
     count: int | None = None,
     method: Method | None = None,
     solid: bool = False,
-    resolution: Any = None,
+    resolution: int | Sequence[int] | None = None,
     strict: bool = False,
     levels: int | Sequence[Any] | None = None,
     carry: bool = False,

@@ -12,7 +12,7 @@ from ._errors import ArgumentError, RangeError, need
 from ._html import shown
 from ._records import record
 from ._run import Progress, Run, choice, ffi, in_range, lib, number_of, options_of, quiet
-from ._words import Array
+from ._words import Array, MeshReport
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -106,7 +106,7 @@ class Mesh:
             raise ArgumentError("uv_faces are given without uvs")
         self._keys: tuple[Any, Any] | None = None
         self.frame: tuple[float, float, float] = arrays.triple("frame", frame)
-        self.report: Any = None
+        self.report: MeshReport = None  # type: ignore[assignment]
 
     def _set_uvs(self, uvs: Any, uv_faces: Any) -> None:
         np = arrays.numpy("texture coordinates")
@@ -147,7 +147,7 @@ class Mesh:
             self._keys = (arrays.array_at(owner.vertex_keys, "uint64", (n,), owner),
                           arrays.array_at(owner.triangle_keys, "uint64", (m,), owner))
         self.frame = tuple(owner.frame)
-        self.report = None
+        self.report = None  # type: ignore[assignment]
         return self
 
     @classmethod
@@ -280,7 +280,7 @@ class Mesh:
         for name in ("_materials", "_uv_faces"):
             values = getattr(self, name)
             setattr(other, name, None if values is None else np.ascontiguousarray(np.asarray(values)[chosen]))
-        other._keys = other.report = None
+        other._keys = other.report = None  # type: ignore[assignment]
         return other
 
     def _pieces(self) -> list[Any]:
@@ -503,7 +503,7 @@ class Mesh:
         np = arrays.numpy("Mesh.transform")
         full = arrays.matrix_in(matrix)
         made = self._with_vertices(arrays.moved_by(full, self.in_world()).astype(np.asarray(self._vertices).dtype))
-        made.frame, made._keys, made.report = (0.0, 0.0, 0.0), None, None
+        made.frame, made._keys, made.report = (0.0, 0.0, 0.0), None, None  # type: ignore[assignment]
         if np.linalg.det(full[:3, :3]) < 0:
             made._faces = np.ascontiguousarray(np.asarray(made.faces)[:, ::-1])
             if made._uv_faces is not None:

@@ -86,7 +86,7 @@ def points_view(source: Any, run: Run) -> Any:
 def voxelize_points(
     points: Any,
     *,
-    resolution: Any = None,
+    resolution: int | Sequence[int] | None = None,
     spacing: Any = None,
     corner: Sequence[float] | None = None,
     padding: int = 0,

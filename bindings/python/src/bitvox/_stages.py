@@ -34,7 +34,7 @@ THIN_CHECKS = names_of("BVX_CHECK_")
 def voxelize(
     mesh: Any,
     *,
-    resolution: Any = None,
+    resolution: int | Sequence[int] | None = None,
     spacing: Any = None,
     corner: Sequence[float] | None = None,
     padding: int = 0,

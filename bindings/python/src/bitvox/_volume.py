@@ -29,7 +29,7 @@ from ._words import Array, Frame, Order, Resampling
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from .reports import Label
+    from .reports import Label, VolumeReport
 
 _TYPES = {"u1": "U8", "i1": "I8", "u2": "U16", "i2": "I16", "u4": "U32", "i4": "I32", "u8": "U64", "i8": "I64", "f4": "F32", "f8": "F64"}
 _INFINITY = float("inf")
@@ -83,7 +83,7 @@ class Volume:
 
     __slots__ = ("_array", "_c", "_turn", "frame", "report", "segments", "__weakref__")
     frame: Frame | None
-    report: Any
+    report: VolumeReport
     segments: dict[int, Segment]
 
     def __init__(self, array: Any, *, order: Order = "xyz", spacing: Any = 1.0, corner: Sequence[float] | None = None,
@@ -141,7 +141,7 @@ class Volume:
         view.sample_type = _type_number(array.dtype.kind + str(array.dtype.itemsize))
         view.low, view.size, view.strides = low, array.shape, array.strides
         view.lattice = lattice._c[0]
-        self._array, self._c, self.report = array, view, None
+        self._array, self._c, self.report = array, view, None  # type: ignore[assignment]
 
     @property
     def array(self) -> Array:
@@ -516,7 +516,7 @@ class Volume:
         value = in_range("value", value, -(2**63), 2**64 - 1)
         grid = self.threshold(value, value, threads=threads, memory_limit=memory_limit, progress=progress)
         if crop and grid:
-            grid, grid.report = grid.crop(), self.report
+            grid, grid.report = grid.crop(), self.report  # type: ignore[assignment]
         return grid
 
     def labels(self, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> list[Label]:

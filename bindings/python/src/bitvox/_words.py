@@ -7,9 +7,21 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Literal, TypedDict
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from . import reports
+
     Array = NDArray[Any]
+
+    class GridReport(reports.SolidReport, reports.SurfaceReport, reports.HollowReport, reports.KeepReport, reports.VolumeReport,  # type: ignore[misc]
+                     reports.PointsReport):
+        """One of these or None, which the call that made a grid decides: type checkers take it for each of them, and find what none has."""
+
+    class MeshReport(reports.FieldSurfaceReport, reports.BooleanReport, reports.RepairReport, reports.LevelReport, reports.LevelsReport,  # type: ignore[misc]
+                     reports.SmoothReport, reports.HullReport, reports.SectionsReport, reports.LodReport):
+        """The same of a mesh."""
+
+        distance: reports.Distances  # type: ignore[assignment]  # where it was measured
 else:
-    Array = Any
+    Array = GridReport = MeshReport = Any
 
 if TYPE_CHECKING:
     from ._options import HullOptions, SimplifyOptions
