@@ -115,7 +115,8 @@ static bvx_status vox_check_model(const bvxi_grid_source *source, const vox_mode
     bvx_context *const ctx = source->ctx;
 
     if (model->models > 1 || model->sizes > 1)
-        return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "VOX: the file has %u models; save each in a file of its own",
+        return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED,
+                         "VOX: the file has %u models; save each in a file of its own",
                          model->models > model->sizes ? model->models : model->sizes);
     if (model->models == 0)
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: the file ends without a model (SIZE and XYZI)",
