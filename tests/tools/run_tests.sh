@@ -543,13 +543,11 @@ other)
         list_fuzz san ''
         list_machines
         list_command 'projects that use CMake' sh tests/tools/packaging.sh quick
-        list_command "Python's source distribution" sh tests/tools/test_python.sh sdist
     } | run_lines
     if [ -n "$fault" ]; then count_kind san fault; else skip san/fault "the library cmocka is missing"; fi
     count_fuzz san
     count_machines
     count_script 'projects that use CMake'
-    count_script "Python's source distribution"
     tests_of_windows brief
     unset BVX_QUICK
     tests_of_other_compilers
