@@ -132,18 +132,6 @@ static void cli_free_scene(cli_run *run, cli_scene *s)
     for (int i = 0; i < 2; i++) cli_free_input(run, &s->input[i]);
 }
 
-/* What lies on the eye's side of each plane goes; the higher side where the plane looks at neither. */
-static void take_cut(const cli_run *run, bvx_render_options *r)
-{
-    const cli_planes *const cut = &run->options->cut;
-    const double *const direction = r->camera.direction;
-    for (int a = 0; a < 3; a++) {
-        if (!cut->given[a]) continue;
-        r->cut.sides |= (direction[a] < 0.0 ? BVX_OPEN_X_LOW : BVX_OPEN_X_HIGH) << 2 * a;
-        (direction[a] < 0.0 ? r->cut.low : r->cut.high)[a] = cut->value[a];
-    }
-}
-
 static int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32_t height, bvx_image *image)
 {
     const cli_render_options *const own = run->own;
@@ -155,7 +143,16 @@ static int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32
     r.height = height;
     if (own->from.given) memcpy(r.camera.direction, own->from.value, sizeof r.camera.direction);
     if (own->up.given) memcpy(r.camera.up, own->up.value, sizeof r.camera.up);
-    take_cut(run, &r);
+
+    /* What lies on the eye's side of each plane goes; the higher side where the plane looks at neither. */
+    const cli_planes *const cut = &run->options->cut;
+    const double *const direction = r.camera.direction;
+    for (int a = 0; a < 3; a++) {
+        if (!cut->given[a]) continue;
+        r.cut.sides |= (direction[a] < 0.0 ? BVX_OPEN_X_LOW : BVX_OPEN_X_HIGH) << 2 * a;
+        (direction[a] < 0.0 ? r.cut.low : r.cut.high)[a] = cut->value[a];
+    }
+
     if (s->compared) {
         status = bvx_render_difference(run->context, &s->input[0].grid, &s->input[1].grid, &r, image);
     } else if (s->input[0].kind == CLI_GRID) {

@@ -166,19 +166,6 @@ static int read_data_files(cli_run *run, const char *head, cli_volume *v)
 
 /* ---- the volume ---- */
 
-static void take_raw_options(const cli_run *run, bvx_read_volume_options *o)
-{
-    const cli_options *const given = run->options;
-
-    o->sample_type = given->sample_type;
-    o->big_endian = given->big_endian;
-    o->offset = (uint64_t)given->skip;
-    for (int a = 0; a < 3; a++) {
-        o->size[a] = given->shape.count == 3 ? (int32_t)given->shape.value[a] : 0;
-        if (given->voxel_size.given) o->spacing[a] = given->voxel_size.value[a];
-    }
-}
-
 int64_t cli_sample_bytes(int32_t type)
 {
     static const int64_t bytes[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
@@ -257,7 +244,17 @@ int cli_take_volume(cli_run *run, const char *path, const bvx_window *window, cl
     o.inflate_user = format == BVX_FORMAT_NRRD ? v : NULL;
     o.data = v->data.bytes;
     o.data_size = v->data.size;
-    take_raw_options(run, &o);
+
+    const cli_options *const given = run->options;
+
+    o.sample_type = given->sample_type;
+    o.big_endian = given->big_endian;
+    o.offset = (uint64_t)given->skip;
+    for (int a = 0; a < 3; a++) {
+        o.size[a] = given->shape.count == 3 ? (int32_t)given->shape.value[a] : 0;
+        if (given->voxel_size.given) o.spacing[a] = given->voxel_size.value[a];
+    }
+
     cli_stage_begin(run, "parse");
     read = bvx_read_volume(run->context, v->file.bytes, v->file.size, format, &o, &v->volume);
     cli_end_parse(run, (uint64_t)v->file.size + v->data.size);

@@ -141,8 +141,14 @@ static int is_short_stage(const char *name)
     return 0;
 }
 
-static void open_stage(cli_run *run, const char *name)
+void cli_stage_begin(cli_run *run, const char *format, ...)
 {
+    char name[sizeof run->progress.stage];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(name, sizeof name, format, args);
+    va_end(args);
+
     cli_progress_state *const p = &run->progress;
     double const part = is_short_stage(name) ? 0.1 : 0.5 / (p->rounds > 1 ? p->rounds : 1);
     close_stage(run, 1);
@@ -152,16 +158,7 @@ static void open_stage(cli_run *run, const char *name)
     /* A fixed part of what is left of the bar, as the stages that follow are not known. */
     p->low = p->reached;
     p->high = p->low + (1.0 - p->low) * part;
-}
 
-void cli_stage_begin(cli_run *run, const char *format, ...)
-{
-    char name[sizeof run->progress.stage];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(name, sizeof name, format, args);
-    va_end(args);
-    open_stage(run, name);
     run->progress.named = 1;
     if (!cli_interrupted()) tell_progress(run, 0);
 }

@@ -188,18 +188,6 @@ static void measure_compare_run(void *user, int32_t begin, int32_t end, int32_t 
     s->size[*s->label++] += (uint64_t)(end - begin);
 }
 
-static bvx_status measure_components(bvx_context *ctx, const compare_side *side, const bvxi_components *c,
-                                     uint64_t *largest)
-{
-    uint64_t const bytes = c->component_count * sizeof(uint64_t);
-    compare_sizes s = {c->label, NULL};
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the components' sizes", &s.size));
-    BVXI_TRY(visit_difference(ctx, side, measure_compare_run, &s));
-    for (uint64_t i = 0; i < c->component_count; i++) *largest = s.size[i] > *largest ? s.size[i] : *largest;
-    bvxi_drop(ctx, s.size);
-    return BVX_OK;
-}
-
 static bvx_status count_components(bvx_context *ctx, const char *function, const compare_work *w,
                                    const compare_sums *all, int32_t side, uint64_t *count, uint64_t *largest)
 {
@@ -214,7 +202,14 @@ static bvx_status count_components(bvx_context *ctx, const char *function, const
     if (all->runs[side] == 0) return BVX_OK;
     BVXI_TRY(bvxi_components_open(ctx, function, BVXI_CONNECT_6, box, all->runs[side], &c));
     BVXI_TRY(join_difference(ctx, &joined, &c));
-    BVXI_TRY(measure_components(ctx, &measured, &c, largest));
+
+    uint64_t const bytes = c.component_count * sizeof(uint64_t);
+    compare_sizes s = {c.label, NULL};
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the components' sizes", &s.size));
+    BVXI_TRY(visit_difference(ctx, &measured, measure_compare_run, &s));
+    for (uint64_t i = 0; i < c.component_count; i++) *largest = s.size[i] > *largest ? s.size[i] : *largest;
+    bvxi_drop(ctx, s.size);
+
     *count = c.component_count;
     bvxi_components_free(&c);
     return BVX_OK;

@@ -244,7 +244,7 @@ static void add_slice_point(bvx_sections *s, bvx_section_loop *l, const double p
 {
     if (l->point_count > 0) { /* else the stack may have no point at all */
         const double *const last = s->points + 3 * (s->point_count - 1);
-        if (last[0] == p[0] && last[1] == p[1] && last[2] == p[2]) return;
+        if (bvxi_vec_is_same(last, p)) return;
     }
     memcpy(s->points + 3 * s->point_count++, p, 24);
     l->point_count++;
@@ -313,7 +313,7 @@ static bvx_status follow_pieces(slice_work *w, uint64_t plane, uint64_t n)
         const double *const begin = s->points + 3 * l.first_point;
         const double *const last = s->points + 3 * (s->point_count - 1);
         /* The first point may be the last one's place, as neighbours' are. */
-        if (l.point_count > 1 && begin[0] == last[0] && begin[1] == last[1] && begin[2] == last[2]) {
+        if (l.point_count > 1 && bvxi_vec_is_same(begin, last)) {
             l.point_count--;
             s->point_count--;
         }

@@ -5,6 +5,7 @@
  * counter-clockwise, one inside an odd number is a hole and runs clockwise: the inside is on the left of
  * all. */
 #include "contours/section.h"
+#include "core/vec3.h"
 
 #include "mesh/mesh.h"
 
@@ -294,11 +295,6 @@ static bvx_status order_planes(bvxi_stack *s, const uint64_t *loops, uint32_t *o
     return BVX_OK;
 }
 
-static int same_place(const double *a, const double *b)
-{
-    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
-}
-
 bvx_status bvxi_plane_take_loop(bvx_context *ctx, const char *function, const bvx_sections *given,
                                 bvx_sections_report *report, bvxi_plane *p, uint64_t number)
 {
@@ -312,7 +308,7 @@ bvx_status bvxi_plane_take_loop(bvx_context *ctx, const char *function, const bv
     for (uint64_t i = 0; i < l->point_count; i++) {
         uint64_t const at = l->first_point + i;
         uint64_t const before = i == 0 ? l->first_point + l->point_count - 1 : at - 1;
-        if (l->point_count > 1 && same_place(given->points + 3 * at, given->points + 3 * before)) {
+        if (l->point_count > 1 && bvxi_vec_is_same(given->points + 3 * at, given->points + 3 * before)) {
             report->repeated_points++;
             continue;
         }

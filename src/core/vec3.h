@@ -18,6 +18,18 @@ static inline void bvxi_vec_cross(const double a[3], const double b[3], double n
     n[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+/* a by the cross product of b and c: six times the volume that they span with 0. */
+static inline double bvxi_vec_volume6(const double a[3], const double b[3], const double c[3])
+{
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+           a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+static inline int bvxi_vec_is_same(const double a[3], const double b[3])
+{
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
 static inline int bvxi_vec_is_zero(const double v[3])
 {
     return v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0;

@@ -208,21 +208,6 @@ static bvx_status flood_spaces(bvx_context *ctx, const char *function, flood_wor
     return BVX_OK;
 }
 
-static bvx_status flood_twice(bvx_context *ctx, const char *function, const bvxi_flood_walls *walls,
-                              flood_work *work)
-{
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.3, BVXI_SCOPE(ctx, flood_spaces(ctx, function, work))));
-    if (walls->close_gaps > 0) {
-        BVXI_TRY(
-            BVXI_SHARE(ctx, 0.3, 0.5, bvxi_close_gaps(ctx, NULL, walls->surface, walls->close_gaps, NULL)));
-
-        /* Only the second flood empties voxels, so what the first one could not reach stays filled. */
-        work->keep = 0;
-        BVXI_TRY(BVXI_SHARE(ctx, 0.5, 0.6, BVXI_SCOPE(ctx, flood_spaces(ctx, function, work))));
-    }
-    return BVX_OK;
-}
-
 bvx_status bvxi_flood(bvx_context *ctx, const char *function, const bvxi_flood_walls *walls, bvx_grid *solid,
                       bvx_solid_report *report, int32_t *leaked)
 {
@@ -231,7 +216,17 @@ bvx_status bvxi_flood(bvx_context *ctx, const char *function, const bvxi_flood_w
         .walls = walls->surface, .sure = walls->sure, .solid = solid, .keep = walls->close_gaps > 0};
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the voxels that the flood fills", &work.filled));
-    BVXI_TRY(flood_twice(ctx, function, walls, &work));
+
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.3, BVXI_SCOPE(ctx, flood_spaces(ctx, function, &work))));
+    if (walls->close_gaps > 0) {
+        BVXI_TRY(
+            BVXI_SHARE(ctx, 0.3, 0.5, bvxi_close_gaps(ctx, NULL, walls->surface, walls->close_gaps, NULL)));
+
+        /* Only the second flood empties voxels, so what the first one could not reach stays filled. */
+        work.keep = 0;
+        BVXI_TRY(BVXI_SHARE(ctx, 0.5, 0.6, BVXI_SCOPE(ctx, flood_spaces(ctx, function, &work))));
+    }
+
     if (work.filled_voxels != 0)
         BVXI_TRY(BVXI_SHARE(ctx, 0.6, 1.0, fill_flood_rim(ctx, walls->surface, work.filled, solid)));
     report->leaks = work.leaks;

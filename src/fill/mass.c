@@ -52,17 +52,11 @@ static void add_compensated(double *sum, double *lost, double term)
     *sum = s;
 }
 
-static double side_length(const double *a, const double *b)
-{
-    double const x = b[0] - a[0], y = b[1] - a[1], z = b[2] - a[2];
-    return sqrt(x * x + y * y + z * z);
-}
-
 /* The tetrahedron of a triangle and the centre: its moments are six times its volume times these polynomials. */
 static void add_tetrahedron(const double centre[3], double p[3][3], triangle_sums *s)
 {
     double n[3], sum[3], six;
-    double const u = side_length(p[0], p[1]), v = side_length(p[0], p[2]);
+    double const u = sqrt(bvxi_vec_distance2(p[0], p[1])), v = sqrt(bvxi_vec_distance2(p[0], p[2]));
 
     s->area += bvxi_facet_normal((const double(*)[3])p, n) * 0.5;
     s->spread += u * v;
@@ -70,7 +64,7 @@ static void add_tetrahedron(const double centre[3], double p[3][3], triangle_sum
         for (int k = 0; k < 3; k++) p[k][a] -= centre[a];
         sum[a] = p[0][a] + p[1][a] + p[2][a];
     }
-    six = p[0][0] * n[0] + p[0][1] * n[1] + p[0][2] * n[2];
+    six = bvxi_vec_dot(p[0], n);
 
     add_compensated(&s->sum[0], &s->lost[0], six / 6.0);
     for (int a = 0; a < 3; a++) add_compensated(&s->sum[1 + a], &s->lost[1 + a], six * sum[a] / 24.0);

@@ -164,11 +164,6 @@ bvx_status bvxi_walls_mark(bvxi_walls *t)
 
 /* ---- What the mesh is like at a centre ---- */
 
-static double wall_dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static void unit_normal(const bvxi_walls *t, uint32_t triangle, double n[3])
 {
     double p[3][3], length;
@@ -220,7 +215,7 @@ static void look_behind(const bvxi_walls *t, const bvx_closest_point *front, con
     for (int a = 0; a < 3; a++) behind[a] = front->position[a] - out[a] * BVXI_WALL_DEPTH * t->unit;
     *back = *front;
     /* a face seen from behind, through a hole */
-    if (t->open == BVXI_WALLS_HOLES && wall_dot(out, front_normal) < 0) return;
+    if (t->open == BVXI_WALLS_HOLES && bvxi_vec_dot(out, front_normal) < 0) return;
 
     /* What is nearest to a point BVXI_WALL_DEPTH deep, seen from the front. */
     bvxi_closest_ask(&t->closest, behind, hint, back);
@@ -232,9 +227,10 @@ static void look_behind(const bvxi_walls *t, const bvx_closest_point *front, con
     }
     apart = sqrt(square) / t->unit;
     deep /= t->unit;
-    facing = wall_dot(front_normal, back_normal);
+    facing = bvxi_vec_dot(front_normal, back_normal);
     /* at edges normals are of one of their faces */
-    through = wall_dot(out, front_normal) < 0 ? -wall_dot(out, back_normal) : wall_dot(out, back_normal);
+    through = bvxi_vec_dot(out, front_normal) < 0 ? -bvxi_vec_dot(out, back_normal)
+                                                  : bvxi_vec_dot(out, back_normal);
     if (!t->unoriented && through < facing) facing = through;
 
     /* Facing away from each other: a wall; at one place with nothing behind: a sheet. */
@@ -266,7 +262,7 @@ static int look_beside(const bvxi_walls *t, const double centre[3], const double
         bvxi_closest_ask(&t->closest, from, &hint[0], &front);
         unit_normal(t, front.triangle, n);
         /* The body's face again, or one that goes on from it; further out there may be another. */
-        if (bvxi_absolute(wall_dot(n, normal)) > WALL_STANDING) continue;
+        if (bvxi_absolute(bvxi_vec_dot(n, normal)) > WALL_STANDING) continue;
 
         for (int a = 0; a < 3; a++) {
             off += (centre[a] - front.position[a]) * n[a];
@@ -277,7 +273,7 @@ static int look_beside(const bvxi_walls *t, const double centre[3], const double
         if (beside.wall == BVXI_NO_WALL || beside.sheet || off >= t->limit) continue;
         /* Even ones: what is rough has places like these without a wall. */
         unit_normal(t, back.triangle, way);
-        if (bvxi_absolute(wall_dot(n, way)) < WALL_EVEN) continue;
+        if (bvxi_absolute(bvxi_vec_dot(n, way)) < WALL_EVEN) continue;
         *found = beside;
         found->triangle = front.triangle;
         found->distance = (float)off;

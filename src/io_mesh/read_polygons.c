@@ -19,18 +19,6 @@ typedef struct fan_work {
     bvxi_polygon polygon;
 } fan_work;
 
-static bvx_status fan_make_work(bvx_context *ctx, const bvxi_polygon_fan *fans, uint64_t count, fan_work *w)
-{
-    /* The largest polygon decides, so one room serves all of them. */
-    for (uint64_t i = 0; i < count; i++)
-        if (fans[i].corners > w->room) w->room = fans[i].corners;
-    w->polygon.ctx = ctx;
-    BVXI_TRY(
-        bvxi_alloc(ctx, BVXI_SCRATCH, w->room * sizeof *w->corner, "the corners of a polygon", &w->corner));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->room * 12, "the triangles of a polygon", &w->cut));
-    return bvxi_alloc(ctx, BVXI_SCRATCH, w->room * 4, "the numbers of a polygon", &w->number);
-}
-
 /* The numbers at a fan's corners. */
 static void fan_take_numbers(const uint32_t *t, uint64_t corners, uint32_t *number)
 {
@@ -85,7 +73,15 @@ bvx_status bvxi_cut_fans(bvxi_source *source, bvx_mesh *mesh, const bvxi_polygon
     fan_work w = {0};
 
     if (count == 0) return BVX_OK;
-    BVXI_TRY(fan_make_work(ctx, fans, count, &w));
+
+    /* The largest polygon decides, so one room serves all of them. */
+    for (uint64_t i = 0; i < count; i++)
+        if (fans[i].corners > w.room) w.room = fans[i].corners;
+    w.polygon.ctx = ctx;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w.room * sizeof *w.corner, "the corners of a polygon", &w.corner));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w.room * 12, "the triangles of a polygon", &w.cut));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w.room * 4, "the numbers of a polygon", &w.number));
+
     /* A progress call for each fan would cost more than cutting a small one. */
     for (uint64_t i = 0; i < count; i++) {
         if (i % FANS_BETWEEN_ASKS == 0) BVXI_TRY(bvxi_progress(ctx, "read", source->reached));

@@ -70,19 +70,15 @@ static int rounding_spoils(const double exact[3][3], const double rounded[3][3])
 {
     double n[3], r[3];
     bvxi_facet_cross(exact, n);
-    if (n[0] == 0.0 && n[1] == 0.0 && n[2] == 0.0) return 0;
+    if (bvxi_vec_is_zero(n)) return 0;
     bvxi_facet_cross(rounded, r);
-    return !(n[0] * r[0] + n[1] * r[1] + n[2] * r[2] > 0.0);
+    return !(bvxi_vec_dot(n, r) > 0.0);
 }
 
 static double rounding_edges(const double c[3][3])
 {
     double sum = 0.0;
-    for (int k = 0; k < 3; k++) {
-        const double *const p = c[k], *const q = c[(k + 1) % 3];
-        double const d[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
-        sum += sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-    }
+    for (int k = 0; k < 3; k++) sum += sqrt(bvxi_vec_distance2(c[k], c[(k + 1) % 3]));
     return sum;
 }
 

@@ -8,6 +8,7 @@
  * a vertex inside the cell is joined to the whole loop.
  *
  * Source: Klincsek. Minimal triangulations of polygonal domains. 1980 (the dynamic program). */
+#include "core/vec3.h"
 #include "layers/trace.h"
 
 #include <math.h>
@@ -15,12 +16,6 @@
 enum { FILL_FEW = 6, FILL_EXACT = 14, FILL_MOST = 4096, FILL_BELOW = 1, FILL_ABOVE = 2 };
 
 #define FILL_NEVER 1e300
-
-static double fill_length(const double *a, const double *b)
-{
-    double const x = b[0] - a[0], y = b[1] - a[1], z = b[2] - a[2];
-    return (x * x + y * y) + z * z;
-}
 
 /* ---- shortest inner edges ---- */
 
@@ -66,7 +61,7 @@ static int fill_by_table(const bvxi_trace *l, fill_table *t)
                     best = c;
                     t->split[i][j] = (uint8_t)k;
                 }
-                if (best < FILL_NEVER && gap < n - 1) best += fill_length(l->at[i], l->at[j]);
+                if (best < FILL_NEVER && gap < n - 1) best += bvxi_vec_distance2(l->at[i], l->at[j]);
             }
             t->cost[i][j] = best;
         }
@@ -77,7 +72,10 @@ static int fill_four(const bvxi_trace *l, uint32_t *first)
 {
     int const even = (l->faces[0] & l->faces[2]) == 0, odd = (l->faces[1] & l->faces[3]) == 0;
     if (!even && !odd) return 0;
-    *first = even && (!odd || fill_length(l->at[0], l->at[2]) <= fill_length(l->at[1], l->at[3])) ? 0 : 1;
+    *first = even && (!odd ||
+                      bvxi_vec_distance2(l->at[0], l->at[2]) <= bvxi_vec_distance2(l->at[1], l->at[3]))
+                 ? 0
+                 : 1;
     return 1;
 }
 
@@ -111,8 +109,8 @@ static bvx_status fill_as_strip(const bvxi_trace *l)
     for (uint32_t i = 0, j = 0; i + 1 < m || j + 1 < end;) {
         uint32_t const a = l->next[i], b = l->before[j];
         uint32_t const on = l->next[i + 1 < m ? i + 1 : i], beside = l->before[j + 1 < end ? j + 1 : j];
-        uint32_t const shorter = (uint32_t)(fill_length(l->at[on], l->at[b]) <=
-                                            fill_length(l->at[a], l->at[beside]));
+        uint32_t const shorter = (uint32_t)(bvxi_vec_distance2(l->at[on], l->at[b]) <=
+                                            bvxi_vec_distance2(l->at[a], l->at[beside]));
         /* no branch: which one comes next is a toss */
         uint32_t const up = ((uint32_t)(j + 1 == end) | shorter) & (uint32_t)(i + 1 < m);
         BVXI_TRY(bvxi_section_add_triangle(l->s, l->vertex[a], l->vertex[beside + (up * (on - beside))],
@@ -145,7 +143,7 @@ static bvx_status fill_by_ears(const bvxi_trace *l)
         uint32_t ear = BVXI_NONE, i = from;
         do {
             if ((l->faces[l->before[i]] & l->faces[l->next[i]]) == 0) {
-                double const c = fill_length(l->at[l->before[i]], l->at[l->next[i]]);
+                double const c = bvxi_vec_distance2(l->at[l->before[i]], l->at[l->next[i]]);
                 if (c < best) {
                     best = c;
                     ear = i;
@@ -188,11 +186,11 @@ static bvx_status fill_by_vertex(const bvxi_trace *l)
         0) { /* off that face, by less for smaller loops: the cone over a hole stays inside that of the loop round it */
         double reach = 0.0, share;
         for (uint32_t i = 0; i < l->count; i++) {
-            double const d = fill_length(l->at[i], middle);
+            double const d = bvxi_vec_distance2(l->at[i], middle);
             if (d > reach) reach = d;
         }
         reach = sqrt(reach);
-        share = 0.5 * reach / (reach + sqrt(fill_length(centre, middle)));
+        share = 0.5 * reach / (reach + sqrt(bvxi_vec_distance2(centre, middle)));
         for (int k = 0; k < 3; k++) middle[k] += share * (centre[k] - middle[k]);
     }
     BVXI_TRY(bvxi_section_add_vertex(l->s, middle, &number));

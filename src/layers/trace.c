@@ -105,20 +105,6 @@ static bvx_status add_corner(bvxi_trace *t, int i)
     return BVX_OK;
 }
 
-/* Its nodes, counter-clockwise; corner: the places of its own four among them, and the count. */
-static bvx_status add_trace_nodes(bvxi_trace *t, uint32_t corner[5])
-{
-    t->node_count = 0;
-    for (int i = 0; i < 4; i++) {
-        corner[i] = t->node_count;
-        BVXI_TRY(add_corner(t, i));
-        if (t->beside_split) BVXI_TRY(add_hanging_nodes(t, i));
-    }
-    corner[4] = t->node_count;
-    for (uint32_t i = 0; i < t->node_count; i++) level_node(&t->node[i], t->layer);
-    return BVX_OK;
-}
-
 /* ---- one strip of a side ---- */
 
 /* Marching squares; with four crossings the field where the lines joining opposite ones meet decides. All of it
@@ -389,7 +375,17 @@ bvx_status bvxi_trace_slab_cell(bvxi_trace *t)
 {
     uint32_t corner[5];
     t->point_count = 0;
-    BVXI_TRY(add_trace_nodes(t, corner));
+
+    /* Its nodes, counter-clockwise; corner: positions of its own four among them, and the count. */
+    t->node_count = 0;
+    for (int i = 0; i < 4; i++) {
+        corner[i] = t->node_count;
+        BVXI_TRY(add_corner(t, i));
+        if (t->beside_split) BVXI_TRY(add_hanging_nodes(t, i));
+    }
+    corner[4] = t->node_count;
+    for (uint32_t i = 0; i < t->node_count; i++) level_node(&t->node[i], t->layer);
+
     BVXI_TRY(gather_ends(t));
     BVXI_TRY(bvxi_trace_open_rows(t, t->end_count, t->node_count));
     BVXI_TRY(bvxi_trace_open_loop(t, (uint64_t)t->node_count + 16));

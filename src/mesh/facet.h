@@ -4,8 +4,7 @@
 #define BVXI_FACET_H
 
 #include "core/core.h"
-
-#include <math.h>
+#include "core/vec3.h"
 
 /* n becomes the normal by the right hand, as long as twice the area. */
 static inline void bvxi_facet_cross(const double t[3][3], double n[3])
@@ -16,17 +15,14 @@ static inline void bvxi_facet_cross(const double t[3][3], double n[3])
         u[a] = t[1][a] - t[0][a];
         v[a] = t[2][a] - t[0][a];
     }
-
-    n[0] = u[1] * v[2] - u[2] * v[1];
-    n[1] = u[2] * v[0] - u[0] * v[2];
-    n[2] = u[0] * v[1] - u[1] * v[0];
+    bvxi_vec_cross(u, v, n);
 }
 
 /* The same; returns that length. */
 static inline double bvxi_facet_normal(const double t[3][3], double n[3])
 {
     bvxi_facet_cross(t, n);
-    return sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    return bvxi_vec_length(n);
 }
 
 /* 1 when corner a comes before b, by their places only. */

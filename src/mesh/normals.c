@@ -35,7 +35,7 @@ void bvxi_unit_normal(const double sum[3], float normal[3])
     }
     /* squares of tiny and of huge sums would leave the range */
     for (int a = 0; a < 3; a++) u[a] = sum[a] / most;
-    length = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+    length = bvxi_vec_length(u);
     for (int a = 0; a < 3; a++) normal[a] = (float)(u[a] / length);
 }
 

@@ -7,6 +7,7 @@
  *
  * Source: Tarjan. Efficiency of a Good But Not Linear Set Union Algorithm. 1975; links carry one more bit.
  * The minority is turned, as a reader of a mesh with a few flipped triangles would do. */
+#include "core/vec3.h"
 #include "mesh/topology.h"
 #include "mesh/mesh.h"
 #include "mesh/view.h"
@@ -146,9 +147,7 @@ double bvxi_patches_volume(const bvx_mesh_view *view, uint64_t t, const double c
         bvxi_view_position(view, c[k], p[k]);
         for (int a = 0; a < 3; a++) p[k][a] -= centre[a];
     }
-    return p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) +
-           p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
-           p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0]);
+    return bvxi_vec_volume6(p[0], p[1], p[2]);
 }
 
 /* 1: the triangles of a patch that run as its root does are turned, 0: the others. */

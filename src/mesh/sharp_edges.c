@@ -52,7 +52,7 @@ static void add_edge(const bvx_mesh_view *mesh, const uint32_t *representative, 
     if (!(facet_of(mesh, v, p, n) > 0) || !(facet_of(mesh, w, q, m) > 0)) return;
 
     /* Sides that run the same way belong to triangles of opposite orientation. */
-    cosine = n[0] * m[0] + n[1] * m[1] + n[2] * m[2];
+    cosine = bvxi_vec_dot(n, m);
     if (v[one % 3] == w[other % 3]) cosine = -cosine;
     for (int a = 0; a < 3; a++)
         length += (p[(one + 1) % 3][a] - p[one % 3][a]) * (p[(one + 1) % 3][a] - p[one % 3][a]);

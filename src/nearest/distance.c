@@ -82,7 +82,7 @@ static void take_distance_sample(const distance_work *w, uint64_t i, bvxi_closes
     /* A triangle without area has no normal to compare. */
     double const other = bvxi_facet_normal((const double(*)[3])t, m);
     if (other > 0.0) {
-        double const cosine = (n[0] * m[0] + n[1] * m[1] + n[2] * m[2]) / length / other;
+        double const cosine = bvxi_vec_dot(n, m) / length / other;
         s->normal_sum += cosine < 1.0 ? 1.0 - cosine : 0.0;
         s->normal_count++;
     }

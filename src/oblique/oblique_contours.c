@@ -160,21 +160,6 @@ static bvx_status insert_point(bvxi_oblique *o, uint32_t plane, const double giv
     return bvxi_tetra_split_edge(o, f.tetra, end[0], end[1], at, vertex);
 }
 
-/* Meeting places first: on the lines of planes that cross no edge is missing yet. */
-static bvx_status insert_knots(bvxi_oblique *o)
-{
-    for (uint64_t i = 0; i < o->knot_count; i++) {
-        bvxi_knot *const k = &o->knot[i];
-        face_search alone = {BVXI_NONE, 0};
-        double at[3];
-        if (k->joined != i) continue;
-        bvxi_knot_place(o, (uint32_t)i, at);
-        BVXI_TRY(insert_point(o, k->plane, at, &alone, &k->vertex));
-        if (k->vertex != BVXI_NONE) o->vertex[k->vertex].sign = 0;
-    }
-    return BVX_OK;
-}
-
 /* A plane may have millions of points. */
 static bvx_status report_points(const bvxi_oblique *o, double from, const uint32_t *vertex)
 {
@@ -334,7 +319,17 @@ bvx_status bvxi_oblique_contours(bvxi_oblique *o)
     for (uint32_t i = 0; i < o->plane_count; vertex += o->plane[i++].plane.point_count)
         o->plane[i].vertex = vertex;
 
-    BVXI_TRY(insert_knots(o));
+    /* Meeting places first: on the lines of planes that cross no edge is missing yet. */
+    for (uint64_t i = 0; i < o->knot_count; i++) {
+        bvxi_knot *const k = &o->knot[i];
+        face_search alone = {BVXI_NONE, 0};
+        double at[3];
+        if (k->joined != i) continue;
+        bvxi_knot_place(o, (uint32_t)i, at);
+        BVXI_TRY(insert_point(o, k->plane, at, &alone, &k->vertex));
+        if (k->vertex != BVXI_NONE) o->vertex[k->vertex].sign = 0;
+    }
+
     for (uint32_t i = 0; i < o->plane_count; i++) BVXI_TRY(insert_points(o, i));
     for (uint32_t i = 0; i < o->plane_count; i++) {
         const bvxi_plane *const p = &o->plane[i].plane;

@@ -6,6 +6,7 @@
  * overlap it has less. Boxes say quickly what cannot lie within what; voxels, filled by two rules that
  * differ in nothing else, say whether something does.  Sums are taken around the middle of the mesh, so that
  * far coordinates keep their digits. */
+#include "core/vec3.h"
 #include "mesh/cross.h"
 #include "pipeline/repair.h"
 
@@ -16,10 +17,7 @@ enum {
 
 static void add_to_piece(bvxi_mesh_piece *s, const double p[3][3])
 {
-    double const *const a = p[0], *const b = p[1], *const c = p[2];
-
-    s->volume6 += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
-                  a[2] * (b[0] * c[1] - b[1] * c[0]);
+    s->volume6 += bvxi_vec_volume6(p[0], p[1], p[2]);
 
     /* Its box begins with its first corner. */
     for (int k = 0; k < 3; k++)

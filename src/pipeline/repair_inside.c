@@ -12,19 +12,6 @@ static bvx_status open_scratch_grid(bvxi_repair_job *job, bvx_grid *grid)
     return BVX_OK;
 }
 
-static bvx_status open_grids(bvxi_repair_job *job)
-{
-    /* What an earlier resolution left goes first. */
-    bvxi_thin_close(job->ctx, &job->thin);
-    bvxi_drop(job->ctx, job->inside.words);
-    bvxi_drop(job->ctx, job->solid.words);
-    memset(&job->inside, 0, sizeof job->inside);
-    memset(&job->solid, 0, sizeof job->solid);
-    job->grid_bytes = bvx_grid_bound(&job->lattice, NULL) * 8;
-    BVXI_TRY(open_scratch_grid(job, &job->solid));
-    return open_scratch_grid(job, &job->inside);
-}
-
 /* mesh: the job's, or its body, whose holes become the job's. */
 static bvx_status fill_solid(bvxi_repair_job *job, const bvx_mesh_view *mesh)
 {
@@ -40,7 +27,16 @@ static bvx_status fill_solid(bvxi_repair_job *job, const bvx_mesh_view *mesh)
 
 bvx_status bvxi_repair_inside(bvxi_repair_job *job)
 {
-    BVXI_TRY(open_grids(job));
+    /* What an earlier resolution left goes first. */
+    bvxi_thin_close(job->ctx, &job->thin);
+    bvxi_drop(job->ctx, job->inside.words);
+    bvxi_drop(job->ctx, job->solid.words);
+    memset(&job->inside, 0, sizeof job->inside);
+    memset(&job->solid, 0, sizeof job->solid);
+    job->grid_bytes = bvx_grid_bound(&job->lattice, NULL) * 8;
+    BVXI_TRY(open_scratch_grid(job, &job->solid));
+    BVXI_TRY(open_scratch_grid(job, &job->inside));
+
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.3, fill_solid(job, &job->mesh)));
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.3, 0.4, bvxi_repair_part(job)));
     if (job->sheets.triangle_count != 0)

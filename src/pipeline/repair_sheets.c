@@ -140,11 +140,6 @@ static piece_sums *sums_of(const bvxi_repair_job *job, const all_sums *sums, uin
     return &sums->piece[sums->number[job->piece[vertex]]];
 }
 
-static double vector_length(const double v[3])
-{
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
 /* 1 when the voxel that holds a place is set. [Units: voxels of the window] */
 static int is_set_at(const bvx_grid *solid, const double at[3])
 {
@@ -273,7 +268,7 @@ static void sum_loops(const bvxi_repair_job *job, const bvxi_holes *holes, all_s
             bvxi_facet_cross((const double(*)[3])p, n);
             for (int a = 0; a < 3; a++) sum[a] += 0.5 * n[a];
         }
-        sums_of(job, sums, holes->vertex[begin])->lid += vector_length(sum);
+        sums_of(job, sums, holes->vertex[begin])->lid += bvxi_vec_length(sum);
         sums_of(job, sums, holes->vertex[begin])->open = 1;
     }
 }
@@ -424,11 +419,11 @@ static uint64_t ask_joined_pieces(const bvxi_repair_job *job, all_sums *sums, ui
         area += 0.5 * length;
         count++;
     }
-    if (vector_length(all) < SHEET_LID * area) return count;
+    if (bvxi_vec_length(all) < SHEET_LID * area) return count;
 
     /* Large by themselves they may still close the holes of bodies, whose vectors are the opposite. */
     if (count != 0) sum_open_bodies(job, sums, all);
-    if (count != 0 && vector_length(all) < SHEET_LID * area) return count;
+    if (count != 0 && bvxi_vec_length(all) < SHEET_LID * area) return count;
     for (uint64_t i = 0; i < sums->count; i++) sums->piece[i].joined = 0;
     return 0;
 }

@@ -19,19 +19,12 @@ static void flat_corners(const bvxi_refine_job *job, uint32_t triangle, const in
                       job->step[a];
 }
 
-/* Twice the area's square; *n becomes the normal. */
-static double flat_normal(double p[3][3], double n[3])
-{
-    bvxi_facet_cross((const double(*)[3])p, n);
-    return n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-}
-
 /* Within the tolerance of the plane through 0 with normal n, or without one, of 0. */
 static int flat_point(const double p[3], const double n[3], double length2, double tolerance)
 {
-    double const d = p[0] * n[0] + p[1] * n[1] + p[2] * n[2];
+    double const d = bvxi_vec_dot(p, n);
     if (length2 > 0) return d * d <= tolerance * tolerance * length2;
-    return p[0] * p[0] + p[1] * p[1] + p[2] * p[2] <= tolerance * tolerance;
+    return bvxi_vec_dot(p, p) <= tolerance * tolerance;
 }
 
 int bvxi_refine_is_flat(const bvxi_refine_job *job, const uint32_t *list, const uint8_t *hits, uint32_t bit,
@@ -49,7 +42,8 @@ int bvxi_refine_is_flat(const bvxi_refine_job *job, const uint32_t *list, const 
         bvxi_view_triangle(job->view, list[i], corner);
         memcpy(first, job->snapped.xyz + 3 * (size_t)corner[0], sizeof first);
         flat_corners(job, list[i], first, p);
-        double const l = flat_normal(p, trial);
+        bvxi_facet_cross((const double(*)[3])p, trial);
+        double const l = bvxi_vec_dot(trial, trial);
         if (l < length2 || (l == length2 && list[i] > best)) continue;
         length2 = l;
         best = list[i];

@@ -5,6 +5,7 @@
  * twice; bands do not show. Sources at the headings below. */
 #include "render/raster.h"
 #include "lattice/lattice.h"
+#include "mesh/facet.h"
 
 /* ---- A convex polygon row by row, with a depth buffer ---- */
 
@@ -204,16 +205,9 @@ bvx_status bvxi_triangle_bins_open(bvx_context *ctx, uint64_t triangle_count, in
  * whichever way the polygon goes round, and lies on the plane exactly. Both triangles of an edge are clipped
  * by the same planes in the same order, so they keep the same piece of it. */
 
-static int cut_is_before(const double a[3], const double b[3])
-{
-    for (int k = 0; k < 3; k++)
-        if (a[k] != b[k]) return a[k] < b[k];
-    return 0;
-}
-
 static void cut_crossing(const double a[3], const double b[3], int axis, double plane, double p[3])
 {
-    const double *const from = cut_is_before(b, a) ? b : a, *const to = from == a ? b : a;
+    const double *const from = bvxi_corner_before(b, a) ? b : a, *const to = from == a ? b : a;
     double const share = (plane - from[axis]) / (to[axis] - from[axis]);
     for (int k = 0; k < 3; k++) p[k] = from[k] + share * (to[k] - from[k]);
     p[axis] = plane;

@@ -266,7 +266,7 @@ static void draw_scene_rows(const void *user, const bvxi_raster *raster, bvxi_ra
 
 static double scene_unit(double n[3])
 {
-    double const length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    double const length = bvxi_vec_length(n);
     if (length > 0.0)
         for (int a = 0; a < 3; a++) n[a] /= length;
     return length;

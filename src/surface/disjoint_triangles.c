@@ -11,9 +11,7 @@ static void cross_sides(const double a[3], const double b[3], const double c[3],
 {
     double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
     double const v[3] = {d[0] - c[0], d[1] - c[1], d[2] - c[2]};
-    n[0] = u[1] * v[2] - u[2] * v[1];
-    n[1] = u[2] * v[0] - u[0] * v[2];
-    n[2] = u[0] * v[1] - u[1] * v[0];
+    bvxi_vec_cross(u, v, n);
 }
 
 /* The shadow of a triangle along n, widened by its rounding. */

@@ -145,10 +145,8 @@ static inline int bvxi_normal_of(const double a[3], const double b[3], const dou
         u[k] = (b[k] - a[k]) / unit;
         v[k] = (c[k] - a[k]) / unit;
     }
-    n[0] = u[1] * v[2] - u[2] * v[1];
-    n[1] = u[2] * v[0] - u[0] * v[2];
-    n[2] = u[0] * v[1] - u[1] * v[0];
-    length = sqrt(bvxi_vec_dot(n, n));
+    bvxi_vec_cross(u, v, n);
+    length = bvxi_vec_length(n);
     if (!(length > 0.0)) return 0;
     for (int k = 0; k < 3; k++) n[k] /= length;
     return 1;

@@ -57,8 +57,7 @@ static inline void bvxi_sheet_normal(const double a[3], const double b[3], const
 
 static inline double bvxi_sheet_distance(const double a[3], const double b[3])
 {
-    double const v[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-    return bvxi_vec_length(v);
+    return sqrt(bvxi_vec_distance2(a, b));
 }
 
 /* What loops order[i] .. order[j - 1] are from far off. */

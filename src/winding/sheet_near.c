@@ -74,9 +74,7 @@ static int32_t enter_triangle(const bvxi_near_triangle *t, const double h[3])
     /* The way's line against each edge: all three signs alike mean that it goes through. */
     for (int i = 0; i < 3; i++) {
         const bvxi_seen_point *const a = &t->p[i], *const b = &t->p[(i + 1) % 3];
-        const double *const u = a->v, *const v = b->v;
-        double const det = h[0] * (u[1] * v[2] - u[2] * v[1]) + h[1] * (u[2] * v[0] - u[0] * v[2]) +
-                           h[2] * (u[0] * v[1] - u[1] * v[0]);
+        double const det = bvxi_vec_volume6(h, a->v, b->v);
         turn[i] = sure_sign(det, (far - t->p[0].length) * a->length * b->length);
     }
     for (int i = 0; i < 3; i++)

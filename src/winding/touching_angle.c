@@ -23,13 +23,14 @@ static int is_zero_vector(const int64_t v[3])
 
 static double cross_length(const double a[3], const double b[3])
 {
-    double const x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
-    return sqrt(x * x + y * y + z * z);
+    double n[3];
+    bvxi_vec_cross(a, b, n);
+    return bvxi_vec_length(n);
 }
 
 static void to_unit(double v[3])
 {
-    double const length = sqrt(bvxi_vec_dot(v, v));
+    double const length = bvxi_vec_length(v);
     for (int i = 0; i < 3 && length > 0; i++) v[i] /= length;
 }
 
