@@ -38,8 +38,7 @@ typedef struct patch_work {
 
 /* ---- Patches and parts ---- */
 
-/* The root of a triangle; *differs: whether it runs differently. Paths are halved. */
-static uint32_t patch_root(uint32_t *link, uint32_t t, uint32_t *differs)
+uint32_t bvxi_link_root(uint32_t *link, uint32_t t, uint32_t *differs)
 {
     *differs = 0;
     while (link[t] >> 1 != t) {
@@ -55,7 +54,7 @@ static uint32_t patch_root(uint32_t *link, uint32_t t, uint32_t *differs)
 static void join_patches(patch_work *w, uint32_t s, uint32_t t, uint32_t differ)
 {
     uint32_t ds, dt;
-    uint32_t const a = patch_root(w->link, s, &ds), b = patch_root(w->link, t, &dt);
+    uint32_t const a = bvxi_link_root(w->link, s, &ds), b = bvxi_link_root(w->link, t, &dt);
     /* The least triangle is the root, so the result does not depend on the order of edges. */
     uint32_t const least = a < b ? a : b, most = a < b ? b : a;
     /* Two ways to the same root that disagree: the patch has one side only. */
@@ -175,7 +174,7 @@ static uint64_t number_patches(patch_work *w, uint32_t *number)
     uint32_t count = 0, differs;
     /* A root is the least triangle of its patch, so it comes first. */
     for (uint64_t t = 0; t < w->out->triangles; t++) {
-        uint32_t const root = patch_root(w->link, (uint32_t)t, &differs);
+        uint32_t const root = bvxi_link_root(w->link, (uint32_t)t, &differs);
         if (root == t) w->sums[root].same = count++;
         number[t] = w->sums[root].same;
     }
@@ -221,7 +220,7 @@ static bvx_status find_patches(bvx_context *ctx, patch_work *w)
     /* Sums need all links, and turning needs all sums. */
     for (uint64_t t = 0; t < w->out->triangles; t++) {
         uint32_t differs;
-        patch_sums *const s = &w->sums[patch_root(w->link, (uint32_t)t, &differs)];
+        patch_sums *const s = &w->sums[bvxi_link_root(w->link, (uint32_t)t, &differs)];
         double const volume = bvxi_patches_volume(w->view, t, w->centre);
         /* Counted by what the patch's root does: turning the root's side turns the sign of the volume. */
         *(differs ? &s->other : &s->same) += 1;
@@ -231,7 +230,7 @@ static bvx_status find_patches(bvx_context *ctx, patch_work *w)
     bvxi_patches *const out = w->out;
     for (uint64_t t = 0; t < out->triangles; t++) {
         uint32_t differs;
-        uint32_t const root = patch_root(w->link, (uint32_t)t, &differs);
+        uint32_t const root = bvxi_link_root(w->link, (uint32_t)t, &differs);
         out->part[t] = bvxi_root(out->part, (uint32_t)t);
         out->unorientable += root == t && w->torn[root];
         /* A torn patch is left as it is: no turning makes it run one way. */

@@ -83,6 +83,10 @@ typedef struct bvxi_patches {
     uint32_t refused[2]; /* the first one's corners */
 } bvxi_patches;
 
+/* The root of a triangle in link, where each has a triangle << 1 | 1 when the two run differently, and a root itself;
+ * *differs: whether it runs differently from its root. Paths are halved. */
+uint32_t bvxi_link_root(uint32_t *link, uint32_t t, uint32_t *differs);
+
 /* Find what to turn so that the triangles of each patch run the same way round, as most of them do. Where no
  * side has five eighths of them, the volume that they enclose about centre becomes positive. Of an open mesh,
  * open patches that face inward where others face outward are turned whole (patch_sides.c); chance: the triangles

@@ -352,14 +352,6 @@ bvx_status bvxi_attributes_open(bvxi_collapse *c)
     return BVX_OK;
 }
 
-void bvxi_attributes_close(bvxi_collapse *c)
-{
-    bvxi_drop(c->ctx, c->attributes.q);
-    bvxi_drop(c->ctx, c->attributes.vertex);
-    bvxi_drop(c->ctx, c->attributes.row);
-    bvxi_drop(c->ctx, c->attributes.material);
-}
-
 /* ---- Collapses ---- */
 
 int bvxi_attributes_part(const bvxi_collapse *c, int32_t edge)

@@ -16,7 +16,7 @@ typedef struct bvxi_collapse_counts {
 int bvxi_collapse_needs_sources(const bvx_mesh_view *mesh, const bvxi_collapse_options *options);
 /* Take the sheets of a checked mesh, or the mesh itself as a view; BVX_ERR_ARGUMENT: what options->borders does
  * not allow. The order of vertices and triangles does not matter where no two vertices are at one position. Both
- * must live until bvxi_collapse_close. Scratch: 190 bytes a triangle; of n channels of attributes 200 + 32 n a vertex. */
+ * must live as long as the collapse, which is scratch: 190 bytes a triangle; of n channels of attributes 200 + 32 n a vertex. */
 bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                               const bvxi_sheets *sheets, const bvxi_collapse_options *options,
                               bvxi_collapse **collapse);
@@ -27,15 +27,10 @@ bvx_status bvxi_collapse_to(bvxi_collapse *collapse, uint64_t target, double fro
  * without them, so that what hangs together does so by its indices. */
 bvx_status bvxi_collapse_give(bvxi_collapse *collapse, bvx_mesh *level);
 bvx_status bvxi_collapse_give_plain(bvxi_collapse *collapse, bvx_mesh *level);
-int bvxi_collapse_has_seams(const bvxi_collapse *collapse);
 /* Pairs of triangles that cross; cheap where the collapse has counted them already. */
 bvx_status bvxi_collapse_crossings(bvxi_collapse *collapse, uint64_t *count);
-uint64_t bvxi_collapse_triangles(const bvxi_collapse *collapse);
-const bvxi_collapse_counts *bvxi_collapse_tried(const bvxi_collapse *collapse);
 /* Triangles for the next try. Errors grow about as triangles become fewer, so n * part of them would take up
  * all of it; a collapse cannot be undone, so half of that way is gone, by ratios, and at least a twentieth. */
 uint64_t bvxi_collapse_next_try(uint64_t triangles, double part);
-const bvxi_closed *bvxi_collapse_closed(const bvxi_collapse *collapse);
-void bvxi_collapse_close(bvxi_collapse *collapse);
 
 #endif

@@ -691,38 +691,3 @@ bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_
     *collapse = c;
     return BVX_OK;
 }
-
-void bvxi_collapse_close(bvxi_collapse *c)
-{
-    if (c == NULL) return;
-    bvxi_drop(c->ctx, c->tree.node[0]);
-    bvxi_attributes_close(c);
-    bvxi_drop(c->ctx, c->from);
-    bvxi_drop(c->ctx, c->pairs);
-    bvxi_drop(c->ctx, c->came);
-    bvxi_drop(c->ctx, c->now);
-    bvxi_drop(c->ctx, c->first_source);
-    bvxi_drop(c->ctx, c->origin);
-    bvxi_drop(c->ctx, c->kind);
-    bvxi_drop(c->ctx, c->least);
-    bvxi_drop(c->ctx, c->undo);
-    bvxi_drop(c->ctx, c->mesh.triangle);
-    bvxi_drop(c->ctx, c->mesh.source);
-    bvxi_drop(c->ctx, c->mesh.at);
-    bvxi_drop(c->ctx, c);
-}
-
-uint64_t bvxi_collapse_triangles(const bvxi_collapse *c)
-{
-    return c->mesh.left;
-}
-
-const bvxi_closed *bvxi_collapse_closed(const bvxi_collapse *c)
-{
-    return &c->closed;
-}
-
-const bvxi_collapse_counts *bvxi_collapse_tried(const bvxi_collapse *c)
-{
-    return &c->counts;
-}

@@ -158,7 +158,6 @@ void bvxi_collapse_undo_since(bvxi_collapse *c, uint32_t order);
 
 /* attributes.c */
 bvx_status bvxi_attributes_open(bvxi_collapse *c);
-void bvxi_attributes_close(bvxi_collapse *c);
 /* The vertex and triangle of the given mesh that a corner had when it was opened. */
 uint32_t bvxi_given_vertex(const bvxi_collapse *c, int32_t corner);
 uint32_t bvxi_given_triangle(const bvxi_collapse *c, int32_t corner);

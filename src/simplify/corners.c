@@ -262,41 +262,17 @@ static int has_one_fan_each(bvx_context *ctx, const bvxi_corners *m, int32_t *an
 
 /* ---- Borders ---- */
 
-static bvx_status grow_vertices(bvx_context *ctx, bvxi_corners *m, uint64_t room)
-{
-    bvxi_corner_vertex *larger;
-    uint32_t *sources;
-
-    BVXI_TRY(
-        bvxi_alloc(ctx, BVXI_SCRATCH, room * sizeof *larger, "the vertices of parts that touch", &larger));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * 4, "the sources of parts that touch", &sources));
-    memcpy(larger, m->at, (size_t)m->vertices * sizeof *larger);
-    memcpy(sources, m->source, (size_t)m->vertices * 4);
-    bvxi_drop(ctx, m->source);
-    bvxi_drop(ctx, m->at);
-    m->at = larger;
-    m->source = sources;
-    m->vertex_room = room;
-    return BVX_OK;
-}
-
 static bvx_status grow_triangles(bvx_context *ctx, const char *function, bvxi_corners *m)
 {
     uint64_t const room = m->triangles + m->ghosts;
-    bvxi_corner_triangle *larger;
 
     /* Corners are numbers of 31 bits, four a triangle. */
     if (room > INT32_MAX / 4)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: %u triangles with %u border edges are too many; %u together are possible",
                              function, m->triangles, m->ghosts, (uint64_t)INT32_MAX / 4);
-    BVXI_TRY(
-        bvxi_alloc(ctx, BVXI_SCRATCH, room * sizeof *larger, "the triangles and their borders", &larger));
-    memcpy(larger, m->triangle, (size_t)m->triangles * sizeof *larger);
-    bvxi_drop(ctx, m->triangle);
-    m->triangle = larger;
-    m->triangle_room = room;
-    return BVX_OK;
+    return bvxi_reserve(ctx, &m->triangle, room, &m->triangle_room, sizeof *m->triangle,
+                        "the triangles and their borders");
 }
 
 /* Give every border edge its ghost triangle, whose corner 0 is the ghost. */
@@ -379,7 +355,10 @@ static bvx_status part_vertices(bvx_context *ctx, bvxi_corners *m)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, m->triangles * 16, "the corners' fans", &seen));
     shared = part_fans(m, first, seen, 0);
     for (uint64_t v = 0; v < m->vertices; v++) m->split += first[v] > 1;
-    BVXI_TRY(grow_vertices(ctx, m, m->vertices + shared));
+    BVXI_TRY(bvxi_resize(ctx, BVXI_SCRATCH, &m->source, m->vertex_room * 4, (m->vertices + shared) * 4,
+                         "the sources of parts that touch"));
+    BVXI_TRY(bvxi_reserve(ctx, &m->at, m->vertices + shared, &m->vertex_room, sizeof *m->at,
+                          "the vertices of parts that touch"));
     part_fans(m, first, seen, m->vertices);
     m->vertices += shared;
     bvxi_drop(ctx, seen);

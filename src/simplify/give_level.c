@@ -194,11 +194,6 @@ static bvx_status give_rows(bvxi_collapse *c, bvx_mesh *level)
 
 /* ---- Levels ---- */
 
-int bvxi_collapse_has_seams(const bvxi_collapse *c)
-{
-    return c->attributes.row != NULL;
-}
-
 bvx_status bvxi_collapse_give(bvxi_collapse *c, bvx_mesh *level)
 {
     bvx_status status;

@@ -394,17 +394,8 @@ static int add_pair(void *user, uint32_t t)
     judge_found *const list = user;
 
     if (t == list->triangle) return 0;
-    if (list->count == list->capacity) {
-        uint32_t *larger;
-
-        list->status = bvxi_alloc(list->c->ctx, BVXI_SCRATCH, list->capacity * 16 + 1024, "crossing pairs",
-                                  &larger);
-        if (list->status != BVX_OK) return 1;
-        if (list->count != 0) memcpy(larger, list->pair, (size_t)list->count * 8);
-        bvxi_drop(list->c->ctx, list->pair);
-        list->pair = larger;
-        list->capacity = list->capacity * 2 + 128;
-    }
+    list->status = BVXI_GROW_BY(list->c, list->pair, list->count, list->capacity, 8, "crossing pairs");
+    if (list->status != BVX_OK) return 1;
     list->pair[2 * list->count] = list->triangle;
     list->pair[2 * list->count + 1] = t;
     list->count++;

@@ -2,10 +2,10 @@
  *
  * A level by error is found by going on in steps and measuring each: the last one that keeps the error is the
  * level, and the chain goes on from the first one that does not. */
-#include "simplify/collapse.h"
 #include "core/vec3.h"
 #include "mesh/mesh.h"
 #include "mesh/view.h"
+#include "simplify/collapse_state.h"
 
 #include <math.h>
 
@@ -101,7 +101,7 @@ static double smallest_angle(const bvx_mesh *level)
 static bvx_status certify_level(bvx_context *ctx, const bvxi_level_chain *c, bvxi_collapse *collapse,
                                 const bvx_mesh *level, bvx_level_report *r)
 {
-    int const beyond = c->targets.errors != NULL, seams = bvxi_collapse_has_seams(collapse);
+    int const beyond = c->targets.errors != NULL, seams = collapse->attributes.row != NULL;
     bvx_mesh plain = {0};
     bvx_mesh_view view;
     bvx_status status = BVX_OK;
@@ -138,7 +138,7 @@ static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
     r->handles_cut = c->closed.handles;
     r->holes_filled = c->closed.holes;
     r->longest_closed = c->closed.longest;
-    r->refused = bvxi_collapse_tried(collapse)->refused;
+    r->refused = collapse->counts.refused;
 
     /* By error the level has been measured while it was looked for. */
     r->measured = c->targets.errors != NULL || c->targets.samples != 0;
@@ -158,8 +158,8 @@ static bvx_status make_by_count(bvxi_level_chain *c, uint64_t i, bvxi_collapse *
     uint64_t const wanted = target_of(c, i), target = wanted < c->halve_from ? wanted : c->halve_from;
 
     BVXI_TRY(bvxi_collapse_to(collapse, target, 0.0, 1.0));
-    *met = bvxi_collapse_triangles(collapse) <= wanted;
-    c->closed = *bvxi_collapse_closed(collapse);
+    *met = collapse->mesh.left <= wanted;
+    c->closed = collapse->closed;
     return bvxi_collapse_give(collapse, &c->levels[i]);
 }
 
@@ -243,8 +243,7 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
 
     *met = 0;
     /* A measured surface may have more triangles than the mesh. */
-    if (bvxi_collapse_triangles(collapse) > c->halve_from)
-        BVXI_TRY(bvxi_collapse_to(collapse, c->halve_from, 0.0, 0.0));
+    if (collapse->mesh.left > c->halve_from) BVXI_TRY(bvxi_collapse_to(collapse, c->halve_from, 0.0, 0.0));
     do {
         /* Half of what is left of the bar a try: how many there will be is not known. */
         double const measured = at + 0.4 * (1.0 - at), collapsed = at + 0.5 * (1.0 - at);
@@ -270,14 +269,14 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
         *found = made;
         *met = part <= 1;
         c->last = d;
-        c->closed = *bvxi_collapse_closed(collapse);
+        c->closed = collapse->closed;
         if (!*met) break;
 
-        before = bvxi_collapse_triangles(collapse);
+        before = collapse->mesh.left;
         BVXI_TRY(BVXI_SHARE(ctx, measured, collapsed,
                             bvxi_collapse_to(collapse, bvxi_collapse_next_try(before, part), 0.0, 1.0)));
         at = collapsed;
-    } while (bvxi_collapse_triangles(collapse) < before);
+    } while (collapse->mesh.left < before);
     return BVX_OK;
 }
 
@@ -333,7 +332,7 @@ static bvx_status open_collapse(bvx_context *ctx, bvxi_level_chain *c, const bvx
     mark = bvxi_scratch_begin(ctx);
     status = bvxi_scratch_keep(ctx, mark,
                                bvxi_collapse_open(ctx, c->function, mesh, made, &c->collapse, collapse));
-    if (status == BVX_OK) sheets->split = bvxi_collapse_tried(*collapse)->split;
+    if (status == BVX_OK) sheets->split = (*collapse)->counts.split;
     if (status != BVX_ERR_ARGUMENT) return status;
 
     BVXI_TRY(bvxi_sheets_part(ctx, made, sheets));
@@ -342,14 +341,17 @@ static bvx_status open_collapse(bvx_context *ctx, bvxi_level_chain *c, const bvx
 }
 
 static bvx_status make_chain(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *mesh,
-                             bvxi_sheets *made, bvxi_sheets_report *sheets)
+                             bvxi_sheets_report *sheets)
 {
-    bvxi_collapse *collapse = NULL;
-    bvx_status status;
+    bvxi_sheets made = {.view = *mesh};
+    bvxi_collapse *collapse;
+    bvx_status status = BVX_OK;
     double from = 0.1;
 
-    status = open_collapse(ctx, c, mesh, made, sheets, &collapse);
-
+    /* What has too many triangles is refused when it is opened. */
+    if (!c->collapse.simple && mesh->triangle_count <= INT32_MAX / 4)
+        BVXI_TRY(bvxi_sheets_open(ctx, mesh, bvxi_collapse_needs_sources(mesh, &c->collapse), &made, sheets));
+    BVXI_TRY(open_collapse(ctx, c, mesh, &made, sheets, &collapse));
     for (uint64_t i = 0; i < c->count && status == BVX_OK; i++) {
         /* Each level is made of the one before, so the first takes longest. */
         double const to = i + 1 == c->count ? 1.0 : 0.5 * from + 0.5;
@@ -358,7 +360,6 @@ static bvx_status make_chain(bvx_context *ctx, bvxi_level_chain *c, const bvx_me
         from = to;
     }
     bvxi_distance_forget(ctx, &c->kept);
-    bvxi_collapse_close(collapse);
     return status;
 }
 
@@ -366,17 +367,12 @@ bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *c, const bvx_mes
                             bvxi_sheets_report *sheets)
 {
     bvxi_sheets_report unused;
-    bvxi_sheets made = {.view = *mesh};
-    bvx_status status = BVX_OK;
+    bvx_status status;
 
     if (sheets == NULL) sheets = &unused;
     memset(sheets, 0, sizeof *sheets);
     sheets->triangles = mesh->triangle_count;
-    /* What has too many triangles is refused when it is opened. */
-    if (!c->collapse.simple && mesh->triangle_count <= INT32_MAX / 4)
-        status = bvxi_sheets_open(ctx, mesh, bvxi_collapse_needs_sources(mesh, &c->collapse), &made, sheets);
-    if (status == BVX_OK) status = make_chain(ctx, c, mesh, &made, sheets);
-    bvxi_sheets_close(ctx, &made);
+    status = BVXI_SCOPE(ctx, make_chain(ctx, c, mesh, sheets));
     if (status != BVX_OK) bvxi_levels_drop(ctx, c->levels, c->count);
     return status;
 }

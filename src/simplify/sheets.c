@@ -230,25 +230,11 @@ static bvx_status drop_sheet_copies(sheet_work *w)
 
 /* ---- Patches ---- */
 
-/* The root of a triangle; *differs: whether it runs differently. Paths are halved. */
-static uint32_t sheet_root(uint32_t *link, uint32_t t, uint32_t *differs)
-{
-    *differs = 0;
-    while (link[t] >> 1 != t) {
-        uint32_t const up = link[t] >> 1, above = link[up] >> 1;
-
-        link[t] = above << 1 | ((link[t] ^ link[up]) & 1);
-        *differs ^= link[t] & 1;
-        t = above;
-    }
-    return t;
-}
-
 /* Join two triangles across an edge; 0 where they disagree already. */
 static int join_sheets(uint32_t *link, uint32_t s, uint32_t t, uint32_t differ)
 {
     uint32_t ds, dt;
-    uint32_t const a = sheet_root(link, s, &ds), b = sheet_root(link, t, &dt);
+    uint32_t const a = bvxi_link_root(link, s, &ds), b = bvxi_link_root(link, t, &dt);
 
     if (a == b) return (ds ^ dt) == differ;
     /* The least triangle is the root, so the result does not depend on the order of edges. */
@@ -282,7 +268,7 @@ static void join_all_sheets(sheet_work *w, patch_area *area)
         if (n != 2 || apex_of(w, w->half[i]) == apex_of(w, w->half[i + 1])) continue;
         if (!join_sheets(w->link, w->half[i] / 3, w->half[i + 1] / 3,
                          runs_up(w, w->half[i]) == runs_up(w, w->half[i + 1])))
-            area[sheet_root(w->link, w->half[i] / 3, &differs)].torn++;
+            area[bvxi_link_root(w->link, w->half[i] / 3, &differs)].torn++;
     }
 }
 
@@ -295,7 +281,7 @@ static bvx_status turn_patches(sheet_work *w)
     join_all_sheets(w, area);
     for (uint64_t t = 0; t < w->triangles && w->disputed != 0; t++) {
         uint32_t differs;
-        patch_area *const a = &area[sheet_root(w->link, (uint32_t)t, &differs)];
+        patch_area *const a = &area[bvxi_link_root(w->link, (uint32_t)t, &differs)];
 
         *(differs ? &a->other : &a->same) += triangle_area(w, t);
         /* What was found of a patch before it was joined to another one holds for both. */
@@ -304,7 +290,7 @@ static bvx_status turn_patches(sheet_work *w)
     for (uint64_t t = 0; t < w->triangles && w->disputed != 0; t++) {
         uint32_t *const c = w->corner + 3 * t;
         uint32_t differs, second = c[1];
-        const patch_area *const a = &area[sheet_root(w->link, (uint32_t)t, &differs)];
+        const patch_area *const a = &area[bvxi_link_root(w->link, (uint32_t)t, &differs)];
 
         if (a->torn != 0 || !(differs ? a->other <= a->same : a->other > a->same)) continue;
         c[1] = c[2];
@@ -382,7 +368,7 @@ static bvx_status open_crowd(sheet_work *w)
 
             w->at[n] = w->half[j];
             w->edge[n] = (uint32_t)i;
-            w->patch[n++] = sheet_root(w->link, w->half[j] / 3, &differs);
+            w->patch[n++] = bvxi_link_root(w->link, w->half[j] / 3, &differs);
         }
     }
     return BVX_OK;
@@ -642,10 +628,4 @@ bvx_status bvxi_sheets_part(bvx_context *ctx, bvxi_sheets *sheets, bvxi_sheets_r
 
     sheets->view.triangle_count = report->triangles = w.triangles;
     return BVX_OK;
-}
-
-void bvxi_sheets_close(bvx_context *ctx, bvxi_sheets *sheets)
-{
-    bvxi_drop(ctx, sheets->positions);
-    bvxi_drop(ctx, sheets->corner);
 }

@@ -20,6 +20,5 @@ bvx_status bvxi_sheets_open(bvx_context *ctx, const bvx_mesh_view *mesh, int sou
  * sides; give each fan a vertex of its own. A mesh that needs none of that keeps the order of its triangles.
  * Scratch: 85 bytes a triangle while it works; then positions anew where vertices were split. */
 bvx_status bvxi_sheets_part(bvx_context *ctx, bvxi_sheets *sheets, bvxi_sheets_report *report);
-void bvxi_sheets_close(bvx_context *ctx, bvxi_sheets *sheets);
 
 #endif

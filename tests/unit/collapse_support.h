@@ -11,6 +11,7 @@
 static bvx_mesh_view opened_view;
 static bvxi_sheets opened_sheets;
 static bvxi_collapse *collapse;
+static uint64_t opened_mark;
 
 static inline bvxi_collapse_options collapse_options(void)
 {
@@ -28,6 +29,7 @@ static inline void open_view(const bvx_mesh_view *view, const bvxi_collapse_opti
 {
     bvxi_sheets_report unused;
 
+    opened_mark = bvxi_scratch_begin(ctx);
     opened_view = *view;
     memset(&unused, 0, sizeof unused);
     memset(&opened_sheets, 0, sizeof opened_sheets);
@@ -42,8 +44,7 @@ static inline void open_view(const bvx_mesh_view *view, const bvxi_collapse_opti
 
 static inline void close_view(void)
 {
-    bvxi_collapse_close(collapse);
-    bvxi_sheets_close(ctx, &opened_sheets);
+    bvxi_scratch_end(ctx, opened_mark, BVX_OK);
     collapse = NULL;
 }
 
