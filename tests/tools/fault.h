@@ -47,8 +47,9 @@ static inline _Unwind_Reason_Code fault_frame(struct _Unwind_Context *frame, voi
 static inline void fault_reach(fault_places *places)
 {
     uint64_t const n = places->count++;
-    uint64_t *const chain = (n & (n - 1)) == 0 ? realloc(places->chain, (n + (n == 0)) * 2 * sizeof *chain)
-                                               : places->chain;
+    int const is_full = (n & (n - 1)) == 0; /* rooms are doubled: 2, 2, 4, 8 ... */
+    size_t const room = (size_t)(n == 0 ? 2 : 2 * n);
+    uint64_t *const chain = is_full ? realloc(places->chain, room * sizeof *chain) : places->chain;
 
     if (chain == NULL) abort();
     places->chain = chain;
