@@ -45,24 +45,16 @@ static int32_t across_edge(const bvxi_corners *m, int32_t c)
     return left < 0 ? left : bvxi_corner_previous(left);
 }
 
-static bvx_status fail_edge(bvx_context *ctx, const char *function, const bvxi_corners *m, int32_t corner,
-                            int borders)
+static bvx_status fail_edge(bvx_context *ctx, const char *function, const bvxi_corners *m, int32_t corner)
 {
     const double *const p = m->at[bvxi_corner_vertex_of(m, bvxi_corner_next(corner))].p;
     const double *const q = m->at[bvxi_corner_vertex_of(m, bvxi_corner_previous(corner))].p;
 
-    if (borders == BVXI_BORDERS_REFUSED)
-        return bvxi_fail_for(
-            ctx, BVX_ERR_ARGUMENT, BVX_REASON_TOPOLOGY,
-            "%s: the mesh is not closed, manifold and oriented: the edge from (%g, %g, %g) to (%g, %g, "
-            "%g) does not have two triangles that run along it in opposite directions; bvx_repair makes "
-            "such a mesh",
-            function, p[0], p[1], p[2], q[0], q[1], q[2]);
     return bvxi_fail_for(
         ctx, BVX_ERR_ARGUMENT, BVX_REASON_TOPOLOGY,
-        "%s: the mesh is not manifold and oriented: the edge from (%g, %g, %g) to (%g, %g, %g) has "
-        "three triangles, or two that run along it in the same direction; BVX_OPEN_CUT makes borders of "
-        "such edges",
+        "%s: the mesh is not closed, manifold and oriented: the edge from (%g, %g, %g) to (%g, %g, "
+        "%g) does not have two triangles that run along it in opposite directions; bvx_repair makes "
+        "such a mesh",
         function, p[0], p[1], p[2], q[0], q[1], q[2]);
 }
 
@@ -203,7 +195,7 @@ static bvx_status pair_corners(bvx_context *ctx, const char *function, bvxi_corn
     if (job.pieces > BVXI_MOST_PIECES) job.pieces = BVXI_MOST_PIECES;
     bvxi_tasks(ctx, job.pieces, edges_piece, &job);
     for (int32_t i = 0; i < job.pieces; i++) failed = job.failed[i] < failed ? job.failed[i] : failed;
-    if (failed < end) return fail_edge(ctx, function, m, failed, borders);
+    if (failed < end) return fail_edge(ctx, function, m, failed);
 
     for (int32_t c = 0; c < end && borders == BVXI_BORDERS_CUT; c += (c & 3) == 2 ? 2 : 1)
         if (is_border(m, c)) lengthen_cut(m, c);
@@ -212,7 +204,7 @@ static bvx_status pair_corners(bvx_context *ctx, const char *function, bvxi_corn
     m->ghosts = 0;
     for (int32_t c = 0; c < end; c += (c & 3) == 2 ? 2 : 1) {
         if (across_edge(m, c) >= 0) continue;
-        if (borders == BVXI_BORDERS_REFUSED) return fail_edge(ctx, function, m, c, borders);
+        if (borders == BVXI_BORDERS_REFUSED) return fail_edge(ctx, function, m, c);
         m->ghosts++;
     }
     return BVX_OK;
