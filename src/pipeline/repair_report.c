@@ -81,6 +81,7 @@ static bvx_status measure_distances(bvxi_repair_job *job, const bvx_mesh *repair
 
 #define REPAIR_OFF     0.02 /* of the mesh's own volume, from which on it is warned of */
 #define REPAIR_CHANGED 0.05 /* of an area, or a volume that lines of centres see, the same */
+#define REPAIR_LIDS    0.05 /* of the result's area, the same */
 
 /* Volume or area of a closed mesh have changed: overlaps may be why. */
 static int has_other_size(const bvx_repair_report *r)
@@ -130,10 +131,20 @@ int bvxi_has_own_size(const bvx_repair_report *r, const bvxi_repair_facts *f)
            r->before.duplicates == 0 && r->before.volume != 0.0;
 }
 
-/* 1: no lids and shells are in its body. */
-static int is_closed(const bvx_repair_report *r)
+/* A surface crosses three lattice edges for two faces of a voxel's area, on average over all directions. */
+static double share_of_lids(const bvx_repair_report *r, const bvxi_repair_facts *f)
 {
-    return r->holes == 0 && r->shelled_triangles == 0 && r->before.boundary_edges == 0;
+    const double *const h = r->lattice.spacing;
+    double const edges = 3.0 / (h[0] * h[1]) + 3.0 / (h[1] * h[2]) + 3.0 / (h[2] * h[0]);
+
+    return (double)f->sheet_edges * 6.0 / (edges * r->after.area);
+}
+
+/* 1: no shells are in its body, and lids that lines of centres hardly see. */
+static int is_nearly_closed(const bvx_repair_report *r, const bvxi_repair_facts *f)
+{
+    return r->shelled_triangles == 0 &&
+           ((r->holes == 0 && r->before.boundary_edges == 0) || share_of_lids(r, f) <= REPAIR_LIDS);
 }
 
 bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
@@ -151,7 +162,7 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
 
     if (has_other_size(&job->report))
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.25, 0.4, BVXI_SCOPE(job->ctx, count_overlaps(job))));
-    if (is_closed(&job->report) && !bvxi_has_own_size(&job->report, &job->facts))
+    if (is_nearly_closed(&job->report, &job->facts) && !bvxi_has_own_size(&job->report, &job->facts))
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.4, 0.4,
                             bvxi_see_volume(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill,
                                             job->report.after.volume, &job->report.crossing_volume)));
@@ -162,7 +173,6 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
 /* ---- Warnings ---- */
 
 #define REPAIR_SHELLED 0.03 /* of the mesh's area, the same */
-#define REPAIR_LIDS    0.05 /* of the result's area, the same */
 #define REPAIR_INWARD  0.5  /* of a volume, the other one, the same; of an area, what became shells */
 
 /* 1: parts were dropped or cavities filled as options ask, beside crumbs: sizes changed as they were to. */
@@ -224,15 +234,6 @@ static int encloses_inward(const bvx_repair_report *r, const bvxi_repair_facts *
            inward > REPAIR_INWARD * volume && volume >= REPAIR_INWARD * inward;
 }
 
-/* A surface crosses three lattice edges for two faces of a voxel's area, on average over all directions. */
-static double share_of_lids(const bvx_repair_report *r, const bvxi_repair_facts *f)
-{
-    const double *const h = r->lattice.spacing;
-    double const edges = 3.0 / (h[0] * h[1]) + 3.0 / (h[1] * h[2]) + 3.0 / (h[2] * h[0]);
-
-    return (double)f->sheet_edges * 6.0 / (edges * r->after.area);
-}
-
 /* How the volume has changed, once: beyond that of all parts, from the mesh's own, or from what lines of centres
  * see of it. Where walls were put back there is more than these see. */
 static void warn_of_size(bvx_context *ctx, const bvx_repair_report *r, const bvxi_repair_facts *f,
@@ -249,7 +250,7 @@ static void warn_of_size(bvx_context *ctx, const bvx_repair_report *r, const bvx
     if (all > 0.0 && volume > (1.0 + REPAIR_CHANGED) * all && !(changed_as_asked(r) && r->cavities_dropped))
         BVXI_WARN(ctx, BVX_WARN_THICKER, volume, all, volume / all - 1.0, finer, collapsed);
     else if (changed_as_asked(r) || (r->shelled_triangles != 0 && !own)) return;
-    else if (bvxi_absolute(off) > (own || is_closed(r) ? REPAIR_OFF : REPAIR_CHANGED) &&
+    else if (bvxi_absolute(off) > (own || is_nearly_closed(r, f) ? REPAIR_OFF : REPAIR_CHANGED) &&
              (own || off < 0.0 || r->thin_voxels == 0))
         BVXI_WARN(ctx, BVX_WARN_VOLUME, volume, from, off, finer, collapsed);
     else if (own && bvxi_absolute(wider) > REPAIR_CHANGED && !has_lost_walls(r))
