@@ -116,19 +116,14 @@ static bvx_status plan_resolution(const levels_job *job, int32_t *resolution)
 static uint64_t piece_volumes(const bvx_mesh_view *surface, const uint32_t *piece, double *volume,
                               double *total)
 {
+    static const double origin[3] = {0, 0, 0};
     uint64_t pieces = 0;
 
     for (uint64_t t = 0; t < surface->triangle_count; t++) {
-        double p[3][3];
         uint32_t v[3];
 
         bvxi_view_triangle(surface, t, v);
-        for (int k = 0; k < 3; k++) bvxi_view_position(surface, v[k], p[k]);
-        /* The volume of the tetrahedron with the origin, by its sign. */
-        volume[piece[v[0]]] += (p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) +
-                                p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
-                                p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0])) /
-                               6;
+        volume[piece[v[0]]] += bvxi_patches_volume(surface, t, origin) / 6;
     }
     *total = 0;
     for (uint64_t v = 0; v < surface->vertex_count; v++) {

@@ -3,7 +3,7 @@
 #include "../golden/shapes.h"
 
 #include <stdlib.h>
-#include "simplify/collapse.h"
+#include "simplify/collapse_state.h"
 #include "suite.h"
 
 static shape source;
