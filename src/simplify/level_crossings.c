@@ -55,7 +55,7 @@ typedef struct box_query {
     bvxi_shorts bound[BOUNDS];
 } box_query;
 
-BVXI_VECTOR_INLINE void put_query(const triangle_box *box, int count, box_query *q)
+static void put_query(const triangle_box *box, int count, box_query *q)
 {
     for (int i = 0; i < count; i++) q->bound[i] = bvxi_shorts_all((int16_t)-box->bound[i ^ 1]);
 }
@@ -140,7 +140,7 @@ static void put_slants(const crossing_tree *tree, const double *const p[3], doub
 }
 
 /* The box of three corners: the least and the most of them stay so in steps. */
-BVXI_VECTOR_INLINE void put_box_of(const crossing_tree *tree, const double *const p[3], triangle_box *box)
+static void put_box_of(const crossing_tree *tree, const double *const p[3], triangle_box *box)
 {
     double const steps = tree->scale * BOX_HIGHEST;
     int far = 0;
