@@ -313,13 +313,13 @@ deps-windows: deps ## and what the tests of the program for Windows need: mingw,
 deps-js: ## and what the npm package needs: emscripten, nodejs, chromium
 	@sh tests/tools/deps.sh js
 
-test: deps ## all tests of this machine and compiler (30 minutes of processor time); ends with "N passed, N failed"
+test: deps ## all tests of this machine and compiler (40 minutes of processor time); ends with "N passed, N failed"
 	@$(environment) sh tests/tools/run_tests.sh here
 
 test-quick: ## without the Python package
 	@$(environment) sh tests/tools/run_tests.sh quick
 
-test-other: deps-windows ## other compilers, 32-bit x86, big-endian s390x, sanitizers (48 minutes of processor time), a part of test-windows
+test-other: deps-windows ## other compilers, 32-bit x86, big-endian s390x, sanitizers (45 minutes of processor time), a part of test-windows
 	@$(environment) sh tests/tools/run_tests.sh other
 
 test-windows: deps-windows ## the program for Windows under wine: every script and golden values (mingw, wine)
