@@ -62,7 +62,7 @@ check 'the bits of every other build' same_bits
 wheels() { BUILD=$work PYTHON=$python sh tests/tools/wheels.sh "$work"/wheel/*.whl; }
 check 'wheel for other machines, and without a compiler' wheels
 
-(cd "$work" && BITVOX_SHARED=$shared "$python" -m pytest -q -rs -p no:cacheprovider "$project/tests") >"$work/pytest.txt" 2>&1
+(cd "$work" && BITVOX_SHARED=$shared "$python" -m pytest -q -rs --disable-warnings -p no:cacheprovider "$project/tests") >"$work/pytest.txt" 2>&1
 status=$?
 cat "$work/pytest.txt"
 counted() { tail -n 1 "$work/pytest.txt" | grep -o "[0-9]* $1" | cut -d ' ' -f 1; }

@@ -1,10 +1,9 @@
 """Chunks equal the whole, by bytes, however and wherever they are made."""
 
+import functools
 import operator
 import os
 import pickle
-import signal
-import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 
@@ -335,11 +334,6 @@ def test_zarr_of_others(tmp_path):
         big.from_zarr(tmp_path / "a.zarr")
 
 
-def slowly(grid):
-    time.sleep(0.15)
-    return grid
-
-
 @needs_knot
 def test_distributed_with_a_killed_worker(tmp_path):
     distributed = pytest.importorskip("distributed")
@@ -352,13 +346,9 @@ def test_distributed_with_a_killed_worker(tmp_path):
         pids = list(client.run(os.getpid).values())
         assert len(set(pids)) == 2 and os.getpid() not in pids
         assert volume.close(radius=0.1).compute() == grid.close(radius=0.1)
-        slow = volume.map(slowly)
-        futures = client.compute(list(slow.blocks.values()))
-        while not any(f.status == "finished" for f in futures):
-            time.sleep(0.02)
-        os.kill(pids[0], signal.SIGKILL)
-        parts = client.gather(futures)
-        assert join(grid.lattice, bitvox.Window((0, 0, 0), grid.shape), parts) == grid
+        killer = volume.map(functools.partial(conftest.killed_once, operator.invert, tmp_path / "killed"))
+        parts = client.gather(client.compute(list(killer.blocks.values())))
+        assert (tmp_path / "killed").exists() and join(grid.lattice, bitvox.Window((0, 0, 0), grid.shape), parts) == ~grid
         big.to_zarr(volume, tmp_path / "a.zarr")
         assert big.from_zarr(tmp_path / "a.zarr").compute() == grid
         assert big.surface(big.from_zarr(tmp_path / "a.zarr")).content_hash() == mesh.content_hash()

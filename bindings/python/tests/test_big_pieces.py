@@ -1,13 +1,12 @@
 """Surfaces in pieces on disk: the bytes of the whole, levels that close where pieces meet, and what others read."""
 
+import functools
 import json
 import os
-import signal
-import threading
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, killed_once
 
 import bitvox
 
@@ -215,19 +214,13 @@ def test_neuroglancer_reads_what_is_written(made, tmp_path, sharded):
         assert bitvox.compare(mesh, whole, samples=500).max < 1e-3 + (0 if level else max(cut.spacing))
 
 
-def test_two_workers_and_one_that_is_killed(tmp_path):
+@pytest.mark.parametrize("stage", ["_made", "_joined"])
+def test_two_workers_and_one_that_is_killed(tmp_path, monkeypatch, stage):
     distributed = pytest.importorskip("distributed")
     cut = volume(32, 120)
     alone = big.run(cut, tmp_path / "alone", levels=3, show=None)
+    monkeypatch.setattr(big.pieces, stage, functools.partial(killed_once, getattr(big.pieces, stage), tmp_path / "killed"))
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None,
                                   local_directory=str(tmp_path / "dask")) as cluster, distributed.Client(cluster) as client:
-        pid = list(client.run(os.getpid).values())[0]
-        found = []
-        thread = threading.Thread(target=lambda: found.append(big.run(cut, tmp_path / "two", levels=3, show=None, client=client)))
-        thread.start()
-        while len(list((tmp_path / "two").rglob("*.npz"))) < 12 and thread.is_alive():
-            thread.join(0.02)
-        assert thread.is_alive()
-        os.kill(pid, signal.SIGKILL)
-        thread.join()
-    assert found[0].records == alone.records
+        found = big.run(cut, tmp_path / "two", levels=3, show=None, client=client)
+    assert (tmp_path / "killed").exists() and found.records == alone.records

@@ -361,14 +361,17 @@ def test_the_interpreter_runs_on_while_a_call_works():
 
     thread = threading.Thread(target=tick)
     thread.start()
-    start = time.monotonic()
-    bitvox.dumps(grid, "nrrd", threads=1)
-    end = time.monotonic()
+    within = 0
+    for _ in range(100):  # a busy system may leave the thread no turn during a call
+        start = time.monotonic()
+        bitvox.dumps(grid, "nrrd", threads=1)
+        end = time.monotonic()
+        within = max(within, sum(start < t < end for t in ticks))
+        if within >= 3:
+            break
     done.set()
     thread.join()
-    if end - start < 0.05:
-        pytest.skip("the call was too short to tell")
-    assert sum(start < t < end for t in ticks) >= 3
+    assert within >= 3
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
