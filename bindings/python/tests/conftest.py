@@ -12,6 +12,12 @@ import pytest
 
 import bitvox
 
+if importlib.util.find_spec("hypothesis") and not os.environ.get("BITVOX_LARGE"):  # else inputs are new ones each time
+    from hypothesis import HealthCheck, settings
+
+    settings.register_profile("same", derandomize=True, database=None, suppress_health_check=[HealthCheck.too_slow])
+    settings.load_profile("same")
+
 HERE = Path(__file__).resolve().parent
 REPOSITORY = HERE.parent.parent.parent
 SHARED = Path(os.environ.get("BITVOX_SHARED", REPOSITORY.parent / "shared"))
