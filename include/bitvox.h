@@ -1494,7 +1494,6 @@ typedef struct bvx_sections_report {
     double prismoid_volume; /**< sum of h / 3 (A + B + sqrt(A B)) over neighbouring sections of areas A and B; ends
                                  count as cones, A h / 3 [Units: world^3] */
     uint64_t joined_slabs; /**< pairs of neighbouring sections not blended level by level: very thin walls */
-    uint64_t shifted_parts; /**< loops joined to one of the next section by shifting */
     uint64_t planes; /**< of all sections, if not parallel; else 0 */
     uint64_t gaps; /**< intervals of lines where planes cross that are inside for one of two sections only */
     double largest_gap; /**< how far contours were apart there at most [Units: world] */
@@ -1508,8 +1507,6 @@ typedef struct bvx_slabs {
     int32_t crossings; /**< BVX_CROSSINGS_... */
     int32_t depth; /**< a cell is halved at most this often [Limit: BVX_NONE, or 0..8] [Default: 5] */
     int32_t blend; /**< BVX_BLEND_... */
-    double join; /**< loops of neighbouring sections that share no area are joined where their centroids are at most
-                      this far apart (docs/rules.md) [Units: world] [Limit: >= 0] */
 } bvx_slabs;
 typedef struct bvx_sections_options {
     size_t struct_size;

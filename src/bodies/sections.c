@@ -15,7 +15,7 @@
  * thickness beyond it: a lens. Else it is copied half a thickness to either side: a slab. The section stays
  * in the middle, so that its points are vertices as they were given. Loops are looked at before they are
  * copied, so that what is refused is named by the numbers of those given. */
-#include "layers/shift.h"
+#include "contours/mend.h"
 #include "layers/slab.h"
 #include "oblique/oblique.h"
 
@@ -39,7 +39,6 @@ static const bvxi_option sections_rows[] = {
     BVXI_REAL(bvx_sections_options, spacing, 0.0, BVXI_FINITE),
     BVXI_RESERVED(bvx_sections_options, reserved),
     BVXI_REAL(bvx_sections_options, thickness, 0.0, BVXI_FINITE),
-    BVXI_REAL(bvx_sections_options, slabs.join, 0.0, BVXI_FINITE),
 };
 
 bvx_status bvxi_section_options_check(bvx_context *ctx, const char *function, bvx_sections_options *o)
@@ -180,27 +179,20 @@ typedef struct body_job {
     uint32_t left;
 } body_job;
 
-/* A stack of loops that were made, on their own grid: on another one they would snap elsewhere. */
-static bvx_status open_made(bvx_context *ctx, const bvxi_mended *made, const bvx_sections_options *o,
-                            bvxi_stack *s)
-{
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.2, bvxi_stack_begin(ctx, sections_name, &made->sections, o, s)));
-    bvxi_stack_take_grid(s, &made->grid);
-    s->nudge = (const int16_t(*)[2])made->nudge;
-    return BVXI_SHARE(ctx, 0.2, 1.0, bvxi_stack_finish(s));
-}
-
+/* On the grid of the loops given: on another one they would snap elsewhere. */
 static bvx_status open_mended(const body_job *job, const bvx_sections *sections, bvxi_mended *mended,
                               bvxi_stack *s)
 {
-    BVXI_TRY(
-        BVXI_SHARE(job->ctx, 0.0, 0.5, bvxi_mend(job->ctx, sections_name, sections, job->o, 0.0, mended)));
+    bvx_context *const ctx = job->ctx;
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5, bvxi_mend(ctx, sections_name, sections, job->o, 0.0, mended)));
     if (mended->sections.loop_count == 0)
-        return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: nothing remains of the loops once they are mended",
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: nothing remains of the loops once they are mended",
                          sections_name);
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.5, 1.0, open_made(job->ctx, mended, job->o, s)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.5, 0.6, bvxi_stack_begin(ctx, sections_name, &mended->sections, job->o, s)));
+    bvxi_stack_take_grid(s, &mended->grid);
+    s->nudge = (const int16_t(*)[2])mended->nudge;
     s->report.mended_loops = mended->loops;
-    return BVX_OK;
+    return BVXI_SHARE(ctx, 0.6, 1.0, bvxi_stack_finish(s));
 }
 
 /* What cannot be mended is refused by its own loops' numbers, with the given ones. */
@@ -233,29 +225,10 @@ static bvx_status check_body(const body_job *job)
     return status;
 }
 
-/* The stack with sections put in where parts are shifted, in place of the one that is open; its ends reach as
- * far. What was counted of the given sections stands in the report as it is. */
-static bvx_status put_in_sections(bvxi_stack *s, bvxi_shifted *slanted)
-{
-    bvx_context *const ctx = s->ctx;
-    bvx_sections_report const given = s->report;
-    bvx_sections_options const options = s->options;
-    double const reach[2] = {s->reach[0], s->reach[1]};
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.8, bvxi_shift_stack(s, slanted)));
-    if (slanted->sections == 0) return BVX_OK;
-    BVXI_TRY(BVXI_SHARE(ctx, 0.8, 1.0, open_made(ctx, &slanted->body, &options, s)));
-    memcpy(s->reach, reach, sizeof reach);
-    s->report = given;
-    s->report.shifted_parts = slanted->parts;
-    return BVX_OK;
-}
-
 /* Mended loops may be left in one section only: job->left is its number and no body is made. */
 static bvx_status build_stack(body_job *job, const bvx_sections *sections)
 {
-    double const opened = job->o->slabs.join > 0.0 ? 0.4 : 0.15; /* of the bar, with all sections in */
     bvxi_mended mended;
-    bvxi_shifted slanted;
     bvxi_stack s;
 
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.15, open_sections(job, sections, &mended, &s)));
@@ -263,9 +236,7 @@ static bvx_status build_stack(body_job *job, const bvx_sections *sections)
         job->left = s.plane[0].section;
     } else {
         measure_prismoids(&s);
-        if (job->o->slabs.join > 0.0)
-            BVXI_TRY(BVXI_SHARE(job->ctx, 0.15, opened, put_in_sections(&s, &slanted)));
-        BVXI_TRY(BVXI_SHARE(job->ctx, opened, 0.95, BVXI_SCOPE(job->ctx, build_body(&s, job->mesh))));
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.15, 0.95, BVXI_SCOPE(job->ctx, build_body(&s, job->mesh))));
         if (mended.loops != 0) BVXI_TRY(BVXI_SHARE(job->ctx, 0.95, 1.0, check_body(job)));
     }
     *job->report = s.report;

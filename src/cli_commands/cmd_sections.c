@@ -61,9 +61,6 @@ static const cli_argument sections_rows[] = {
     BETWEEN("--thickness", "T", OWN(body.thickness), 0, 1e300,
             "a body of one section alone, refused without: half of T to either side,\n"
             "a slab with flat caps, a lens with --caps taper"),
-    BETWEEN("--join", "D", OWN(body.slabs.join), 0, 1e300,
-            "parallel planes: parts that share no area are joined by shifting, where\n"
-            "their centroids are at most D apart on the planes: slanted vessels"),
     FLAG("--mend", OWN(body.mend),
          "split loops where they touch or cross, in place of refusing them; inside\n"
          "stays what an odd number of loops enclose"),
@@ -177,7 +174,7 @@ static const cli_rule sections_rules[] = {
      .message = "--label all writes a mesh for each label: %f needs %d in its name"},
     {.unless = ALL_LABELS, .given = "--touching", .message = "%o is for --label all"},
     {.when = SHARED_FACES,
-     .given = "--grid --layers --blend --crossings --subdivide --mend --join --thickness",
+     .given = "--grid --layers --blend --crossings --subdivide --mend --thickness",
      .message = "%o is not used with --touching shared, which makes bodies by --cells"},
     {.when = SHARED_FACES,
      .given = "--triangles --error --error-kind",
@@ -197,7 +194,7 @@ static const cli_rule sections_rules[] = {
 /* What only the file says: how its planes lie. */
 static const cli_rule planes_rules[] = {
     {.when = ANY_DIRECTION,
-     .given = "--grid --layers --blend --crossings --subdivide --join",
+     .given = "--grid --layers --blend --crossings --subdivide",
      .message = "%o is for parallel planes; those of %i are not, and --cells makes them finer"},
     {.unless = ANY_DIRECTION | SHARED_FACES,
      .given = "--cells",
@@ -393,8 +390,6 @@ static void tell_body(const cli_run *run, const sections_job *job, cli_made *mad
     /* A few places are enough to find the others; --json has all that were located. */
     for (uint64_t i = 0; i < r->located && i < 4; i++)
         cli_tell(made, "              at %g, %g, %g\n", r->unkept[i][0], r->unkept[i][1], r->unkept[i][2]);
-    if (flat && r->shifted_parts != 0)
-        cli_tell(made, "  joined      %" PRIu64 " parts by shifting\n", r->shifted_parts);
     cli_tell_reduction(&job->reduction, made);
     cli_tell(made, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " shell%s: %s\n",
              c->triangles, c->vertices, c->components, c->components == 1 ? "" : "s", verdict(c));
@@ -427,7 +422,6 @@ static void report_body(const cli_run *run, const sections_job *job, cli_made *m
     cli_json_count(t, "unkept_loops", r->unkept_loops);
     cli_json_count(t, "unkept_points", r->unkept_points);
     cli_json_count(t, "joined_slabs", r->joined_slabs);
-    cli_json_count(t, "shifted_parts", r->shifted_parts);
     cli_json_count(t, "planes", r->planes);
     cli_json_count(t, "gaps", r->gaps);
     cli_json_value(t, "largest_gap", r->largest_gap);
@@ -462,8 +456,7 @@ static void warn_of_body(const cli_run *run, const sections_job *job, cli_made *
         cli_advise(
             made, BVX_WARN_UNJOINED,
             "the body has %.2g of the volume between its sections' areas (%.6g of %.6g): parts that share no "
-            "area with one of the next section do not join it; --join, or sections that lie closer together, "
-            "may help",
+            "area with one of the next section do not join it; sections that lie closer together may help",
             job->volume / r->prismoid_volume, job->volume, r->prismoid_volume);
 }
 
@@ -672,7 +665,7 @@ const cli_command cli_sections = {
     .example =
         "bitvox slice fixtures/knot.ply -o knot.csv --spacing 0.1\n"
         "bitvox sections knot.csv -o body.ply --caps taper --block-model blocks.csv --block 0.2,0.2,0.1",
-    .most = "--grid --spacing --layers --blend --caps --close-gap --join --mend --crossings "
+    .most = "--grid --spacing --layers --blend --caps --close-gap --mend --crossings "
             "--triangles --threads --json",
     .rows = sections_rows,
     .start = start_sections,

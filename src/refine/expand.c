@@ -14,13 +14,6 @@ typedef struct expand_job {
     int32_t first[3], last[3]; /* base voxels that it meets, inclusive */
 } expand_job;
 
-/* An octet on the way down: its voxel among those of its level, the children that are still to be entered. */
-typedef struct expand_step {
-    uint64_t below; /* octet of the next child */
-    uint32_t enter;
-    int32_t v[3];
-} expand_step;
-
 static inline uint64_t *expand_row(const expand_job *job, int32_t y, int32_t z)
 {
     const bvx_grid *const g = job->grid;
@@ -72,51 +65,29 @@ static inline int expand_meets(const expand_job *job, const int32_t v[3], int32_
     return 1;
 }
 
-/* Arrive at an octet: set what its children are, and note which to enter. */
-static void expand_octet(const expand_job *job, int32_t level, uint64_t octet, const int32_t v[3],
-                         expand_step *step)
+/* Voxels of the level in an octet; what is split and meets the window is entered. */
+static void expand_octet(const expand_job *job, int32_t level, uint64_t octet, const int32_t v[3])
 {
     const bvxi_octets *const o = &job->tree->octets[level];
+    uint32_t const in_states = bvxi_octet_in_states(o, octet, job->states);
 
-    step->enter = 0;
     if (level + 1 == job->level) {
-        set_expanded_children(job, v, bvxi_octet_in_states(o, octet, job->states));
+        set_expanded_children(job, v, in_states);
         return;
     }
-
-    /* Leaves above the level are boxes of it; what is split is entered later. */
-    uint32_t const leaves = bvxi_octet_in_states(o, octet, job->states) & ~bvxi_octet_split(o, octet);
+    uint32_t const split = bvxi_octet_split(o, octet);
+    uint64_t next = split != 0 ? bvxi_octets_rank(o, 8 * octet) : 0;
     for (uint32_t p = 0; p < 8; p++) {
+        uint32_t const enter = split >> p & 1;
+        uint64_t const below = next;
         int32_t child[3];
-        if ((leaves >> p & 1) == 0) continue;
+        next += enter;
+        if (((in_states | split) >> p & 1) == 0) continue;
         bvxi_child_voxel(v, p, child);
-        if (expand_meets(job, child, level + 1)) set_expanded_box(job, child, level + 1);
-    }
-
-    step->enter = bvxi_octet_split(o, octet);
-    step->below = step->enter != 0 ? bvxi_octets_rank(o, 8 * octet) : 0;
-    memcpy(step->v, v, sizeof step->v);
-}
-
-static void expand_tree(const expand_job *job, uint64_t octet, const int32_t v[3])
-{
-    expand_step step[BVXI_OCTREE_LEVELS];
-    int32_t depth = 0;
-
-    expand_octet(job, 0, octet, v, &step[0]);
-    while (depth >= 0) {
-        expand_step *const s = &step[depth];
-        int32_t child[3];
-        if (s->enter == 0) {
-            depth--;
-            continue;
-        }
-        bvxi_child_voxel(s->v, (uint32_t)bvxi_lowest(s->enter), child);
-        s->enter &= s->enter - 1;
-        uint64_t const below = s->below++;
-        if (!expand_meets(job, child, depth + 1)) continue;
-        depth++;
-        expand_octet(job, depth, below, child, &step[depth]);
+        if (!expand_meets(job, child, level + 1)) continue;
+        /* Leaves above the level are boxes of it. */
+        if (enter) expand_octet(job, level + 1, below, child);
+        else set_expanded_box(job, child, level + 1);
     }
 }
 
@@ -127,7 +98,7 @@ static void expand_column(const expand_job *job, int32_t y, int32_t z)
         uint64_t const bit = bvxi_root_bit(job->tree, x, y, z);
         int32_t const state = bvxi_octets_state(&job->tree->root, bit);
         if (bvxi_octets_is_split(&job->tree->root, bit) && job->level > 0)
-            expand_tree(job, bvxi_octets_rank(&job->tree->root, bit), v);
+            expand_octet(job, 0, bvxi_octets_rank(&job->tree->root, bit), v);
         else if ((state & job->states) != 0) set_expanded_box(job, v, 0);
     }
 }

@@ -15,13 +15,6 @@ typedef struct leaves_job {
     uint64_t place[BVXI_MOST_PIECES];
 } leaves_job;
 
-/* An octet on the way down. Its split children are consecutive octets below: their rank is found once. */
-typedef struct leaf_step {
-    uint64_t octet, next_split_octet;
-    uint32_t next_child;
-    int32_t v[3];
-} leaf_step;
-
 static inline void give_leaf(const leaves_job *job, uint64_t *place, const int32_t v[3], int32_t level,
                              int32_t state)
 {
@@ -30,46 +23,19 @@ static inline void give_leaf(const leaves_job *job, uint64_t *place, const int32
     ++*place;
 }
 
-static void enter_octet(const leaves_job *job, int32_t level, uint64_t octet, const int32_t v[3],
-                        leaf_step *step)
+/* The leaves of the voxel at a bit of a level's masks, or of the base's, depth first. */
+static void leaves_of_voxel(const leaves_job *job, const bvxi_octets *o, uint64_t bit, const int32_t v[3],
+                            int32_t level, uint64_t *place)
 {
-    step->octet = octet;
-    /* A level without masks of its own has no split voxels below. */
-    step->next_split_octet = job->tree->octets[level].split != NULL
-                                 ? bvxi_octets_rank(&job->tree->octets[level], 8 * octet)
-                                 : 0;
-    step->next_child = 0;
-    memcpy(step->v, v, sizeof step->v);
-}
-
-/* Depth first without recursion: step[l] is the octet that was entered at level l, and its children are bits
- * 8 n to 8 n + 7 of that level (room.h). */
-static void leaves_of_tree(const leaves_job *job, uint64_t octet, const int32_t v[3], uint64_t *place)
-{
-    leaf_step step[BVXI_OCTREE_LEVELS];
-    int32_t level = 0;
-
-    enter_octet(job, 0, octet, v, &step[0]);
-    while (level >= 0) {
-        leaf_step *const s = &step[level];
-        if (s->next_child == 8) {
-            level--;
-            continue;
-        }
-
-        uint32_t const p = s->next_child++;
-        uint64_t const bit = 8 * s->octet + p;
-        int32_t const state = bvxi_octets_state(&job->tree->octets[level], bit);
+    if (!bvxi_octets_is_split(o, bit)) {
+        give_leaf(job, place, v, level, bvxi_octets_state(o, bit));
+        return;
+    }
+    uint64_t const octet = bvxi_octets_rank(o, bit);
+    for (uint32_t p = 0; p < 8; p++) {
         int32_t child[3];
-
-        bvxi_child_voxel(s->v, p, child);
-        if (!bvxi_octets_is_split(&job->tree->octets[level], bit)) {
-            give_leaf(job, place, child, level + 1, state);
-            continue;
-        }
-
-        level++;
-        enter_octet(job, level, s->next_split_octet++, child, &step[level]);
+        bvxi_child_voxel(v, p, child);
+        leaves_of_voxel(job, &job->tree->octets[level], 8 * octet + p, child, level + 1, place);
     }
 }
 
@@ -83,11 +49,7 @@ static void leaves_of_piece(void *user, int32_t index)
     bvxi_piece(nx * ny * (uint64_t)tree->base[2], job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         int32_t const v[3] = {(int32_t)(i % nx), (int32_t)(i / nx % ny), (int32_t)(i / nx / ny)};
-        uint64_t const bit = bvxi_root_bit(tree, v[0], v[1], v[2]);
-        int32_t const state = bvxi_octets_state(&tree->root, bit);
-        if (bvxi_octets_is_split(&tree->root, bit))
-            leaves_of_tree(job, bvxi_octets_rank(&tree->root, bit), v, &place);
-        else give_leaf(job, &place, v, 0, state);
+        leaves_of_voxel(job, &tree->root, bvxi_root_bit(tree, v[0], v[1], v[2]), v, 0, &place);
     }
 
     if (job->leaves == NULL) job->place[index] = place;

@@ -148,20 +148,26 @@ bvx_status bvx_octree_count(bvx_context *context, const bvx_octree *tree, bvx_oc
 
 /* ---- the leaf at a place ---- */
 
-/* Down from the base voxel; v are indices of the last level. */
+const bvxi_octets *bvxi_octree_holder(const bvx_octree *tree, int32_t level, const int32_t v[3], int32_t *at,
+                                      uint64_t *bit)
+{
+    const bvxi_octets *o = &tree->root;
+    *bit = bvxi_root_bit(tree, v[0] >> level, v[1] >> level, v[2] >> level);
+    for (*at = 0; *at < level && bvxi_octets_is_split(o, *bit);) {
+        uint64_t const octet = bvxi_octets_rank(o, *bit);
+        int32_t const down = level - *at - 1;
+        o = &tree->octets[(*at)++];
+        *bit = 8 * octet + (uint64_t)((v[0] >> down & 1) + 2 * (v[1] >> down & 1) + 4 * (v[2] >> down & 1));
+    }
+    return o;
+}
+
 static void find_octree_leaf(const bvx_octree *tree, const int32_t v[3], bvx_octree_leaf *leaf)
 {
-    int32_t const levels = tree->levels;
-    const bvxi_octets *o = &tree->root;
-    uint64_t bit = bvxi_root_bit(tree, v[0] >> levels, v[1] >> levels, v[2] >> levels);
-    int32_t up[3], level = 0;
-    while (bvxi_octets_is_split(o, bit)) {
-        uint64_t const octet = bvxi_octets_rank(o, bit);
-        int32_t const down = levels - level - 1;
-        o = &tree->octets[level++];
-        bit = 8 * octet + (uint64_t)((v[0] >> down & 1) + 2 * (v[1] >> down & 1) + 4 * (v[2] >> down & 1));
-    }
-    for (int a = 0; a < 3; a++) up[a] = v[a] >> (levels - level);
+    int32_t up[3], level;
+    uint64_t bit;
+    const bvxi_octets *const o = bvxi_octree_holder(tree, tree->levels, v, &level, &bit);
+    for (int a = 0; a < 3; a++) up[a] = v[a] >> (tree->levels - level);
     *leaf = bvxi_octree_leaf_at(up, level, bvxi_octets_state(o, bit));
 }
 

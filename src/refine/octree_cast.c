@@ -68,51 +68,30 @@ static void try_octree_leaf(octree_ray *r, const int32_t v[3], int32_t level, in
     r->leaf = bvxi_octree_leaf_at(v, level, state);
 }
 
-typedef struct cast_octet {
-    uint64_t octet;
-    uint32_t n; /* children looked at */
-    int32_t v[3];
-} cast_octet;
-
-static void cast_into_octets(octree_ray *r, uint64_t octet, const int32_t v[3])
+/* The voxel at a bit of a level's masks, or of the base's. */
+static void cast_into_voxel(octree_ray *r, const bvxi_octets *o, uint64_t bit, const int32_t v[3],
+                            int32_t level)
 {
     uint32_t const turn = (uint32_t)(r->way[0] < 0) | (uint32_t)(r->way[1] < 0) << 1 |
                           (uint32_t)(r->way[2] < 0) << 2;
-    cast_octet stack[BVXI_OCTREE_LEVELS];
-    int32_t level = 0;
+    int const split = bvxi_octets_is_split(o, bit) != 0;
+    int32_t const state = bvxi_octets_state(o, bit);
+    double t;
+    int32_t axis;
 
-    stack[0].octet = octet;
-    stack[0].n = 0;
-    memcpy(stack[0].v, v, sizeof stack[0].v);
-    while (level >= 0) {
-        cast_octet *const s = &stack[level];
-        const bvxi_octets *const o = &r->tree->octets[level];
-        double t;
-        int32_t axis;
-        if (s->n == 8) {
-            level--;
-            continue;
-        }
-
+    /* A leaf in a state that was not requested is passed over before its box is computed. */
+    if ((!split && (state & r->states) == 0) || !ray_meets_box(r, v, level, &t, &axis)) return;
+    if (!split) {
+        try_octree_leaf(r, v, level, state, t, axis);
+        return;
+    }
+    uint64_t const octet = bvxi_octets_rank(o, bit);
+    for (uint32_t n = 0; n < 8; n++) {
         /* Numbers of children have a bit an axis, so the turned axes flip them into the ray's order. */
-        uint32_t const p = s->n++ ^ turn; /* nearer ones first */
-        uint64_t const bit = 8 * s->octet + p;
+        uint32_t const p = n ^ turn; /* nearer ones first */
         int32_t child[3];
-
-        bvxi_child_voxel(s->v, p, child);
-
-        /* A leaf in a state that was not requested is passed over before its box is computed. */
-        int const split = bvxi_octets_is_split(o, bit) != 0;
-        int32_t const state = bvxi_octets_state(o, bit);
-        if ((!split && (state & r->states) == 0) || !ray_meets_box(r, child, level + 1, &t, &axis)) continue;
-        if (!split) {
-            try_octree_leaf(r, child, level + 1, state, t, axis);
-            continue;
-        }
-        cast_octet *const next = &stack[++level];
-        next->octet = bvxi_octets_rank(o, bit);
-        next->n = 0;
-        memcpy(next->v, child, sizeof next->v);
+        bvxi_child_voxel(v, p, child);
+        cast_into_voxel(r, &r->tree->octets[level], 8 * octet + p, child, level + 1);
     }
 }
 
@@ -146,14 +125,7 @@ static void cast_octree_ray(octree_ray *r)
             if (!ray_meets_row(r, y, z)) continue;
             for (int32_t i = 0; i < tree->base[0]; i++) {
                 int32_t const v[3] = {in_ray_order(r, 0, i), y, z};
-                uint64_t const bit = bvxi_root_bit(tree, v[0], y, z);
-                int32_t const state = bvxi_octets_state(&tree->root, bit);
-                int const split = bvxi_octets_is_split(&tree->root, bit) != 0;
-                double t;
-                int32_t axis;
-                if ((!split && (state & r->states) == 0) || !ray_meets_box(r, v, 0, &t, &axis)) continue;
-                if (split) cast_into_octets(r, bvxi_octets_rank(&tree->root, bit), v);
-                else try_octree_leaf(r, v, 0, state, t, axis);
+                cast_into_voxel(r, &tree->root, bvxi_root_bit(tree, v[0], y, z), v, 0);
             }
         }
 }

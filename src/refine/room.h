@@ -139,6 +139,9 @@ bvx_status bvxi_octree_check(bvx_context *ctx, const char *function, const bvx_o
 /* Refuse what is no set of states. */
 bvx_status bvxi_octree_check_states(bvx_context *ctx, const char *function, int32_t states);
 bvx_status bvxi_octree_lattice(bvx_context *ctx, const bvx_octree *tree, int32_t level, bvx_lattice *lattice);
+/* The masks and the bit of the voxel that holds voxel v of a level: a leaf of level *at, or v itself. */
+const bvxi_octets *bvxi_octree_holder(const bvx_octree *tree, int32_t level, const int32_t v[3], int32_t *at,
+                                      uint64_t *bit);
 
 /* ---- leaves.c ---- */
 

@@ -14,12 +14,6 @@ typedef struct row_states_job {
     bvx_grid solid[BVXI_OCTREE_LEVELS + 1]; /* by level from outer on; that of outer is whole */
 } row_states_job;
 
-typedef struct row_state_step {
-    uint64_t octet, below;
-    uint32_t p;
-    int32_t v[3];
-} row_state_step;
-
 static int centre_is_inside(const row_states_job *job, const int32_t v[3], int32_t level)
 {
     /* Coarse leaves ask the solid of level outer, at the voxel of their low corner: a leaf has one side. */
@@ -43,45 +37,24 @@ static void decide_last(const row_states_job *job, uint64_t octet, const int32_t
     bvxi_octet_put(o->outside, octet, 255 & ~(inside | bvxi_octet_mask(o->touched, octet)));
 }
 
-static void decide_tree(const row_states_job *job, uint64_t octet, const int32_t v[3])
+static void decide_voxel(const row_states_job *job, const bvxi_octets *o, uint64_t bit, const int32_t v[3],
+                         int32_t level)
 {
-    row_state_step step[BVXI_OCTREE_LEVELS];
-    int32_t level = 0;
-
-    memset(&step[0], 0, sizeof step[0]);
-    step[0].octet = octet;
-    memcpy(step[0].v, v, sizeof step[0].v);
-    if (job->tree->octets[0].split != NULL)
-        step[0].below = bvxi_octets_rank(&job->tree->octets[0], 8 * octet);
-    while (level >= 0) {
-        row_state_step *const s = &step[level];
-        const bvxi_octets *const o = &job->tree->octets[level];
-        if (s->p == 8) {
-            level--;
-            continue;
-        }
-
-        /* Counted up before the child is entered, as the walk comes back here. */
-        uint32_t const p = s->p++;
-        uint64_t const bit = 8 * s->octet + p;
-        int32_t child[3];
-
-        bvxi_child_voxel(s->v, p, child);
-
-        /* The last octets are the most by far: eight voxels with one look. */
-        if (bvxi_octets_is_split(o, bit) && level + 2 == job->tree->levels) {
-            decide_last(job, s->below++, child);
-        } else if (bvxi_octets_is_split(o, bit)) {
-            row_state_step *const next = &step[++level];
-            next->octet = s->below++;
-            next->below = job->tree->octets[level].split != NULL
-                              ? bvxi_octets_rank(&job->tree->octets[level], 8 * next->octet)
-                              : 0;
-            next->p = 0;
-            memcpy(next->v, child, sizeof next->v);
-        } else if (!bvxi_bit_of(o->touched, bit) && !centre_is_inside(job, child, level + 1)) {
+    if (!bvxi_octets_is_split(o, bit)) {
+        if (!bvxi_bit_of(o->touched, bit) && !centre_is_inside(job, v, level))
             o->outside[bit >> 6] |= UINT64_C(1) << (bit & 63);
-        }
+        return;
+    }
+    uint64_t const octet = bvxi_octets_rank(o, bit);
+    /* The last octets are the most by far: eight voxels with one look. */
+    if (level + 1 == job->tree->levels) {
+        decide_last(job, octet, v);
+        return;
+    }
+    for (uint32_t p = 0; p < 8; p++) {
+        int32_t child[3];
+        bvxi_child_voxel(v, p, child);
+        decide_voxel(job, &job->tree->octets[level], 8 * octet + p, child, level + 1);
     }
 }
 
@@ -90,14 +63,8 @@ static void decide_base(const row_states_job *job)
     const bvx_octree *const tree = job->tree;
     for (int32_t z = 0; z < tree->base[2]; z++)
         for (int32_t y = 0; y < tree->base[1]; y++)
-            for (int32_t x = 0; x < tree->base[0]; x++) {
-                int32_t const v[3] = {x, y, z};
-                uint64_t const bit = bvxi_root_bit(tree, x, y, z);
-                if (bvxi_octets_is_split(&tree->root, bit))
-                    decide_tree(job, bvxi_octets_rank(&tree->root, bit), v);
-                else if (!bvxi_bit_of(tree->root.touched, bit) && !centre_is_inside(job, v, 0))
-                    tree->root.outside[bit >> 6] |= UINT64_C(1) << (bit & 63);
-            }
+            for (int32_t x = 0; x < tree->base[0]; x++)
+                decide_voxel(job, &tree->root, bvxi_root_bit(tree, x, y, z), (int32_t[3]){x, y, z}, 0);
 }
 
 /* ---- the triangles near the window ---- */

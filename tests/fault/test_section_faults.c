@@ -4,7 +4,7 @@
 #include "tools/section_maker.h"
 
 static bvx_context *maker;
-static section_maker stack, walls, crossed, oblique, handled, lone, slanted, touching;
+static section_maker stack, walls, crossed, oblique, handled, lone, touching;
 static maker_mesh star;
 static bvx_mesh_view view;
 
@@ -44,13 +44,6 @@ static int make_inputs(void **state)
     stack_clear(&lone);
     stack_round(&lone, stack_section(&lone, 1.0), 0, 0, 2, 1, 16, 0.3, 0, 0);
     stack_round(&lone, 0, 0, 0, 0.5, 0.3, 8, 0, 0, 0);
-    stack_clear(&slanted);
-    for (int i = 0; i < 2; i++) { /* a pipe, and a bar that ends */
-        uint32_t const k = stack_section(&slanted, 0.5 * i);
-        stack_round(&slanted, k, 3.0 * i, 0, 1, 1, 8, 0, 0, 0);
-        stack_round(&slanted, k, 3.0 * i, 0, 0.5, 0.5, 6, 0, 0, 1);
-        if (i == 0) stack_round(&slanted, k, 0, 4, 0.5, 0.5, 6, 0, 0, 0);
-    }
     stack_clear(&touching);
     for (int i = 0; i < 2; i++) { /* half discs that touch */
         uint32_t const k = stack_section(&touching, 0.5 * i);
@@ -97,7 +90,6 @@ enum {
     RUN_HANDLED,
     RUN_SLAB,
     RUN_LENS,
-    RUN_SHIFTED,
     RUN_FILES,
     RUN_SLICE,
     RUN_BODIES,
@@ -125,7 +117,6 @@ static bvx_status run_body(section_run *run, bvx_context *ctx, uint64_t *mark)
     if (run->kind == RUN_LAYERS || run->kind == RUN_CUBIC) o.slabs.layers = 3;
     if (run->kind == RUN_CUBIC) o.slabs.blend = BVX_BLEND_CUBIC;
     if (run->kind == RUN_SLAB || run->kind == RUN_LENS) o.thickness = 0.5;
-    if (run->kind == RUN_SHIFTED) o.slabs.join = 4;
     o.report = &report;
     o.mend = run->kind == RUN_MENDED;
     bvx_status status = bvx_build_sections(ctx,
@@ -133,13 +124,11 @@ static bvx_status run_body(section_run *run, bvx_context *ctx, uint64_t *mark)
                                            : run->kind == RUN_OBLIQUE ? &oblique.s
                                            : run->kind == RUN_HANDLED ? &handled.s
                                            : o.thickness > 0.0        ? &lone.s
-                                           : o.slabs.join > 0.0       ? &slanted.s
                                            : o.mend                   ? &crossed.s
                                                                       : &stack.s,
                                            &o, &mesh);
     if (status == BVX_OK && report.mended_loops != (o.mend ? 6u : 0u)) run->wrong |= 4;
     if (status == BVX_OK && (report.joined_slabs == 1) != (run->kind == RUN_JOINED)) run->wrong |= 4;
-    if (status == BVX_OK && (report.shifted_parts != 0) != (run->kind == RUN_SHIFTED)) run->wrong |= 4;
     if (status != BVX_OK) run->wrong |= mesh.positions != NULL;
     else status = bvx_mesh_hash(ctx, &mesh, mark);
     bvx_mesh_free(ctx, &mesh);

@@ -65,9 +65,8 @@ static void fuzz_check_body(bvx_context *ctx, const bvx_sections *s, int32_t cho
     o.slabs.blend = choice / 128 % 3;
     o.label = s->loops[0].label;
     o.cells = 8 + choice % 13;
-    o.thickness = choice / 512 % 2 == 0 ? 0.0 : 0.5;   /* of one section alone */
-    o.slabs.join = choice / 1024 % 4 == 0 ? 2.0 : 0.0; /* of parallel ones */
-    o.agree = choice / 256 % 3 == 0 ? 0.0 : 1e9;       /* of planes that are not parallel */
+    o.thickness = choice / 512 % 2 == 0 ? 0.0 : 0.5; /* of one section alone */
+    o.agree = choice / 256 % 3 == 0 ? 0.0 : 1e9;     /* of planes that are not parallel */
     status = bvx_build_sections(ctx, s, &o, &mesh);
     if (status == BVX_OK) {
         bvx_mesh_view_of(&mesh, &view);

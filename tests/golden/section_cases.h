@@ -210,32 +210,6 @@ static void lone_values(golden *g)
     golden_end(g);
 }
 
-/* Slanted pipes and a bar, some of which end, joined by shifting. */
-static void shifted_values(golden *g)
-{
-    static const char *const key[] = {"flat", "taper", "open"};
-
-    stack_clear(&golden_stack);
-    for (int k = 0; k < 4; k++) {
-        uint32_t const s = stack_section(&golden_stack, 1.5 * k);
-        stack_round(&golden_stack, s, 4.0 * k, 1.0 * k, 1.5, 1.25, 40, 0.1, 0, 0);
-        stack_round(&golden_stack, s, 4.0 * k, 1.0 * k, 0.75, 0.5, 24, 0.1, 0, 1);
-        if (k != 2) stack_round(&golden_stack, s, 6.0 - 3.0 * k, 8, 1, 1, 20, 0.2, 0.25 * k, 0);
-    }
-    golden_begin(g, "shifted");
-    for (int32_t caps = BVX_CAPS_FLAT; caps <= BVX_CAPS_OPEN; caps++) {
-        bvx_sections_options o = {.struct_size = sizeof o};
-        bvx_sections_report report;
-        bvx_mesh mesh = {0};
-        o.caps = caps;
-        o.slabs.join = 5;
-        o.report = &report;
-        mesh_value(g, key[caps], bvx_build_sections(g->context, &golden_stack.s, &o, &mesh), &mesh);
-        golden_u64(g, "shifted", report.shifted_parts);
-    }
-    golden_end(g);
-}
-
 /* Half discs that touch on parallel planes, then a core in its shell on planes of any direction: made at once. */
 static void bodies_values(golden *g)
 {
@@ -300,7 +274,6 @@ static void section_cases(golden *g)
     mended_values(g);
     oblique_values(g);
     lone_values(g);
-    shifted_values(g);
     bodies_values(g);
     shape_torus(&golden_shape, 96, 40, 0.05, 7);
     shape_view(&golden_shape, &view);

@@ -124,7 +124,7 @@ gives 'a wish for handles of planes that cross' 0 '--genus 1 is not met: the sur
 gives 'planes that contradict each other' 1 'sections 0 and 1 contradict each other where their planes cross, near (2, ' sections apart.csl -o x.ply
 gives 'contours that are moved to agree' 0 ' gaps left where planes cross, contours ' sections apart.csl -o cross.ply --agree 2.5
 gives 'cells or spacing' 2 'contradict each other' sections cross.csl -o x.ply --cells 16 --spacing 1
-for option in '--grid 20x20' '--layers 2' '--blend cubic' '--crossings classic' '--subdivide 2' '--join 1'; do
+for option in '--grid 20x20' '--layers 2' '--blend cubic' '--crossings classic' '--subdivide 2'; do
     gives "planes that cross: $option" 2 "${option%% *} is for parallel planes; those of cross.csl are not" sections cross.csl -o x.ply $option
 done
 gives 'parallel planes: --cells' 2 '--cells is for planes that are not parallel; those of prism.csv are' sections prism.csv -o x.ply --cells 16
@@ -219,15 +219,10 @@ gives 'info of a table of planes' 0 'planes' info cross.csv
 sed 's/^2,0,0,1,1,0,0,0,1/2,0,0,1,1,0,0,0,2/' cross.csv >turned.csv
 gives 'a plane with two normals' 1 'the section has another normal on an earlier line' sections turned.csv -o x.ply
 
-# Slanted parts that share no area, joined by shifting.
+# Slanted parts that share no area.
 printf 'section,position,loop,x,y\n' >slant.csv
 for k in 0 1 2 3; do printf "$k,$k,0,%s,0\n$k,$k,0,%s,0\n$k,$k,0,%s,4\n$k,$k,0,%s,4\n" ${k}0 ${k}4 ${k}4 ${k}0 >>slant.csv; done
-gives 'slanted squares fall apart' 0 'do not join it; --join, or sections that lie closer together, may help' sections slant.csv -o slant.ply
-gives 'joined by shifting' 0 '3 parts by shifting' sections slant.csv -o slant.ply --join 10
-gives 'as one body' 0 '"parts": 1,' sections slant.csv -o slant.ply --join 10 --json
-near 'of the volume of its prismoids' "$(field volume)" 48 0.5
-is 'what was shifted' "$(field shifted_parts) $(field sections)" '3 4'
-gives 'no reach' 2 '--join takes a number above 0' sections slant.csv -o slant.ply --join 0
+gives 'slanted squares fall apart' 0 'do not join it; sections that lie closer together may help' sections slant.csv -o slant.ply
 
 # --label all: a file for each body, the same as one by one.
 gives 'all labels' 0 'label 7: body_7.ply' sections two.csv -o body_%d.ply --label all

@@ -1,7 +1,6 @@
 #!/bin/sh
 # make_pictures.sh [check] - docs/pictures: what each command makes of overlaps, holes, thin walls and crumbs, a body through
-# contours on crossing planes, two slanted vessels, each section apart and joined by shifting, a wall with what it encloses, the
-# labelled cells of a ball, and what warnings are about.
+# contours on crossing planes, a wall with what it encloses, the labelled cells of a ball, and what warnings are about.
 # With check nothing is written: the pictures must be those that the program draws now, and small.
 # BITVOX is the program [build/bitvox]. Runs in the repository's root, works in a folder of its own.
 set -eu
@@ -54,21 +53,6 @@ quiet sections sweep.csl -o sweep.off --cells 64
 planes "paint('sweep.off', 'painted.off', sweep(), 0.006)"
 quiet render painted.off -o raw.png --size 204x192 --from 1,-2,1.2
 python3 "$root/tests/tools/pack_png.py" raw.png sweep.png
-
-# Two vessels whose sections share no area.
-python3 >vessels.csv <<'P'
-from math import cos, pi, sin
-
-print('section,position,loop,x,y')
-for s in range(6):
-    for loop, y in enumerate([0, 6 + 3 * abs(s - 2)]):
-        for i in range(24):
-            print(f'{s},{4 * s},{loop},{5 * s + 2 * cos(pi * i / 12):.4f},{y + 2 * sin(pi * i / 12):.4f}')
-P
-quiet sections vessels.csv -o apart.off 2>warnings
-quiet sections vessels.csv -o joined.off --join 8 2>warnings
-quiet render apart.off joined.off -o raw.png --size 300x210 --from 1,-2,1
-python3 "$root/tests/tools/pack_png.py" raw.png join.png
 
 # A wall and what it encloses, with the same faces where they touch.
 python3 >wall.csv <<'P'
@@ -179,7 +163,7 @@ pair ends near.bvx ends.bvx
 warnings=$(printf 'warn_%s ' thin thicker joined shells lids level turned rows nested leaks ends)
 
 bad=0
-for picture in input voxelize boolean repair lod simplify sweep join bodies labels $warnings; do
+for picture in input voxelize boolean repair lod simplify sweep bodies labels $warnings; do
     if [ "$(wc -c <$picture.png)" -gt $most ]; then
         echo "$picture.png has $(wc -c <$picture.png) bytes, more than $most"
         bad=1

@@ -302,20 +302,6 @@ def test_sections_without_loops_have_no_bodies():
         none.bodies(touching="shared", layers=2)
 
 
-def test_slanted_parts_are_joined_by_shifting():
-    square = np.array([[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0]], float)
-    squares = [square + [10 * k, 0, k] for k in range(4)]
-    apart, bar = bitvox.from_sections(squares), bitvox.from_sections(squares, join=10)
-    assert (apart.check().components, bar.check().components) == (4, 1)
-    assert bar.check().closed and bar.check().volume == pytest.approx(48, rel=0.02)
-    assert (bar.report.shifted_parts, bar.report.sections) == (3, 4)
-    for corner in np.concatenate(squares):
-        assert (np.asarray(bar.vertices) == corner).all(axis=1).any()
-    assert bitvox.from_sections(squares, join=9).content_hash() == apart.content_hash()
-    with pytest.raises(bitvox.ArgumentError):
-        bitvox.from_sections(squares, join=-1)
-
-
 def test_one_section_alone_is_a_slab_or_a_lens():
     square = np.array([[0, 0, 5], [2, 0, 5], [2, 2, 5], [0, 2, 5]], float)
     with pytest.raises(bitvox.EmptyError, match="or a thickness"):

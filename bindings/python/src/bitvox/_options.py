@@ -292,9 +292,6 @@ class SectionsOptions(TypedDict, total=False):
     agree
         planes that are not parallel: contours at most so far apart where two planes cross are moved to agree [world].
         Default: a hundredth of that longest side.
-    join
-        parallel planes: parts of neighboring sections that share no area, as of slanted vessels, are joined by shifting
-        where their centroids are at most so far apart on the planes [world]. Sections are put in on the way.
     blend
         from section to section: "linear", or "cubic" over four of them, as exact on the sections and smooth across them;
         "auto" (the default) is cubic from five sections on.
@@ -320,7 +317,6 @@ class SectionsOptions(TypedDict, total=False):
 
     cells: int | None
     agree: float | None
-    join: float | None
     blend: Blend
     crossings: Crossings
     subdivide: int | None

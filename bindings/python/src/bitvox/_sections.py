@@ -462,7 +462,7 @@ def from_sections(
         most triangles, or the distance to the body's whole surface, by edges that collapse: as for `repair`.
         Contour points are then no longer vertices; ``caps="open"`` cannot be collapsed.
     advanced
-        `SectionsOptions`: ``cells``, ``agree``, ``join``, ``blend``, ``crossings``, ``subdivide``, ``parts``, ``genus``,
+        `SectionsOptions`: ``cells``, ``agree``, ``blend``, ``crossings``, ``subdivide``, ``parts``, ``genus``,
         ``error_kind``, ``dtype``.
 
     Returns
@@ -488,7 +488,7 @@ def from_sections(
     (True, 2.0)
     """
     known(from_sections, SectionsOptions, advanced)
-    join, subdivide, parts, genus = (advanced.get("join"), advanced.get("subdivide"), advanced.get("parts"), advanced.get("genus"))
+    subdivide, parts, genus = (advanced.get("subdivide"), advanced.get("parts"), advanced.get("genus"))
     build = function("bvx_build_sections")
     targets = level_target(triangles, error, advanced.get("error_kind"))
     if targets and caps == "open":
@@ -512,8 +512,6 @@ def from_sections(
     options.caps = choice("caps", caps, "BVX_CAPS_", CAPS)
     if thickness is not None:
         options.thickness = float(thickness)
-    if join is not None:
-        options.slabs.join = float(join)
     options.slabs.blend = choice("blend", advanced.get("blend", "auto"), "BVX_BLEND_", BLENDS)
     mend = getattr(given, "_sliced", False) if mend is None else mend
     options.mend = int(bool(mend))
