@@ -179,8 +179,7 @@ struct cli_options {
 
     /* octrees */
     int32_t states; /* BVX_STATE_... added */
-    int32_t expand, leaves;
-    cli_planes cut;
+    int32_t expand;
 
     double close_gap; /* between the ends of a contour */
 };

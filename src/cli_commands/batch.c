@@ -149,7 +149,6 @@ static int make_folder(cli_run *run, const char *folder)
 
 static void begin_file(cli_run *run, const batch *b, int i)
 {
-    cli_lock();
     for (int k = 0; k < run->report.warnings; k++) free(run->report.warning[k].text);
     cli_text_free(&run->report.more);
     memset(&run->report, 0, sizeof run->report);
@@ -166,8 +165,6 @@ static void begin_file(cli_run *run, const batch *b, int i)
     run->options->output = b->path[i];
     run->options->format = 0;
     run->options->output_dir = NULL;
-    cli_watch_again();
-    cli_unlock();
 }
 
 static void keep_report(cli_run *run, batch *b, int status)
@@ -176,7 +173,7 @@ static void keep_report(cli_run *run, batch *b, int status)
     cli_text *const t = &b->reports;
 
     if (!run->general->json) return;
-    cli_report_text(run, status, 0, &text);
+    cli_report_text(run, status, &text);
     cli_text_add(t, "%s{\"input\": ", t->size == 0 ? "" : ", ");
     cli_json_string(t, run->options->input[0]);
     if (run->options->output != NULL) {
@@ -223,8 +220,6 @@ int cli_run_batch(cli_run *run)
     }
 
     if (b.asked.general.json) {
-        /* An interrupt may be reading the report. */
-        cli_lock();
         cli_text_add(
             &run->report.batch,
             "{\"status\": \"%s\", \"command\": \"%s\", \"done\": %d, \"failed\": %d, \"files\": [%s]}\n",
@@ -233,7 +228,6 @@ int cli_run_batch(cli_run *run)
                                           : "failed",
             run->command->name, b.done, b.failed, b.reports.bytes != NULL ? b.reports.bytes : "");
         run->report.batch.failed |= b.reports.failed;
-        cli_unlock();
     }
     if (b.asked.output_dir != NULL)
         cli_say(run, "%d of %d files written to %s%s\n", b.done, b.asked.inputs, b.asked.output_dir,

@@ -62,7 +62,7 @@ static int make_levels(cli_run *run, hull_run *h)
     c->before = c->surface = c->level[0].certificate;
     /* Distances are from the hull: those of the input would be to its inner walls too. */
     for (int i = 0; i < c->count; i++) c->level[i].measured = 0;
-    return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
+    return CLI_DONE;
 }
 
 static int make_hull(cli_run *run, void *work, cli_made *made)

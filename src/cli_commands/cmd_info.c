@@ -78,9 +78,8 @@ static int check(cli_run *run, const bvx_mesh *mesh, int weld, bvx_certificate *
     bvx_mesh_view view;
     bvx_mesh_view_of(mesh, &view);
     cli_stage_begin(run, weld ? "check welded" : "check");
-    CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &view, weld, c),
-                            cli_input_name(run->options->input[0])));
-    return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
+    return cli_stage_check(run, bvx_mesh_check(run->context, &view, weld, c),
+                           cli_input_name(run->options->input[0]));
 }
 
 /* Many files repeat a vertex where colours or normals change: then the
@@ -108,7 +107,7 @@ static int count_crossings(cli_run *run, const bvx_mesh *mesh, cli_mesh_entry *e
     CLI_TRY(CLI_STAGE(run, "crossings", bvx_mesh_crossings(run->context, &view, &entry->crossings, NULL, 0),
                       cli_input_name(run->options->input[0])));
     entry->has_crossings = 1;
-    return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
+    return CLI_DONE;
 }
 
 static void report_measure(const bvx_measure_report *r, const char *mjcf, const char *urdf, cli_text *t)
@@ -181,7 +180,7 @@ static int measure(cli_run *run, const bvx_mesh *mesh, cli_made *made)
     CLI_TRY(CLI_STAGE(run, "measure", bvx_measure(run->context, &view, &own->mass, &r),
                       cli_input_name(run->options->input[0])));
     tell_measure(made, &r);
-    return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
+    return CLI_DONE;
 }
 
 static int info_of_mesh(cli_run *run, info_job *job, cli_made *made)

@@ -240,7 +240,7 @@ static int make_level(cli_run *run, cli_chain *c, int number, cli_made *made)
     entry->lod = &c->lod[i];
     entry->rate = (double)c->mesh[i].triangle_count / (double)c->input_triangles;
     c->count++;
-    return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
+    return CLI_DONE;
 }
 
 static int measure_level(cli_run *run, cli_chain *c, int i)

@@ -33,8 +33,6 @@ static const cli_argument refine_rows[] = {
             "a voxel whose triangles lie within T of one plane is not halved,\n"
             "in the mesh's unit [off]"),
     {.also = cli_takes_states},
-    FLAG("--leaves", SHARED(leaves), "a mesh of boxes, one a leaf, in colours of their levels"),
-    PLANES("--cut", "AXIS=VALUE", SHARED(cut), "with --leaves: only those below a plane, once for each axis"),
     {.also = cli_takes_expand},
     {.also = cli_takes_file_of_a_mesh},
     {.also = cli_takes_all},
@@ -187,12 +185,11 @@ const cli_command cli_refine = {
         "voxels\n"
         "of one level as a grid (.npy .binvox .vox .nrrd .vti, with --expand .bvx), or the last level's "
         "surface\n"
-        "as a closed mesh (" CLI_MESHES_WRITTEN "; with --leaves the leaves as boxes), and a table of what\n"
+        "as a closed mesh (" CLI_MESHES_WRITTEN "), and a table of what\n"
         "each level holds. With --window only a part is fine, with --adaptive only what is not flat.",
     .example = "bitvox refine fixtures/knot.ply -o knot.vtu --base 8 --halvings 4\n"
-               "bitvox refine fixtures/knot.ply -o knot.bvx --resolution 300\n"
-               "bitvox refine fixtures/knot.ply -o boxes.ply --halvings 4 --leaves --cut z=0",
-    .most = "--resolution --base --halvings --outer-levels --adaptive --states --leaves --expand "
+               "bitvox refine fixtures/knot.ply -o knot.bvx --resolution 300",
+    .most = "--resolution --base --halvings --outer-levels --adaptive --states --expand "
             "--window --threads --memory-limit --json",
     .rows = refine_rows,
     .own = sizeof(refine_options),

@@ -14,6 +14,7 @@ typedef struct cli_render_options {
     cli_triple up;
     int32_t voxels; /* along the longest axis; 0: draw the mesh */
     bvx_render_options picture;
+    cli_planes cut;
     cli_sheet slices;
     int32_t difference; /* --compare */
 } cli_render_options;
@@ -48,7 +49,7 @@ static const cli_argument render_rows[] = {
           "[256 with --compare]"),
     FLAG("--smooth", OWN(picture.smooth), "smooth shading; sharp edges stay sharp"),
     FLAG("--wireframe", OWN(picture.wireframe), "draw the edges of triangles or voxels too"),
-    PLANES("--cut", "AXIS=VALUE", SHARED(cut),
+    PLANES("--cut", "AXIS=VALUE", OWN(cut),
            "take away what lies between a plane and the eye, in the model's unit;\n"
            "once for each axis, or x=0.5,z=1"),
     SLICES("--slices", "AXIS:N", OWN(slices), 1, 1024,
@@ -145,7 +146,7 @@ static int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32
     if (own->up.given) memcpy(r.camera.up, own->up.value, sizeof r.camera.up);
 
     /* What lies on the eye's side of each plane goes; the higher side where the plane looks at neither. */
-    const cli_planes *const cut = &run->options->cut;
+    const cli_planes *const cut = &own->cut;
     const double *const direction = r.camera.direction;
     for (int a = 0; a < 3; a++) {
         if (!cut->given[a]) continue;

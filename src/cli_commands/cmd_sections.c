@@ -590,7 +590,6 @@ static int make_all_labels(cli_run *run, void *work, cli_made *made)
     for (int i = 0; i < count && result == CLI_DONE; i++) {
         job->n = i;
         result = make_labelled(run, job, label[i], made);
-        if (result == CLI_DONE && cli_interrupted()) result = cli_fail_interrupted(run);
     }
     cli_text_add(&made->members, "]");
     free(label);

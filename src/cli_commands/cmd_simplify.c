@@ -35,8 +35,7 @@ static int simplify_input(cli_run *run, cli_collapse_run *c)
     cli_stage_begin(run, "level 0");
     bvx_status const status = bvx_mesh_simplify(run->context, &c->view, &s, (uint64_t)c->count, c->mesh);
     c->seconds = cli_stage_end(run);
-    CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
-    return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
+    return cli_check_call(run, status, cli_input_name(o->input[0]));
 }
 
 static int make_simplify(cli_run *run, void *work, cli_made *made)

@@ -102,7 +102,7 @@ static int build_levels(cli_run *run, lod_collapse *l)
         run->report.lattice = l->report.repair.lattice;
         run->report.has_lattice = 1;
     }
-    return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
+    return CLI_DONE;
 }
 
 /* What was done to the mesh before edges collapsed, where something was. */

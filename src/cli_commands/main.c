@@ -74,7 +74,6 @@ static int help(cli_run *run, int count, char **word)
 
 static int run_command(cli_run *run, int count, char **word)
 {
-    static const cli_leaving leaving = {cli_remove_temporaries, cli_interrupt_text, cli_report_text};
     run->own = calloc(1, run->command->own + 1);
     if (run->own == NULL) return cli_end_of_run(run, cli_fail(run, "no memory to start"));
     if (run->command->start != NULL) run->command->start(run->own);
@@ -88,7 +87,6 @@ static int run_command(cli_run *run, int count, char **word)
     if (status == CLI_DONE) status = cli_check_line(run);
     if (status == CLI_DONE) {
         run->start = cli_seconds();
-        cli_watch_run(run, &leaving);
         if (run->options->output_dir != NULL || (run->command->bit == CLI_INFO && run->options->inputs > 1))
             return cli_run_batch(run);
         status = cli_perform(run);
@@ -153,7 +151,5 @@ int main(int count, char **word)
     hold_standard_streams();
     cli_watch_start();
     options.samples = -1;
-    int const status = run_words(&run, count - 1, word + 1);
-    cli_watch_end(status);
-    return status;
+    return run_words(&run, count - 1, word + 1);
 }

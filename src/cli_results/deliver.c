@@ -40,7 +40,6 @@ static void tell_made(cli_run *run, cli_made *made)
     cli_tell_lost(run, made);
 
     if (grid != NULL) cli_tell_grid(run, &made->head, grid, made->set, made->placed);
-    /* An interrupt reports without these, so they need no lock. */
     if (made->members.size != 0) cli_text_add(&run->report.more, "%s", made->members.bytes);
     if (!made->untitled)
         cli_say(run, "%s%s%s\n", cli_input_name(run->options->input[run->command->least_inputs - 1]),

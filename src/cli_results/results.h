@@ -64,12 +64,6 @@ void cli_free_tree(cli_run *run, cli_tree *t);
 void cli_tell_levels(const cli_run *run, const cli_tree *t, cli_made *made);
 void cli_tell_tree_output(const cli_run *run, const cli_tree *t, cli_made *made);
 
-/* ---- leaf_mesh.c: refine --leaves ---- */
-
-/* The leaves in the states requested, less what --cut takes away, as boxes; to be freed here in any case. */
-int cli_make_leaf_mesh(cli_run *run, const bvx_octree *tree, bvx_mesh *mesh);
-void cli_free_leaf_mesh(bvx_mesh *mesh);
-
 /* ---- grid_output.c: a grid out, with its side-car where the format keeps no lattice ---- */
 
 /* Open the outputs of a grid, write it as run->options.output and keep it. */

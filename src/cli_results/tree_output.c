@@ -22,9 +22,6 @@ int cli_check_tree_output(cli_run *run, cli_tree *t)
         return cli_usage(
             run, "--states chooses voxels; %s holds the whole octree: take --expand, or another format",
             path);
-    if (run->options->leaves && t->kind != CLI_MESH)
-        return cli_usage(run, "--leaves makes a mesh; %s is not a mesh", path);
-    if (cli_given(run, "--cut") && !run->options->leaves) return cli_usage(run, "--cut needs --leaves");
     return CLI_DONE;
 }
 
@@ -75,23 +72,19 @@ static int write_tree_file(cli_run *run, const cli_tree *t)
 int cli_write_tree(cli_run *run, void *tree)
 {
     cli_tree *const t = tree;
-    int status = CLI_DONE;
     if (t->kind == CLI_GRID) {
         CLI_TRY(cli_expand_tree(run, t->tree, &t->window, run->options->output, &t->grid));
         bvx_grid_count(run->context, &t->grid, &run->report.set);
         run->report.has_set = 1;
         return cli_write_grid(run, &t->grid);
     }
-    if (t->kind == CLI_MESH)
-        status = run->options->leaves ? cli_make_leaf_mesh(run, t->tree, &t->surface)
-                                      : make_surface_mesh(run, t);
-    return status == CLI_DONE ? write_tree_file(run, t) : status;
+    if (t->kind == CLI_MESH) CLI_TRY(make_surface_mesh(run, t));
+    return write_tree_file(run, t);
 }
 
 void cli_free_tree(cli_run *run, cli_tree *t)
 {
-    if (run->options->leaves) cli_free_leaf_mesh(&t->surface);
-    else bvx_mesh_free(run->context, &t->surface);
+    bvx_mesh_free(run->context, &t->surface);
     bvx_grid_free(run->context, &t->grid);
     bvx_octree_free(run->context, t->tree);
     memset(t, 0, sizeof *t);

@@ -41,25 +41,20 @@ static void name_input(const cli_run *run, const char *message, char *prefix, si
     tame(prefix);
 }
 
-/* Keep an error for the report and say it; from here on the exit status is known. */
+/* Keep an error for the report and say it. */
 static int tell_error(cli_run *run, int status, const char *code, const char *message)
 {
     cli_report *const r = &run->report;
     char prefix[512];
 
     name_input(run, message, prefix, sizeof prefix);
-    /* An interrupt may report at any time: code and message change together. */
-    cli_lock();
     snprintf(r->error_code, sizeof r->error_code, "%s", code);
     snprintf(r->error_message, sizeof r->error_message, "%s", message);
     name_standard(run, r->error_message);
     tame(r->error_message);
-    cli_watch_decide(status);
-    cli_unlock();
     cli_clear_bar(run);
     fflush(stdout);
     fprintf(stderr, "bitvox: %s%s\n", prefix, r->error_message);
-    cli_watch_told();
     return status;
 }
 
@@ -83,25 +78,15 @@ int cli_usage(cli_run *run, const char *format, ...)
     return tell_error(run, CLI_USAGE, "USAGE", text);
 }
 
-void cli_interrupt_text(const cli_run *run, char *text, size_t room)
-{
-    const char *cut = NULL;
-    int kept = 0;
-    for (int i = 0; i < run->outputs; i++) {
-        if (run->output[i].begun) cut = run->output[i].path;
-        kept += run->output[i].kept;
-    }
-    /* Outputs get their names all or none; only what is written in place can be cut. */
-    if (kept != 0) snprintf(text, room, "interrupted; what was requested is written");
-    else if (cut != NULL) snprintf(text, room, "interrupted; %s may have received a part of its bytes", cut);
-    else snprintf(text, room, "interrupted; nothing was written");
-    tame(text);
-}
-
+/* Outputs get their names all or none; only what is written in place can be cut. */
 int cli_fail_interrupted(cli_run *run)
 {
-    char text[sizeof run->report.error_message];
-    cli_interrupt_text(run, text, sizeof text);
+    char text[sizeof run->report.error_message] = "interrupted; nothing was written";
+
+    for (int i = 0; i < run->outputs; i++)
+        if (run->output[i].begun)
+            snprintf(text, sizeof text, "interrupted; %s may have received a part of its bytes",
+                     run->output[i].path);
     return tell_error(run, CLI_INTERRUPTED, "BVX_CANCELLED", text);
 }
 
@@ -163,9 +148,7 @@ static void keep_warning(cli_run *run, const cli_warning *warning, char *text)
         return;
     }
     memcpy(w.text, text, strlen(text) + 1);
-    cli_lock();
     r->warning[r->warnings++] = w;
-    cli_unlock();
 }
 
 #define NAME_OF_WARNING(name, value) [value] = #name,

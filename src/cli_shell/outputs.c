@@ -256,9 +256,9 @@ int cli_open_output(cli_run *run, const char *path)
     if (cli_is_packed(path) && !cli_can_pack())
         return cli_fail(run, "%s: this build cannot pack: it was made without zlib; give a name without .gz",
                         path);
-    cli_lock();
     memset(o, 0, sizeof *o);
     o->path = copy_text(path);
+    cli_watch_last(NULL);
     run->outputs++;
     /* The copy of the path is the first thing that can fail. */
     errno = ENOMEM;
@@ -267,7 +267,6 @@ int cli_open_output(cli_run *run, const char *path)
     const char *const same = good ? same_file(run, o) : NULL;
     good = good && same == NULL && (o->kind != CLI_OUT_NEW || make_temporary(o, mode));
     int const error = errno;
-    cli_unlock();
     if (same != NULL) return cli_fail(run, "%s and %s are one file", same, path);
     if (!good) return cli_fail(run, "%s: cannot be written: %s", path, strerror(error));
     if (run->standard_name[0] != 0 && run->outputs > 1) {
@@ -287,16 +286,13 @@ static FILE *open_for_writing(cli_output *o)
 {
     FILE *file;
     if (o->kind == CLI_OUT_NEW) {
-        cli_lock(); /* a temporary that an interrupt has removed is not made again */
         file = cli_open_file(o->temporary,
                              "r+b"); /* ext4 writes out truncated files at once when they close */
     } else {
         file = o->kind == CLI_OUT_STANDARD ? stdout
                                            : cli_open_file(o->path, "wb"); /* may wait for a reader */
-        cli_lock();
         o->begun = 1;
     }
-    cli_unlock();
     return file;
 }
 
@@ -351,15 +347,12 @@ int cli_write_output(cli_run *run, int number, const bvx_buffer *buffer)
 void cli_forget_output(cli_run *run, int number)
 {
     cli_output *const o = &run->output[number];
-    /* An interrupt removes temporaries by this list, so it must never see it half moved. */
-    cli_lock();
     if (o->temporary != NULL) cli_remove_file(o->temporary);
     free(o->temporary);
     free(o->target);
     free(o->path);
     run->outputs--;
     memmove(o, o + 1, (size_t)(run->outputs - number) * sizeof *o);
-    cli_unlock();
 }
 
 /* ---- the end ---- */
@@ -386,7 +379,6 @@ static int give_name(cli_output *o)
     if (o->kind == CLI_OUT_NEW && cli_rename_file(o->temporary, o->target) != 0) return 0;
     free(o->temporary);
     o->temporary = NULL;
-    o->kept = 1;
     return 1;
 }
 
@@ -397,7 +389,6 @@ static cli_output *take_back(cli_run *run, int n)
     cli_output *lost = NULL;
     for (int i = 0; i < run->outputs; i++) {
         cli_output *const o = &run->output[i];
-        o->kept = 0;
         if (o->older == NULL && i < n && o->kind == CLI_OUT_NEW) cli_remove_file(o->target);
         if (o->older == NULL) continue;
         /* With a second name the older file never left its place. */
@@ -445,16 +436,17 @@ int cli_keep_outputs(cli_run *run)
     int ready, named = 0, good, error;
 
     if (cli_interrupted()) return cli_fail_interrupted(run);
-    cli_lock();
     ready = set_all_aside(run);
     if (ready == run->outputs)
         while (named < run->outputs && give_name(&run->output[named])) named++;
     error = errno;
     good = named == run->outputs;
-    if (good) drop_older(run);
-    else lost = take_back(run, named);
-    if (good) cli_watch_kept();
-    cli_unlock();
+    if (good) {
+        drop_older(run);
+        cli_watch_last("bitvox: interrupted; what was requested is written\n");
+    } else {
+        lost = take_back(run, named);
+    }
     if (!good) fail_to_keep(run, &run->output[ready < run->outputs ? ready : named], error, lost);
     for (int i = 0; i < run->outputs; i++) {
         cli_output *const o = &run->output[i];
@@ -465,30 +457,14 @@ int cli_keep_outputs(cli_run *run)
     return good ? CLI_DONE : CLI_FAILED;
 }
 
-/* The system takes a large file apart when its last user closes it: kept open here, that is not now. */
-void cli_remove_temporaries(cli_run *run)
-{
-    for (int i = 0; i < run->outputs; i++) {
-        const char *const name = run->output[i].temporary;
-        if (name == NULL) continue;
-#if OUTPUTS_POSIX
-        struct stat s;
-        int const number = open(name, O_RDONLY);
-        if (number >= 0 && fstat(number, &s) == 0) run->removed_bytes += (uint64_t)s.st_size;
-#endif
-        cli_remove_file(name);
-    }
-}
-
 void cli_drop_outputs(cli_run *run)
 {
-    cli_lock();
-    cli_remove_temporaries(run);
     for (int i = 0; i < run->outputs; i++) {
         cli_output *const o = &run->output[i];
+        if (o->temporary != NULL) cli_remove_file(o->temporary);
         free(o->temporary);
         free(o->target);
         o->temporary = o->target = NULL;
     }
-    cli_unlock();
+    cli_watch_last("");
 }

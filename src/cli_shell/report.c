@@ -121,7 +121,7 @@ static void report_error(cli_text *t, const cli_report *r)
     cli_text_add(t, "}");
 }
 
-void cli_report_text(const cli_run *run, int status, int brief, cli_text *t)
+void cli_report_text(const cli_run *run, int status, cli_text *t)
 {
     const cli_report *const r = &run->report;
 
@@ -130,17 +130,16 @@ void cli_report_text(const cli_run *run, int status, int brief, cli_text *t)
                  : status == CLI_INTERRUPTED ? "interrupted"
                                              : "failed");
     if (run->name != NULL) cli_text_add(t, ", \"command\": \"%s\"", run->name);
-    /* brief leaves out what the main thread may be changing. */
-    if (!brief && r->has_lattice) {
+    if (r->has_lattice) {
         cli_text_add(t, ", \"lattice\": {\"fraction_bits\": %" PRId32, r->lattice.fraction_bits);
         cli_json_triple(t, "origin", r->lattice.origin);
         cli_json_triple(t, "spacing", r->lattice.spacing);
         cli_json_ints(t, "dims", r->lattice.dims);
         cli_text_add(t, "}");
     }
-    if (!brief && r->has_set) cli_json_count(t, "set", r->set);
-    if (!brief) report_parts(r, t);
-    if (!brief && r->nonfinite != 0) cli_json_count(t, "nonfinite_triangles", r->nonfinite);
+    if (r->has_set) cli_json_count(t, "set", r->set);
+    report_parts(r, t);
+    if (r->nonfinite != 0) cli_json_count(t, "nonfinite_triangles", r->nonfinite);
     cli_text_add(t, ", \"stages\": [");
     for (int i = 0; i < r->stages; i++) {
         cli_text_add(t, "%s{\"name\": ", i == 0 ? "" : ", ");
@@ -149,7 +148,7 @@ void cli_report_text(const cli_run *run, int status, int brief, cli_text *t)
         cli_text_add(t, "}");
     }
     cli_text_add(t, "], \"meshes\": [");
-    for (int i = 0; i < r->meshes && !brief; i++) {
+    for (int i = 0; i < r->meshes; i++) {
         cli_text_add(t, "%s", i == 0 ? "" : ", ");
         report_mesh(run, t, &r->mesh[i]);
     }
@@ -159,7 +158,7 @@ void cli_report_text(const cli_run *run, int status, int brief, cli_text *t)
         report_warning(t, &r->warning[i]);
     }
     cli_text_add(t, "]");
-    if (!brief && r->more.size != 0) cli_text_add(t, "%s", r->more.bytes);
+    if (r->more.size != 0) cli_text_add(t, "%s", r->more.bytes);
     cli_json_count(t, "peak_bytes", r->peak_bytes);
     if (status != CLI_DONE) report_error(t, r);
     cli_text_add(t, "}\n");
@@ -170,12 +169,9 @@ int cli_report_print(cli_run *run, int status)
     FILE *const to = run->standard_taken ? stderr : stdout;
     cli_text text = {NULL, 0, 0, 0};
     if (run->report.batch.size != 0) text = run->report.batch;
-    else cli_report_text(run, status, 0, &text);
-    /* From here on an interrupt leaves the report to this thread. */
-    cli_watch_report();
+    else cli_report_text(run, status, &text);
     int good = !text.failed && fwrite(text.bytes, 1, text.size, to) == text.size;
     good &= fflush(to) == 0 && !ferror(to);
-    cli_watch_told();
     cli_text_free(&text);
     return good;
 }

@@ -91,7 +91,6 @@ typedef struct cli_warning {
     double value[6], low[3], high[3];
 } cli_warning;
 
-/* Stages, warnings, peak and error change under cli_lock, since an interrupt may report them at any time. */
 typedef struct cli_report {
     bvx_lattice lattice;
     int has_lattice, has_set;
@@ -118,8 +117,8 @@ typedef struct cli_report {
     char error_message[1024];
 } cli_report;
 
-/* The report as one line; status is the exit status. brief leaves out what only the main thread may read. */
-void cli_report_text(const cli_run *run, int status, int brief, cli_text *text);
+/* The report as one line; status is the exit status. */
+void cli_report_text(const cli_run *run, int status, cli_text *text);
 /* Write it to standard output, or with -o - to standard error; 0 when that failed. */
 int cli_report_print(cli_run *run, int status);
 
@@ -148,8 +147,6 @@ int cli_stage_check(cli_run *run, bvx_status status, const char *about);
 /* The same, with an advice after the message. */
 int cli_fail_advised(cli_run *run, bvx_status status, const char *about, const char *advice);
 int cli_fail_interrupted(cli_run *run);
-/* What an interrupt left, as the message says it. */
-void cli_interrupt_text(const cli_run *run, char *text, size_t room);
 /* code: BVX_WARN_... */
 void cli_warn(cli_run *run, int32_t code, const char *format, ...);
 /* Keep what the call of the library that has just succeeded warns of; about: names for its result or only input, or
@@ -194,7 +191,6 @@ typedef struct cli_output {
     char *older;     /* what stood at target, under another name while several outputs are kept */
     int kind;        /* CLI_OUT_... */
     int begun;       /* something was written in place */
-    int kept;
 } cli_output;
 
 /* Make sure that a file can be written: a file with a temporary name is made beside it. */
@@ -207,8 +203,6 @@ void cli_forget_output(cli_run *run, int number);
 int cli_keep_outputs(cli_run *run);
 /* Remove what was not kept. */
 void cli_drop_outputs(cli_run *run);
-/* The part of it that an interrupt does, with the lock held. */
-void cli_remove_temporaries(cli_run *run);
 
 /* ---- pack.c: outputs whose names end in .gz ---- */
 
@@ -250,33 +244,9 @@ typedef struct cli_progress_state {
 
 /* Before any other thread starts. */
 void cli_watch_start(void);
-/* What an interrupt asks of the files that use this one: to remove
- * temporaries, to say what was left, to report. */
-typedef struct cli_leaving {
-    void (*remove)(cli_run *run);
-    void (*say)(const cli_run *run, char *text, size_t room);
-    void (*report)(const cli_run *run, int status, int brief, cli_text *text);
-} cli_leaving;
-
-/* From now on an interrupt that the run does not heed soon ends the program by itself. */
-void cli_watch_run(cli_run *run, const cli_leaving *leaving);
 int cli_interrupted(void);
-/* Around what an interrupt must find whole: outputs and their names, the report's texts. Nothing that may
- * wait for others (pipes, terminals) happens inside. Does not return once an interrupt is ending the
- * program. */
-void cli_lock(void);
-void cli_unlock(void);
-/* With the lock held: the outputs have their names, so nothing is cancelled any more. */
-void cli_watch_kept(void);
-/* With the lock held: the exit status is known, and a message about it is said until cli_watch_told. */
-void cli_watch_decide(int status);
-/* The report is written until cli_watch_told. */
-void cli_watch_report(void);
-void cli_watch_told(void);
-/* With the lock held: another input follows. */
-void cli_watch_again(void);
-/* All is said; the program only has to end. */
-void cli_watch_end(int status);
+/* What is said where an interrupt ends a program that waits, "" where all is said; NULL: there are files to tidy up. */
+void cli_watch_last(const char *words);
 
 /* ---- the run ---- */
 
@@ -304,7 +274,6 @@ struct cli_run {
     int outputs;
     int standard_taken;     /* standard output belongs to an output */
     char standard_name[32]; /* of -o -, with an ending; "" without */
-    uint64_t removed_bytes; /* of files that the system takes apart at the exit */
     double start;
     cli_progress_state progress;
 };

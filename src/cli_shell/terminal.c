@@ -60,13 +60,6 @@ static int progress_way(cli_run *run)
     return run->progress.way;
 }
 
-static void note_bar(cli_run *run, int stands)
-{
-    cli_lock();
-    run->progress.bar = stands;
-    cli_unlock();
-}
-
 /* "12 s left" where that is known. */
 static void time_left(const cli_run *run, double now, char *text, size_t room)
 {
@@ -90,8 +83,7 @@ static void draw_bar(cli_run *run, double now)
     for (int i = 0; i < BAR_WIDTH; i++) bar[i] = i < filled ? '#' : '.';
     bar[BAR_WIDTH] = 0;
     time_left(run, now, left, sizeof left);
-    /* Noted before it is drawn, so that an interrupt clears the line. */
-    note_bar(run, 1);
+    run->progress.bar = 1;
     fprintf(stderr, "\r[%s] %3.0f %% %s%s\033[K", bar, p->reached * 100.0, p->stage, left);
     fflush(stderr);
 }
@@ -166,9 +158,7 @@ void cli_stage_begin(cli_run *run, const char *format, ...)
 void cli_note_peak(cli_run *run, uint64_t bytes)
 {
     uint64_t const all = bytes + bvx_memory_peak(run->context);
-    cli_lock();
     if (all > run->report.peak_bytes) run->report.peak_bytes = all;
-    cli_unlock();
 }
 
 double cli_stage_end(cli_run *run)
@@ -179,13 +169,11 @@ double cli_stage_end(cli_run *run)
     p->ended = cli_seconds();
     p->named = 0;
     cli_note_peak(run, 0);
-    cli_lock();
     /* A run of more stages than the report holds goes on without naming them. */
     if (r->stages < CLI_MAX_STAGES) {
         snprintf(r->stage[r->stages].name, sizeof r->stage[0].name, "%s", p->stage);
         r->stage[r->stages++].seconds = p->ended - p->start;
     }
-    cli_unlock();
     return p->ended - p->start;
 }
 
@@ -221,5 +209,5 @@ void cli_clear_bar(cli_run *run)
     if (!run->progress.bar) return;
     fprintf(stderr, "\r\033[K");
     fflush(stderr);
-    note_bar(run, 0);
+    run->progress.bar = 0;
 }

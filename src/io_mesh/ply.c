@@ -17,15 +17,7 @@
 
 static bvx_status ply_take_element_rows(ply_file *f, ply_element *e)
 {
-    int taken = 0;
-
     e->rows = f->p;
-    e->line = f->line;
-    if (f->piece_count != 0) BVXI_TRY(bvxi_ply_take_lines(f, e, &taken));
-    if (taken) return BVX_OK;
-
-    /* Rows that are not lines: where the next ones begin is not known by lines any more. */
-    f->piece_count = 0;
     return f->header->encoding == PLY_ASCII ? bvxi_ply_take_text(f, e) : bvxi_ply_take_binary(f, e);
 }
 
@@ -91,11 +83,9 @@ static bvx_status ply_take_faces_again(ply_file *f)
                         "the polygons of the file", &f->fans));
     bvxi_source_pass(f->source, 0, 1);
     f->p = first->rows;
-    f->line = first->line;
     BVXI_TRY(ply_take_element_rows(f, first));
     if (second == NULL) return BVX_OK;
     f->p = second->rows;
-    f->line = second->line;
     return ply_take_element_rows(f, second);
 }
 
@@ -135,7 +125,6 @@ static bvx_status read_ply_file(bvxi_source *source, int32_t points, bvx_mesh *m
     f.big = header.encoding == PLY_BIG;
     f.vertex_count = header.vertex->count;
     f.uvs_at_corners = header.uvs == 2;
-    if (header.encoding == PLY_ASCII) BVXI_TRY(bvxi_ply_cut_lines(&f));
     return points ? ply_take_points(&f) : ply_take_data(&f);
 }
 

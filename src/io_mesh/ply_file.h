@@ -43,7 +43,6 @@ typedef struct ply_element {
     const char *name; /* in the file */
     size_t name_size;
     const char *rows; /* where its rows begin; known when reading has come there */
-    uint64_t line;    /* those before it, where its rows are lines */
 } ply_element;
 
 typedef struct ply_header {
@@ -73,17 +72,6 @@ static inline size_t ply_type_size(int32_t type)
 
 /* ---- The rows of a PLY file as they are read, by text or bytes alike ---- */
 
-/* Whole lines of a text, which are read at the same time as those of other pieces. */
-typedef struct ply_piece {
-    const char *begin, *end;
-    const char *reached;          /* where its rows of the present element end */
-    uint64_t line;                /* its first one, counted from 0 after the header */
-    uint64_t triangles, polygons; /* of its faces, then before them */
-    int32_t is_odd;               /* 1: a row that is no line, or that cannot be read */
-} ply_piece;
-
-#define PLY_COUNTING 0.05 /* the share of counting lines in the progress */
-
 typedef struct ply_file {
     bvxi_source *source;
     const ply_header *header;
@@ -102,25 +90,13 @@ typedef struct ply_file {
     uint64_t corners;       /* of this row's face or strip so far */
     uint64_t uv_numbers;    /* of this row so far */
     uint32_t last[2];       /* a fan's first corner and the one before, a strip's last two */
-    ply_piece *pieces;      /* scratch; one more, after the last, has the number of lines */
-    int32_t piece_count;    /* 0: the rows are read one after the other */
-    uint64_t line;          /* lines before p, where there are pieces */
 } ply_file;
 
 /* Read all rows of an element; reading goes on after it. */
 bvx_status bvxi_ply_take_binary(ply_file *f, const ply_element *e);
 bvx_status bvxi_ply_take_text(ply_file *f, const ply_element *e);
-/* One row of a text; reading goes on after its last value. */
-bvx_status bvxi_ply_take_text_row(ply_file *f, const ply_element *e, uint64_t row);
 
-/* ply_lines.c: make the pieces of a text that is long enough to be read by several threads. */
-bvx_status bvxi_ply_cut_lines(ply_file *f);
-/* Read all rows of an element by pieces. *taken 0: it is as if nothing had been read, and it has to be read
- * from its beginning, one row after the other. */
-bvx_status bvxi_ply_take_lines(ply_file *f, const ply_element *e, int *taken);
-
-/* ---- failures: each says where, by the line of a text or the byte of a binary file; without a context
- * only that ---- */
+/* ---- failures: each says where, by the line of a text or the byte of a binary file ---- */
 
 BVXI_COLD bvx_status bvxi_ply_fail_end(const ply_file *f, const ply_element *e, uint64_t row);
 BVXI_COLD bvx_status bvxi_ply_fail_finite(const ply_file *f, const char *at, uint64_t row, int32_t role);

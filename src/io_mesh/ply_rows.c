@@ -30,7 +30,6 @@ static const char *ply_row_name(const ply_element *e)
 
 bvx_status bvxi_ply_fail_end(const ply_file *f, const ply_element *e, uint64_t row)
 {
-    if (f->source->ctx == NULL) return BVX_ERR_FORMAT;
     return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "PLY: the file ends (%s %u) inside %s %u of %u",
                      ply_unit(f), ply_place(f, f->source->end), ply_row_name(e), row, e->count);
 }
@@ -38,7 +37,6 @@ bvx_status bvxi_ply_fail_end(const ply_file *f, const ply_element *e, uint64_t r
 bvx_status bvxi_ply_fail_finite(const ply_file *f, const char *at, uint64_t row, int32_t role)
 {
     static const char *const names[] = {"coordinate", "colour", "texture coordinate"};
-    if (f->source->ctx == NULL) return BVX_ERR_FORMAT;
     return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
                          "PLY: %s %u (%s %u) has a %s that is not finite",
                          role == PLY_ROLE_UVS ? "face" : "vertex", row, ply_unit(f), ply_place(f, at),
@@ -50,7 +48,6 @@ bvx_status bvxi_ply_fail_finite(const ply_file *f, const char *at, uint64_t row,
 bvx_status bvxi_ply_fail_corner(const ply_file *f, const char *name, const char *at, uint64_t row,
                                 int64_t corner)
 {
-    if (f->source->ctx == NULL) return BVX_ERR_FORMAT;
     return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
                          "PLY: %s %u (%s %u) names vertex %d, but there are %u", name, row, ply_unit(f),
                          ply_place(f, at), corner, f->vertex_count);
@@ -58,7 +55,6 @@ bvx_status bvxi_ply_fail_corner(const ply_file *f, const char *name, const char 
 
 bvx_status bvxi_ply_fail_length(const ply_file *f, const ply_element *e, uint64_t row, int64_t count)
 {
-    if (f->source->ctx == NULL) return BVX_ERR_FORMAT;
     if (e->kind == PLY_FACE && count >= 0)
         return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT,
                          "PLY: face %i (%s %u) has %d corners; it needs three", row, ply_unit(f),
@@ -208,7 +204,7 @@ static bvx_status ply_text_skip(ply_file *f, const ply_element *e, uint64_t row,
     return BVX_OK;
 }
 
-bvx_status bvxi_ply_take_text_row(ply_file *f, const ply_element *e, uint64_t row)
+static bvx_status ply_take_text_row(ply_file *f, const ply_element *e, uint64_t row)
 {
     bvxi_ply_begin_row(f);
     for (uint32_t i = e->first; i < e->end; i++) {
@@ -231,7 +227,7 @@ bvx_status bvxi_ply_take_text(ply_file *f, const ply_element *e)
 {
     for (uint64_t row = 0; row < e->count && e->end > e->first; row++) {
         BVXI_TRY(bvxi_source_at(f->source, f->p));
-        BVXI_TRY(bvxi_ply_take_text_row(f, e, row));
+        BVXI_TRY(ply_take_text_row(f, e, row));
     }
     return BVX_OK;
 }

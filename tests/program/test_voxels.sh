@@ -323,19 +323,7 @@ holds 'the mesh of the last level is closed' says '^  closed +yes$'
 works 'the mesh of its grid' lod fine.bvx -o l_%d.ply --levels 64 --samples 0
 run info l_0.ply
 holds 'it is the surface of the expanded grid' test "$(awk '$1 == "triangles" { print $2 }' out)" = "$("$program" info fine.ply | awk '$1 == "triangles" { print $2 }')"
-works 'refine --leaves' refine "$knot" -o leaves.ply --halvings 2 --leaves
-reports 'a box a leaf' 'r["octree"]["triangles"] == 12 * (r["octree"]["surface"] + r["octree"]["inside"])' refine "$knot" -o x.ply --halvings 2 --leaves
-run info leaves.ply
-holds 'leaves have colours' says '^  colours +of vertices$'
-holds 'boxes are oriented' says '^  oriented +yes$'
-reports 'half of the leaves' '0 < r["octree"]["triangles"] < 12 * (r["octree"]["surface"] + r["octree"]["inside"])' refine "$knot" -o x.ply --halvings 2 --leaves --cut z=0
-works 'leaves of a block' refine nested.obj -o blocks.ply --base 4 --halvings 2 --leaves
-reports 'the volume of the leaves' 'abs(r["meshes"][0]["volume"] - 4096) < 1e-6' info blocks.ply
 rm -f x.*
-refuses 2 '--leaves makes a mesh' refine "$knot" -o x.vtu --leaves
-refuses 2 '--cut needs --leaves' refine "$knot" -o x.ply --cut z=0
-refuses 1 '--cut leaves nothing' refine "$knot" -o x.ply --halvings 1 --leaves --cut z=-99
-refuses 1 'as boxes would take' refine "$knot" -o x.ply --halvings 8 --leaves
 # ---- the base and the levels that follow from a resolution ----
 
 works 'refine --resolution' refine "$knot" -o auto.npy --resolution 64
@@ -377,7 +365,6 @@ works 'a packed octree' convert tree.bvx.gz -o again.bvx
 holds 'it is the same file unpacked' cmp tree.bvx again.bvx
 works 'an octree to a mesh' refine tree.bvx -o again.ply
 holds 'the mesh of its last level' cmp fine.ply again.ply
-works 'the leaves of an octree as boxes' refine tree.bvx -o again.ply --leaves
 works 'a picture of an octree' render tree.bvx -o tree.png --size 64x48
 works 'a picture of its grid' render fine.bvx -o again.png --size 64x48
 holds 'they are the same' cmp tree.png again.png

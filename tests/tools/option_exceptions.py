@@ -22,7 +22,7 @@ OWN = {
     ("fill", "--connectivity"): "an argument of bvx_grid_fill", ("fill", "--mesh"): "an argument of bvx_find_pockets",
     ("components", "--fill-cavities"): "another call", ("components", "--labels"): "names a file", ("boolean", "--resample"): "another call",
     ("slice", "--axis"): "bvx_slice_options.normal", ("refine", "--base"): "the resolution of the lattice", ("refine", "--resolution"): "of the last level",
-    ("refine", "--leaves"): "what is written", ("lod", "--levels"): "an array: resolutions", ("lod", "--outer-hull"): "parts.least_cavity = UINT64_MAX", ("morph", "--origin"): "of the lattice",
+    ("lod", "--levels"): "an array: resolutions", ("lod", "--outer-hull"): "parts.least_cavity = UINT64_MAX", ("morph", "--origin"): "of the lattice",
     ("morph", "--value-type"): "an argument of bvx_grid_distance", ("sections", "--block-model"): "names a file", ("sections", "--block"): "of the block model",
     ("sections", "--parts"): "of the result, a wish", ("sections", "--genus"): "of the result, a wish",
     ("sections", "--touching"): "a call of its own, bvx_build_bodies",

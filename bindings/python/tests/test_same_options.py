@@ -30,7 +30,6 @@ ELSEWHERE = {
 REPORTS = {
     "repair": {"--measure"},
     "lod": {"--samples"}, "simplify": {"--samples"},
-    "refine": {"--leaves", "--cut"},  # a mesh of boxes: of the program alone
     "sections": {"--parts", "--genus", "--block-model", "--block"}, "components": {"--labels"}, "compare": {"--samples", "--seed"}, "info": {"--crossings", "--measure", "--density", "--resolution"},
 }
 
