@@ -8,8 +8,9 @@
 /* The cell's edge that a triangle corner of tables.h stands on. Lanes 0 to 3 are the x-edges themselves;
  * lanes 4 and 5 count crossed y-edges, 6 and 7 crossed z-edges, of which a cell has one at its low-x side and
  * one at its high-x side. */
-static uint8_t edge_of_corner(uint32_t cell_case, uint8_t lane, uint8_t offset)
+static uint8_t edge_of_corner(uint32_t cell_case, uint8_t corner)
 {
+    uint8_t const lane = corner & 7, offset = corner >> 3;
     int const along_y = lane < 6, second_row = lane & 1;
     if (lane < 4) return lane;
     /* The two ends of the lane's edge at the low-x side, as corners x + 2y + 4z. */
@@ -24,14 +25,13 @@ static uint8_t edge_of_corner(uint32_t cell_case, uint8_t lane, uint8_t offset)
 void bvxi_trace_cell(int32_t face_rule, uint32_t cell_case, const uint32_t *triangles, bvxi_cell_loops *loops)
 {
     uint32_t const count = bvxi_cell_triangle_count[face_rule][cell_case];
-    const uint8_t *const lane = bvxi_cell_triangle_lane[face_rule][cell_case];
-    const uint8_t *const offset = bvxi_cell_triangle_offset[face_rule][cell_case];
+    const uint8_t *const corner = bvxi_cell_triangle[face_rule][cell_case];
     uint8_t edge[BVXI_CELL_ROW], next[BVXI_CELL_EDGES] = {0}, seen[BVXI_CELL_EDGES] = {0};
     uint32_t vertex[BVXI_CELL_EDGES] = {0};
     uint16_t out[BVXI_CELL_EDGES] = {0}; /* bit v of out[u]: a triangle has an edge from u to v */
 
     for (uint32_t i = 0; i < 3 * count; i++) {
-        edge[i] = edge_of_corner(cell_case, lane[i], offset[i]);
+        edge[i] = edge_of_corner(cell_case, corner[i]);
         vertex[edge[i]] = triangles[i];
     }
     for (uint32_t i = 0; i < 3 * count; i++)

@@ -104,11 +104,10 @@ static uint32_t *emit_cells(const bvxi_march *m, const bvxi_case_list *cases, ui
         uint32_t const n = cases->number[a];
 
         /* Each corner's vertex is its counter's next unused one, or one past it, by the tables. */
-        const uint8_t *const lane = bvxi_cell_triangle_lane[rule][n];
-        const uint8_t *const offset = bvxi_cell_triangle_offset[rule][n];
+        const uint8_t *const corner = bvxi_cell_triangle[rule][n];
         const uint8_t *const step = bvxi_cell_lane_step[n];
         uint32_t const corners = 3u * bvxi_cell_triangle_count[rule][n];
-        for (uint32_t i = 0; i < corners; i++) out[i] = counter[lane[i]] + offset[i];
+        for (uint32_t i = 0; i < corners; i++) out[i] = counter[corner[i] & 7] + (corner[i] >> 3);
         out += corners;
 
         /* Eight steps, also those of 0, are one vector addition and no branch. */
@@ -123,24 +122,23 @@ BVXI_AVX2 static uint32_t *emit_cells_avx2(const bvxi_march *m, const bvxi_case_
                                            uint32_t counter[8], uint32_t *out, const uint32_t *end)
 {
     int32_t const rule = m->options.face_rule;
-    const uint8_t(*const lanes)[BVXI_CELL_ROW] = bvxi_cell_triangle_lane[rule];
-    const uint8_t(*const offsets)[BVXI_CELL_ROW] = bvxi_cell_triangle_offset[rule];
+    const uint8_t(*const corners)[BVXI_CELL_ROW] = bvxi_cell_triangle[rule];
     __m256i count = _mm256_loadu_si256((const __m256i *)(const void *)counter);
     uint32_t done = 0;
 
     for (; done < cases->count && end - out >= BVXI_CELL_ROW; done++) {
         uint32_t const n = cases->number[done];
-        __m128i const lane = _mm_loadu_si128((const __m128i *)(const void *)lanes[n]);
-        __m128i const offset = _mm_loadu_si128((const __m128i *)(const void *)offsets[n]);
         __m128i const step = _mm_loadl_epi64((const __m128i *)(const void *)bvxi_cell_lane_step[n]);
 
         /* A permutation by lanes is eight look-ups of counters in one instruction, which is why there are
-         * eight counters. */
-        __m256i const a = _mm256_permutevar8x32_epi32(count, _mm256_cvtepu8_epi32(lane));
-        __m256i const b = _mm256_permutevar8x32_epi32(count, _mm256_cvtepu8_epi32(_mm_srli_si128(lane, 8)));
-        _mm256_storeu_si256((__m256i *)(void *)out, _mm256_add_epi32(a, _mm256_cvtepu8_epi32(offset)));
-        _mm256_storeu_si256((__m256i *)(void *)(out + 8),
-                            _mm256_add_epi32(b, _mm256_cvtepu8_epi32(_mm_srli_si128(offset, 8))));
+         * eight counters. It leaves the bits above the lane aside. */
+        for (int half = 0; half < 2; half++) {
+            __m256i const corner = _mm256_cvtepu8_epi32(
+                _mm_loadl_epi64((const __m128i *)(const void *)(corners[n] + 8 * half)));
+            _mm256_storeu_si256(
+                (__m256i *)(void *)(out + 8 * half),
+                _mm256_add_epi32(_mm256_permutevar8x32_epi32(count, corner), _mm256_srli_epi32(corner, 3)));
+        }
         count = _mm256_add_epi32(count, _mm256_cvtepu8_epi32(step));
         out += 3u * bvxi_cell_triangle_count[rule][n];
     }

@@ -7,8 +7,7 @@
 #define SURFACE_ORACLE_H
 
 #include "bitvox_io.h"
-#define BVXI_TABLES_WHOLE
-#include "surface/tables.h"
+#include "cell_tables.h"
 #include "tools/mesh_maker.h"
 
 typedef struct oracle_surface {

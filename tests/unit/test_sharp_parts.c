@@ -1,8 +1,8 @@
 /* test_sharp_parts.c - the pieces that sharp features are made of: loops of
  * cells, the place of an apex, triangles apart. */
-#define BVXI_TABLES_WHOLE
 #include "surface/cells.h"
 #include "surface/sharp.h"
+#include "tools/cell_tables.h"
 #include "unit/field_surface_support.h"
 
 static void test_loops_are_those_of_the_tables(void)

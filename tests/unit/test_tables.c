@@ -6,8 +6,7 @@
 #include <string.h>
 
 #include "bitvox_io.h"
-#define BVXI_TABLES_WHOLE
-#include "surface/tables.h"
+#include "tools/cell_tables.h"
 #include "unity.h"
 
 enum { SCALE = 4096 }; /* positions on an edge; products stay below 2^52 */
@@ -196,12 +195,10 @@ static void test_tables_have_the_numbers_of_the_public_rules(void)
 
     TEST_ASSERT_EQUAL_INT(0, BVX_FACE_SEPARATE);
     TEST_ASSERT_EQUAL_INT(1, BVX_FACE_JOIN);
-    TEST_ASSERT_EQUAL_INT(BVXI_CELL_EDGES, BVXI_CELL_INTERIOR);
-    TEST_ASSERT_EQUAL_INT(BVXI_CELL_EDGES + 1, BVXI_CELL_VERTICES);
     FOR_ALL_CASES(rule, cell)
     {
         total[rule] += triangle_count(rule, cell);
-        TEST_ASSERT_TRUE(triangle_count(rule, cell) <= BVXI_CELL_MAX_TRIANGLES);
+        TEST_ASSERT_TRUE(3 * triangle_count(rule, cell) <= BVXI_CELL_ROW);
     }
     TEST_ASSERT_EQUAL_INT(820, total[BVX_FACE_SEPARATE]);
     TEST_ASSERT_EQUAL_INT(820, total[BVX_FACE_JOIN]);
@@ -220,8 +217,7 @@ static void test_tables_use_exactly_the_crossed_edges(void)
         TEST_ASSERT_EQUAL_HEX(crossed, used);
         for (n = 3 * triangle_count(rule, cell); n < BVXI_CELL_ROW; n++) {
             TEST_ASSERT_EQUAL_UINT8(0, row[n]);
-            TEST_ASSERT_EQUAL_UINT8(0, bvxi_cell_triangle_lane[rule][cell][n]);
-            TEST_ASSERT_EQUAL_UINT8(0, bvxi_cell_triangle_offset[rule][cell][n]);
+            TEST_ASSERT_EQUAL_UINT8(0, bvxi_cell_triangle[rule][cell][n]);
         }
     }
 }
@@ -661,8 +657,8 @@ static void test_tables_lanes_number_the_vertices_of_a_row(void)
         for (rule = 0; rule < 2; rule++)
             for (n = 0; n < 3 * triangle_count(rule, cell); n++)
                 TEST_ASSERT_EQUAL_INT(expected_number(bvxi_cell_triangle_vertex[rule][cell][n], x),
-                                      counter[bvxi_cell_triangle_lane[rule][cell][n]] +
-                                          bvxi_cell_triangle_offset[rule][cell][n]);
+                                      counter[bvxi_cell_triangle[rule][cell][n] & 7] +
+                                          (bvxi_cell_triangle[rule][cell][n] >> 3));
         for (lane = 0; lane < BVXI_CELL_LANES; lane++) {
             counter[lane] += bvxi_cell_lane_step[cell][lane];
             TEST_ASSERT_EQUAL_INT(rank_before[lane][x + 1], counter[lane]);
@@ -685,8 +681,8 @@ static void test_tables_lanes_name_the_edge(void)
                                               : 6 + corner / 2;
         int const follows = axis_of(edge) > 0 && corner & 1 &&
                             is_crossed(cell, edge_at(axis_of(edge), corner - 1));
-        TEST_ASSERT_EQUAL_INT(lane, bvxi_cell_triangle_lane[rule][cell][n]);
-        TEST_ASSERT_EQUAL_INT(follows, bvxi_cell_triangle_offset[rule][cell][n]);
+        TEST_ASSERT_EQUAL_INT(lane, bvxi_cell_triangle[rule][cell][n] & 7);
+        TEST_ASSERT_EQUAL_INT(follows, bvxi_cell_triangle[rule][cell][n] >> 3);
     }
 }
 
