@@ -381,8 +381,7 @@ static bvx_status make_joint_mesh(joint_faces *f, const joint_list *list, int ki
 {
     bvxi_oblique *const o = f->o;
     int32_t const label = o->body[kind - 1].options.label;
-    bvx_certificate c;
-    bvx_mesh_view view;
+    int sound;
 
     BVXI_TRY(take_faces(f, list, kind));
     if (f->count == 0)
@@ -402,9 +401,8 @@ static bvx_status make_joint_mesh(joint_faces *f, const joint_list *list, int ki
     BVXI_TRY(write_joint_mesh(f, mesh));
     count_unkept_points(f);
     /* Closed by construction, and a manifold once its fans have vertices of their own: looked at all the same. */
-    bvx_mesh_view_of(mesh, &view);
-    BVXI_TRY(bvx_mesh_check(o->ctx, &view, 0, &c));
-    if (c.closed && c.edge_manifold && c.vertex_manifold && c.oriented) return BVX_OK;
+    BVXI_TRY(bvxi_section_check_mesh(o->ctx, mesh, 0, &sound));
+    if (sound) return BVX_OK;
     return bvxi_fail_for(o->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
                          "%s: the contours of label %d contradict each other too much for a closed, manifold "
                          "mesh; move those apart that cross where their planes meet, or take a smaller agree",

@@ -211,18 +211,14 @@ static bvx_status open_sections(const body_job *job, const bvx_sections *section
 /* Loops moved apart by a hair may leave a cap that is cut wrongly: such a mesh is refused. */
 static bvx_status check_body(const body_job *job)
 {
-    bvx_certificate c;
-    bvx_mesh_view view;
-    bvx_mesh_view_of(job->mesh, &view);
-    bvx_status status = bvx_mesh_check(job->ctx, &view, 0, &c);
-    if (status == BVX_OK && !(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented))
-        status = bvxi_fail_for(
-            job->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
-            "%s: the mended loops run too near to each other for a closed, manifold mesh; take fewer points, or "
-            "mend the contours before",
-            sections_name);
-    if (status != BVX_OK && job->own) bvx_mesh_free(job->ctx, job->mesh);
-    return status;
+    int sound;
+    BVXI_TRY(bvxi_section_check_mesh(job->ctx, job->mesh, job->own, &sound));
+    if (sound) return BVX_OK;
+    return bvxi_fail_for(
+        job->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
+        "%s: the mended loops run too near to each other for a closed, manifold mesh; take fewer points, or mend "
+        "the contours before",
+        sections_name);
 }
 
 /* Mended loops may be left in one section only: job->left is its number and no body is made. */
@@ -262,9 +258,8 @@ static bvx_status build_planes(const body_job *job, const bvx_sections *sections
         mended.loops = 0;
         status = bvxi_oblique_body(job->ctx, sections_name, sections, job->o, job->report, job->mesh);
     }
-    if (status != BVX_OK || mended.loops == 0) return status;
-    job->report->mended_loops = mended.loops;
-    return check_body(job);
+    if (status == BVX_OK) job->report->mended_loops = mended.loops;
+    return status;
 }
 
 /* Planes that are parallel after all are a stack. */

@@ -453,6 +453,9 @@ static inline void bvxi_give_position(const bvx_mesh *mesh, int32_t type, uint64
     }
 }
 
+/* Closed, oriented, edge- and vertex-manifold? Any other mesh is freed where its arrays are not the caller's. */
+bvx_status bvxi_section_check_mesh(bvx_context *ctx, bvx_mesh *mesh, int own, int *sound);
+
 /* ---- slab.c, caps.c ---- */
 
 /* Subdivide cells between two planes where they require it; adds cuts to both. */

@@ -35,6 +35,17 @@ void bvxi_section_locate(bvxi_stack *s, double u, double v, double w)
     bvxi_report_place(&s->report, at);
 }
 
+bvx_status bvxi_section_check_mesh(bvx_context *ctx, bvx_mesh *mesh, int own, int *sound)
+{
+    bvx_certificate c;
+    bvx_mesh_view view;
+    bvx_mesh_view_of(mesh, &view);
+    bvx_status const status = bvx_mesh_check(ctx, &view, 0, &c);
+    *sound = status == BVX_OK && c.closed && c.edge_manifold && c.vertex_manifold && c.oriented;
+    if (!*sound && own) bvx_mesh_free(ctx, mesh);
+    return status;
+}
+
 /* ---- Numbers by a key ---- */
 
 /* Open addressing over a table that is at most half full, so every search ends at a free slot. */

@@ -31,22 +31,30 @@ static bvx_status make_oblique(bvxi_oblique *o, bvx_mesh *mesh)
 bvx_status bvxi_oblique_body(bvx_context *ctx, const char *function, const bvx_sections *given,
                              const bvx_sections_options *options, bvx_sections_report *report, bvx_mesh *mesh)
 {
-    uint64_t const mark = bvxi_scratch_begin(ctx);
     bvxi_oblique o = {.ctx = ctx, .function = function, .given = given, .options = *options};
-    bvx_status const status = make_oblique(&o, mesh);
-    /* A failure leaves the caller's report as it was. */
-    if (status == BVX_OK) {
-        *report = o.report;
-        if (options->report != NULL) {
-            if (o.apart != 0) {
-                bvx_warning *const w = BVXI_WARN(o.ctx, BVX_WARN_OPEN_PARTS, (double)o.apart);
-                w->placed = 1;
-                memcpy(w->low, o.apart_at, sizeof w->low);
-                memcpy(w->high, o.apart_at, sizeof w->high);
-            }
-            if (o.specks != 0) BVXI_WARN(o.ctx, BVX_WARN_SPECKS, (double)o.specks);
-            if (o.handles_left != 0) BVXI_WARN(o.ctx, BVX_WARN_EXTRA_HANDLES, (double)o.handles_left);
-        }
+    int const own = mesh->positions == NULL;
+    int sound;
+
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.98, BVXI_SCOPE(ctx, make_oblique(&o, mesh))));
+    /* In plain cells the surface is closed whatever the signs are; contours that are far from agreeing may leave
+     * a tear where tetrahedra have been split. */
+    BVXI_TRY(BVXI_SHARE(ctx, 0.98, 1.0, bvxi_section_check_mesh(ctx, mesh, own, &sound)));
+    if (!sound)
+        return bvxi_fail_for(
+            ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
+            "%s: the contours contradict each other too much for a closed, manifold mesh; move "
+            "those apart that cross where their planes meet, or take a smaller agree",
+            function);
+
+    *report = o.report;
+    if (options->report == NULL) return BVX_OK;
+    if (o.apart != 0) {
+        bvx_warning *const w = BVXI_WARN(ctx, BVX_WARN_OPEN_PARTS, (double)o.apart);
+        w->placed = 1;
+        memcpy(w->low, o.apart_at, sizeof w->low);
+        memcpy(w->high, o.apart_at, sizeof w->high);
     }
-    return bvxi_scratch_end(ctx, mark, status);
+    if (o.specks != 0) BVXI_WARN(ctx, BVX_WARN_SPECKS, (double)o.specks);
+    if (o.handles_left != 0) BVXI_WARN(ctx, BVX_WARN_EXTRA_HANDLES, (double)o.handles_left);
+    return BVX_OK;
 }

@@ -308,10 +308,6 @@ void bvxi_oblique_middle(const bvxi_oblique *oblique, const uint32_t *v, int n, 
  * plain cell's. */
 bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t *settled);
 
-/* How many of the vertices requested (asked) have triangles that are not one closed fan. */
-bvx_status bvxi_fans_check(bvx_context *ctx, const uint32_t *triangle, uint64_t triangles, uint64_t vertices,
-                           const uint8_t *asked, uint64_t *broken);
-
 /* oblique_surface.c */
 bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh);
 
@@ -371,8 +367,6 @@ void bvxi_look_stretches(const bvxi_oblique *o, bvxi_look *look, uint32_t vertex
                          uint32_t stretches[2]);
 int64_t bvxi_look_euler(const bvxi_oblique *o, const bvxi_look *look, uint32_t vertex, int *any, int *all);
 int bvxi_look_whole(const bvxi_oblique *o, const bvxi_look *look, uint32_t vertex);
-/* How often the sign changes round an edge; 0: there are too many tetrahedra. */
-int bvxi_look_edge(const bvxi_oblique *o, bvxi_look *look, uint32_t a, uint32_t b, uint32_t *changes);
 
 /* Edges by their ends. */
 static inline uint64_t bvxi_edge_key(uint32_t a, uint32_t b)

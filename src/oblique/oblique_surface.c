@@ -10,65 +10,6 @@
 
 #include "mesh/mesh.h"
 
-/* ---- fans ---- */
-
-/* Where the triangles around every vertex are one fan the surface is closed, oriented, edge- and vertex-manifold. */
-
-/* Neighbours (from, to) of the vertices requested, in the order of these. */
-typedef struct fans_work {
-    uint64_t *first; /* [vertices + 1] */
-    uint32_t (*pair)[2];
-} fans_work;
-
-/* Few neighbours as a rule, so each is looked for among all. */
-static int is_one_fan(uint32_t (*pair)[2], uint64_t count)
-{
-    uint64_t steps = 0;
-
-    if (count < 3) return 0;
-    uint32_t at = pair[0][1];
-    for (; at != pair[0][0]; steps++) {
-        uint64_t found = count, i;
-        for (i = 1; i < count; i++)
-            if (pair[i][0] == at) {
-                /* two triangles leave the same edge: it has three or more, or they run against each other */
-                if (found != count) return 0;
-                found = i;
-            }
-        /* a neighbour that none follows, or the way begins to go in a circle without the first */
-        if (found == count || steps == count) return 0;
-        at = pair[found][1];
-    }
-    return steps + 1 == count;
-}
-
-bvx_status bvxi_fans_check(bvx_context *ctx, const uint32_t *triangle, uint64_t triangles, uint64_t vertices,
-                           const uint8_t *asked, uint64_t *broken)
-{
-    fans_work w = {NULL, NULL};
-    *broken = 0;
-    static const char what[] = "the surface's fans";
-    BVXI_TRY(BVXI_ZEROS(ctx, vertices + 2, what, w.first));
-    for (uint64_t c = 0; c < 3 * triangles; c++) w.first[triangle[c] + 2] += asked[triangle[c]];
-    for (uint64_t v = 0; v < vertices; v++) w.first[v + 2] += w.first[v + 1];
-    BVXI_TRY(BVXI_ARRAY(ctx, w.first[vertices + 1] + 1, what, w.pair));
-    /* first[v + 1] is where v's begin, and in the end where those of the next do */
-    for (uint64_t t = 0; t < triangles; t++)
-        for (int k = 0; k < 3; k++) {
-            const uint32_t *const c = triangle + 3 * t;
-            uint32_t *pair;
-            if (!asked[c[k]]) continue;
-            pair = w.pair[w.first[c[k] + 1]++];
-            pair[0] = c[(k + 1) % 3];
-            pair[1] = c[(k + 2) % 3];
-        }
-
-    for (uint64_t v = 0; v < vertices; v++)
-        if (w.first[v + 1] != w.first[v])
-            *broken += !is_one_fan(w.pair + w.first[v], w.first[v + 1] - w.first[v]);
-    return BVX_OK;
-}
-
 /* ---- parts that contours leave open ---- */
 
 /* Planes part space into cells, of which each contour point has one on either side. A part that comes into a cell
@@ -470,28 +411,10 @@ static bvx_status keep_bodies(bvxi_oblique *o, uint32_t *joined, uint64_t *verti
     return BVX_OK;
 }
 
-/* In plain cells the surface is closed whatever the signs are; where tetrahedra have been split it is
- * looked at: contours that are far from agreeing may leave a tear there. */
-static bvx_status refuse_torn(bvxi_oblique *o)
-{
-    uint64_t broken = 0;
-    /* Plain cells' vertices count where a tetrahedron's triangle meets them: all triangles are tested. */
-    memset(o->kept, 0, (size_t)o->position_count);
-    for (uint64_t c = 3 * o->plain_triangles; c < 3 * o->triangle_count; c++) o->kept[o->triangle[c]] = 1;
-    BVXI_TRY(BVXI_SCOPE(o->ctx, bvxi_fans_check(o->ctx, o->triangle, o->triangle_count, o->position_count,
-                                                o->kept, &broken)));
-    if (broken == 0) return BVX_OK;
-    return bvxi_fail_for(o->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
-                         "%s: the contours contradict each other too much for a closed, manifold mesh; move "
-                         "those apart that cross where their planes meet, or take a smaller agree",
-                         o->function);
-}
-
 static bvx_status write_surface(bvxi_oblique *o, uint32_t *joined, bvx_mesh *mesh)
 {
     uint64_t vertices;
 
-    BVXI_TRY(refuse_torn(o));
     memset(o->kept, 0, (size_t)o->position_count);
 
     for (uint32_t i = 0; i < o->plane_count; i++) {

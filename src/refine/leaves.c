@@ -23,19 +23,18 @@ static inline void give_leaf(const leaves_job *job, uint64_t *place, const int32
     ++*place;
 }
 
-/* The leaves of the voxel at a bit of a level's masks, or of the base's, depth first. */
-static void leaves_of_voxel(const leaves_job *job, const bvxi_octets *o, uint64_t bit, const int32_t v[3],
-                            int32_t level, uint64_t *place)
+/* Depth first; an octet's split children are consecutive octets below. */
+static void leaves_of_octet(const leaves_job *job, int32_t level, uint64_t octet, const int32_t v[3],
+                            uint64_t *place)
 {
-    if (!bvxi_octets_is_split(o, bit)) {
-        give_leaf(job, place, v, level, bvxi_octets_state(o, bit));
-        return;
-    }
-    uint64_t const octet = bvxi_octets_rank(o, bit);
-    for (uint32_t p = 0; p < 8; p++) {
+    const bvxi_octets *const o = &job->tree->octets[level];
+    uint64_t below = o->split != NULL ? bvxi_octets_rank(o, 8 * octet) : 0;
+
+    for (uint64_t bit = 8 * octet; bit < 8 * octet + 8; bit++) {
         int32_t child[3];
-        bvxi_child_voxel(v, p, child);
-        leaves_of_voxel(job, &job->tree->octets[level], 8 * octet + p, child, level + 1, place);
+        bvxi_child_voxel(v, (uint32_t)(bit & 7), child);
+        if (bvxi_octets_is_split(o, bit)) leaves_of_octet(job, level + 1, below++, child, place);
+        else give_leaf(job, place, child, level + 1, bvxi_octets_state(o, bit));
     }
 }
 
@@ -49,7 +48,10 @@ static void leaves_of_piece(void *user, int32_t index)
     bvxi_piece(nx * ny * (uint64_t)tree->base[2], job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         int32_t const v[3] = {(int32_t)(i % nx), (int32_t)(i / nx % ny), (int32_t)(i / nx / ny)};
-        leaves_of_voxel(job, &tree->root, bvxi_root_bit(tree, v[0], v[1], v[2]), v, 0, &place);
+        uint64_t const bit = bvxi_root_bit(tree, v[0], v[1], v[2]);
+        if (bvxi_octets_is_split(&tree->root, bit))
+            leaves_of_octet(job, 0, bvxi_octets_rank(&tree->root, bit), v, &place);
+        else give_leaf(job, &place, v, 0, bvxi_octets_state(&tree->root, bit));
     }
 
     if (job->leaves == NULL) job->place[index] = place;

@@ -39,17 +39,11 @@ struct bvx_octree {
     bvxi_octets octets[BVXI_OCTREE_LEVELS]; /* [l]: split voxels of level l, voxels of level l + 1 */
 };
 
-/* Children on the side of an octet towards direction d, and the boundary
- * state that child p takes from its octet's. */
+/* Children on the side of an octet towards direction d. */
 static inline uint32_t bvxi_octet_side(int d)
 {
     static const uint8_t side[BVXI_DIRECTIONS] = {0x55, 0x33, 0x0f, 0xaa, 0xcc, 0xf0};
     return side[d];
-}
-
-static inline uint32_t bvxi_octet_inherits(uint32_t p)
-{
-    return p << 3 | (~p & 7);
 }
 
 static inline uint64_t bvxi_octet_words(uint64_t n)

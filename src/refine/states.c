@@ -4,15 +4,76 @@
  * Source: Liu, Jing, Zhang, Zhao. Refinement of surface voxels by boundary states (docs/papers.md, 4), with
  * a worklist in place of one pass. Guarantee: the set that is outside does not depend on the order of
  * work. */
-#include "refine/states.h"
 #include "refine/cubes.h"
+#include "refine/refine.h"
+
+enum { IN_LIST = 0x80 };
+
+/* What is known of an octet. */
+typedef struct octet_news {
+    uint8_t touched, split, outside; /* children; outside: those that have passed it on */
+    uint8_t fresh;                   /* outside too, not passed on yet */
+    uint8_t state;                   /* boundary state of all of it, and IN_LIST */
+} octet_news;
+
+/* The same of a cube, its voxels in words. */
+typedef struct cube_news {
+    uint64_t touched, outside, fresh;
+    uint8_t state;
+} cube_news;
+
+typedef struct states_job {
+    bvx_octree *tree;
+    uint32_t *const *up;
+    int32_t bottom; /* the level of octets that are cubes; -1 when there are no octets */
+    /* number of each level's first octet among all; cubes come last */
+    uint64_t first[BVXI_OCTREE_LEVELS + 1];
+    octet_news *news;
+    cube_news *cubes;
+    uint32_t *list; /* octets and cubes with news */
+    uint64_t listed;
+    uint64_t *passed; /* of the base: outside bits that have been passed on */
+    uint32_t *row_list;
+    uint8_t *row_in_list;
+    uint64_t rows_listed;
+    int32_t nx, ny, nz, row_words, pieces;
+} states_job;
+
+static inline octet_news *news_of(const states_job *job, int32_t level, uint64_t octet)
+{
+    return &job->news[job->first[level] + octet];
+}
+
+static inline void list_octet(states_job *job, int32_t level, uint64_t octet, uint8_t *state)
+{
+    if ((*state & IN_LIST) != 0) return;
+    *state |= IN_LIST;
+    job->list[job->listed++] = (uint32_t)(job->first[level] + octet);
+}
+
+static inline void list_base_row(states_job *job, uint64_t row)
+{
+    if (job->row_in_list[row]) return;
+    job->row_in_list[row] = 1;
+    job->row_list[job->rows_listed++] = (uint32_t)row;
+}
+
+/* All of an octet's face is exposed. */
+static inline void expose_octet(states_job *job, int32_t level, uint64_t octet, uint32_t state)
+{
+    uint8_t *const known = level == job->bottom ? &job->cubes[octet].state
+                                                : &news_of(job, level, octet)->state;
+    if ((state & ~(uint32_t)*known) == 0) return;
+    *known = (uint8_t)(*known | state);
+    list_octet(job, level, octet, known);
+}
 
 /* ---- The flood among the base's voxels, a row of bits at a time ---- */
 
 /* A row with news is filled along x, each run of empty voxels that holds an outside one at once; what is new
  * goes to the four rows beside it, and as exposed faces to the octets beside it. */
 
-static inline uint64_t empty_of_row(const bvxi_states_job *job, uint64_t word)
+static inline uint64_t empty_of_row(const states_job *job, uint64_t word)
 {
     uint64_t const all = (word + 1) % (uint64_t)job->row_words == 0 ? bvxi_tail_mask(job->nx) : ~UINT64_C(0);
     return ~job->tree->root.touched[word] & all;
@@ -51,7 +112,7 @@ static inline uint64_t reach_down(uint64_t g, uint64_t p)
 }
 
 /* Fill a row's runs that hold outside bits. */
-static void fill_base_row(const bvxi_states_job *job, uint64_t row)
+static void fill_base_row(const states_job *job, uint64_t row)
 {
     uint64_t const begin = row * (uint64_t)job->row_words, end = begin + (uint64_t)job->row_words;
     uint64_t *const outside = job->tree->root.outside;
@@ -73,30 +134,30 @@ static void fill_base_row(const bvxi_states_job *job, uint64_t row)
 }
 
 /* Face d of base voxels that are split is exposed: bits of one word. */
-static void expose_base_octets(bvxi_states_job *job, uint64_t word, uint64_t bits, int d)
+static void expose_base_octets(states_job *job, uint64_t word, uint64_t bits, int d)
 {
     if (job->tree->root.split == NULL) return;
     for (bits &= job->tree->root.split[word]; bits != 0; bits &= bits - 1)
-        bvxi_expose_octet(
-            job, 0, bvxi_octets_rank(&job->tree->root, word * BVXI_WORD_BITS + (uint64_t)bvxi_lowest(bits)),
-            1u << d);
+        expose_octet(job, 0,
+                     bvxi_octets_rank(&job->tree->root, word * BVXI_WORD_BITS + (uint64_t)bvxi_lowest(bits)),
+                     1u << d);
 }
 
 /* Bits that are new in a word of the base, to the rows beside it. */
-static void pass_to_row(bvxi_states_job *job, uint64_t row, uint64_t column, uint64_t news, int d)
+static void pass_to_row(states_job *job, uint64_t row, uint64_t column, uint64_t news, int d)
 {
     uint64_t const word = row * (uint64_t)job->row_words + column;
     uint64_t const fresh = news & empty_of_row(job, word) & ~job->tree->root.outside[word];
     if (fresh != 0) {
         job->tree->root.outside[word] |= fresh;
-        bvxi_list_row(job, row);
+        list_base_row(job, row);
     }
     /* A split voxel is not filled as a whole: its own octet learns through which face the outside is. */
     expose_base_octets(job, word, news, (d + 3) % 6);
 }
 
 /* Fill a row of base voxels with news, and pass it on. */
-static void work_on_row(bvxi_states_job *job, uint64_t row)
+static void work_on_row(states_job *job, uint64_t row)
 {
     uint64_t const first = row * (uint64_t)job->row_words, ny = (uint64_t)job->ny, y = row % ny, z = row / ny;
 
@@ -120,7 +181,7 @@ static void work_on_row(bvxi_states_job *job, uint64_t row)
 }
 
 /* Beyond the lattice is outside: its sides are exposed. */
-static void expose_sides(bvxi_states_job *job)
+static void expose_sides(states_job *job)
 {
     uint64_t const rows = (uint64_t)job->ny * (uint64_t)job->nz;
 
@@ -143,7 +204,7 @@ static void expose_sides(bvxi_states_job *job)
                 expose_base_octets(job, word, side[d], d);
             }
             job->tree->root.outside[word] |= sides & empty_of_row(job, word);
-            if ((sides & empty_of_row(job, word)) != 0) bvxi_list_row(job, row);
+            if ((sides & empty_of_row(job, word)) != 0) list_base_row(job, row);
         }
     }
 }
@@ -174,25 +235,25 @@ typedef struct octree_neighbour {
 
 enum { NEIGHBOUR_NONE = 0, NEIGHBOUR_OCTET = 1, NEIGHBOUR_CHILD = 2, NEIGHBOUR_BASE = 3 };
 
-static inline void expose_children(bvxi_states_job *job, int32_t level, uint64_t octet, uint32_t children)
+static inline void expose_children(states_job *job, int32_t level, uint64_t octet, uint32_t children)
 {
-    bvxi_octet_news *const o = bvxi_news_of(job, level, octet);
+    octet_news *const o = news_of(job, level, octet);
     uint32_t const fresh = children & ~(uint32_t)(o->touched | o->outside | o->fresh);
     if (fresh == 0) return;
     o->fresh = (uint8_t)(o->fresh | fresh);
-    bvxi_list_numbered(job, level, octet, &o->state);
+    list_octet(job, level, octet, &o->state);
 }
 
-static inline void expose_voxels(bvxi_states_job *job, uint64_t octet, uint64_t voxels)
+static inline void expose_voxels(states_job *job, uint64_t octet, uint64_t voxels)
 {
-    bvxi_cube_news *const c = &job->cubes[octet];
+    cube_news *const c = &job->cubes[octet];
     uint64_t const fresh = voxels & ~(c->touched | c->outside | c->fresh);
     if (fresh == 0) return;
     c->fresh |= fresh;
-    bvxi_list_numbered(job, job->bottom, octet, &c->state);
+    list_octet(job, job->bottom, octet, &c->state);
 }
 
-static inline uint64_t octet_below(const bvxi_states_job *job, int32_t level, uint64_t octet, uint32_t p)
+static inline uint64_t octet_below(const states_job *job, int32_t level, uint64_t octet, uint32_t p)
 {
     return bvxi_octets_rank(&job->tree->octets[level], 8 * octet + p);
 }
@@ -200,7 +261,7 @@ static inline uint64_t octet_below(const bvxi_states_job *job, int32_t level, ui
 /* ---- neighbours ---- */
 
 /* The base voxel beyond face d of the base voxel with this linear index; 0 beyond the lattice. */
-static int base_neighbour(const bvxi_states_job *job, uint32_t linear, int d, uint64_t *bit)
+static int base_neighbour(const states_job *job, uint32_t linear, int d, uint64_t *bit)
 {
     int32_t v[3];
     v[0] = (int32_t)(linear % (uint32_t)job->nx);
@@ -212,7 +273,7 @@ static int base_neighbour(const bvxi_states_job *job, uint32_t linear, int d, ui
     return 1;
 }
 
-static octree_neighbour neighbour_of(const bvxi_states_job *job, int32_t level, uint64_t octet, int d)
+static octree_neighbour neighbour_of(const states_job *job, int32_t level, uint64_t octet, int d)
 {
     uint32_t const across = 1u << d % 3, side = d >= 3 ? across : 0;
     uint8_t path[BVXI_OCTREE_LEVELS]; /* children on the way up */
@@ -239,7 +300,7 @@ static octree_neighbour neighbour_of(const bvxi_states_job *job, int32_t level, 
         at.bit = p;
 
         /* A leaf of any size ends the way: it is the neighbour. */
-        if ((bvxi_news_of(job, at.level, at.octet)->split >> p & 1) == 0) return at;
+        if ((news_of(job, at.level, at.octet)->split >> p & 1) == 0) return at;
         at.octet = octet_below(job, at.level, at.octet, p);
         at.level++;
     }
@@ -249,6 +310,12 @@ static octree_neighbour neighbour_of(const bvxi_states_job *job, int32_t level, 
 
 /* ---- octets ---- */
 
+/* The boundary state that child p takes from its octet's. */
+static inline uint32_t octet_inherits(uint32_t p)
+{
+    return p << 3 | (~p & 7);
+}
+
 /* The neighbours within an octet of its children. */
 static inline uint32_t beside_in_octet(uint32_t m)
 {
@@ -257,37 +324,36 @@ static inline uint32_t beside_in_octet(uint32_t m)
 }
 
 /* Children of the octet beyond face d, beside `children` of this one. */
-static void pass_to_octet(bvxi_states_job *job, int32_t level, uint64_t octet, int d, uint32_t children)
+static void pass_to_octet(states_job *job, int32_t level, uint64_t octet, int d, uint32_t children)
 {
     unsigned const step = 1u << d % 3;
     uint32_t const beside = d >= 3 ? children >> step : children << step;
     /* Leaves become outside themselves; split ones pass it on to their own children on that face. */
     expose_children(job, level, octet, beside);
-    for (uint32_t p = 0, split = beside & bvxi_news_of(job, level, octet)->split; split != 0;
-         p++, split >>= 1)
+    for (uint32_t p = 0, split = beside & news_of(job, level, octet)->split; split != 0; p++, split >>= 1)
         if ((split & 1) != 0)
-            bvxi_expose_octet(job, level + 1, octet_below(job, level, octet, p), 1u << (d + 3) % 6);
+            expose_octet(job, level + 1, octet_below(job, level, octet, p), 1u << (d + 3) % 6);
 }
 
-static void expose_base(bvxi_states_job *job, uint64_t bit)
+static void expose_base(states_job *job, uint64_t bit)
 {
     uint64_t *const word = &job->tree->root.outside[bit >> 6];
     uint64_t const one = UINT64_C(1) << (bit & 63);
     if ((*word & one) != 0 || bvxi_bit_of(job->tree->root.touched, bit)) return;
     *word |= one;
-    bvxi_list_row(job, (bit >> 6) / (uint64_t)job->row_words);
+    list_base_row(job, (bit >> 6) / (uint64_t)job->row_words);
 }
 
-static inline void pass_to_leaf(bvxi_states_job *job, const octree_neighbour *beyond)
+static inline void pass_to_leaf(states_job *job, const octree_neighbour *beyond)
 {
     if (beyond->kind == NEIGHBOUR_CHILD)
         expose_children(job, beyond->level, beyond->octet, 1u << beyond->bit);
     else if (beyond->kind == NEIGHBOUR_BASE) expose_base(job, beyond->bit);
 }
 
-static void work_on_octet(bvxi_states_job *job, int32_t level, uint64_t octet)
+static void work_on_octet(states_job *job, int32_t level, uint64_t octet)
 {
-    bvxi_octet_news *const o = bvxi_news_of(job, level, octet);
+    octet_news *const o = news_of(job, level, octet);
     uint32_t const open = 255 & ~(uint32_t)(o->touched | o->outside);
     uint32_t news = o->fresh;
 
@@ -303,7 +369,7 @@ static void work_on_octet(bvxi_states_job *job, int32_t level, uint64_t octet)
     }
 
     /* Off the list before anything is passed on: a neighbour may expose more of it and list it again. */
-    o->state = (uint8_t)(o->state & ~BVXI_IN_LIST);
+    o->state = (uint8_t)(o->state & ~IN_LIST);
     o->fresh = 0;
     o->outside = (uint8_t)(o->outside | news);
     if (o->split != 0) {
@@ -311,11 +377,11 @@ static void work_on_octet(bvxi_states_job *job, int32_t level, uint64_t octet)
         uint64_t below = octet_below(job, level, octet, 0);
         /* Split children are ranked in the order of their bits, so one running index finds each. */
         for (uint32_t p = 0; p < 8; p++) {
-            uint32_t state = o->state & bvxi_octet_inherits(p);
+            uint32_t state = o->state & octet_inherits(p);
             if ((o->split >> p & 1) == 0) continue;
             for (uint32_t a = 0; a < 3; a++)
                 if ((news >> (p ^ 1u << a) & 1) != 0) state |= 1u << (p >> a & 1 ? a : a + 3);
-            if (state != 0) bvxi_expose_octet(job, level + 1, below, state);
+            if (state != 0) expose_octet(job, level + 1, below, state);
             below++;
         }
     }
@@ -328,9 +394,9 @@ static void work_on_octet(bvxi_states_job *job, int32_t level, uint64_t octet)
     }
 }
 
-static void work_on_cube(bvxi_states_job *job, uint64_t octet)
+static void work_on_cube(states_job *job, uint64_t octet)
 {
-    bvxi_cube_news *const c = &job->cubes[octet];
+    cube_news *const c = &job->cubes[octet];
     uint64_t const open = ~(c->touched | c->outside);
     uint64_t news = c->fresh;
 
@@ -338,7 +404,7 @@ static void work_on_cube(bvxi_states_job *job, uint64_t octet)
         if ((c->state >> d & 1) != 0) news |= bvxi_cube_side(d);
 
     news = bvxi_cube_flood(news & open, open);
-    c->state = (uint8_t)(c->state & ~BVXI_IN_LIST);
+    c->state = (uint8_t)(c->state & ~IN_LIST);
     c->fresh = 0;
     c->outside |= news;
     for (int d = 0; d < BVXI_DIRECTIONS; d++) {
@@ -350,7 +416,7 @@ static void work_on_cube(bvxi_states_job *job, uint64_t octet)
     }
 }
 
-static void work_on_number(bvxi_states_job *job, uint64_t number)
+static void work_on_number(states_job *job, uint64_t number)
 {
     int32_t level = job->bottom;
     while (job->first[level] > number) level--;
@@ -362,7 +428,7 @@ static void work_on_number(bvxi_states_job *job, uint64_t number)
 
 enum { OCTETS_BETWEEN_QUESTIONS = 1 << 17, STATES_GRAIN = 1024 };
 
-static bvx_status work_until_done(bvx_context *ctx, bvxi_states_job *job)
+static bvx_status work_until_done(bvx_context *ctx, states_job *job)
 {
     uint32_t since = 0;
     while (job->rows_listed > 0 || job->listed > 0) {
@@ -395,7 +461,7 @@ static uint64_t cube_of_octet(const bvx_octree *tree, int32_t level, uint64_t oc
 
 static void take_cubes(void *user, uint64_t begin, uint64_t end)
 {
-    const bvxi_states_job *const job = user;
+    const states_job *const job = user;
     for (uint64_t n = begin; n < end; n++) {
         memset(&job->cubes[n], 0, sizeof job->cubes[n]);
         job->cubes[n].touched = cube_of_octet(job->tree, job->bottom, n);
@@ -403,7 +469,7 @@ static void take_cubes(void *user, uint64_t begin, uint64_t end)
 }
 
 /* Pieces are whole words of the masks. */
-static void words_of_piece(const bvxi_states_job *job, int32_t level, int32_t index, uint64_t *begin,
+static void words_of_piece(const states_job *job, int32_t level, int32_t index, uint64_t *begin,
                            uint64_t *end)
 {
     uint64_t const count = job->tree->octets[level].count;
@@ -414,7 +480,7 @@ static void words_of_piece(const bvxi_states_job *job, int32_t level, int32_t in
 
 static void give_cubes(void *user, int32_t index)
 {
-    const bvxi_states_job *const job = user;
+    const states_job *const job = user;
     const bvxi_octets *const o = &job->tree->octets[job->bottom];
     uint64_t begin, end;
 
@@ -453,11 +519,11 @@ uint64_t bvxi_states_bytes(const bvx_octree *tree, int32_t levels)
     int32_t const bottom = bottom_of_levels(levels);
     uint64_t const octets = octets_above(tree, bottom), cubes = bottom >= 0 ? tree->octets[bottom].count : 0;
     /* The sum of what bvxi_octree_states lays into its one block. */
-    return cubes * (sizeof(bvxi_cube_news) + 4) + octets * (sizeof(bvxi_octet_news) + 4) +
-           tree->root.words * 8 + tree->root.count * 5;
+    return cubes * (sizeof(cube_news) + 4) + octets * (sizeof(octet_news) + 4) + tree->root.words * 8 +
+           tree->root.count * 5;
 }
 
-static bvx_status find_states(bvx_context *ctx, bvxi_states_job *job)
+static bvx_status find_states(bvx_context *ctx, states_job *job)
 {
     /* A tree of one level has no octets: the base's rows are all there is. */
     if (job->bottom < 0) {
@@ -467,9 +533,9 @@ static bvx_status find_states(bvx_context *ctx, bvxi_states_job *job)
     job->pieces = bvxi_piece_count(job->tree->octets[job->bottom].count, STATES_GRAIN);
     for (int32_t l = 0; l < job->bottom; l++)
         for (uint64_t n = 0; n < job->tree->octets[l].count; n++) {
-            bvxi_octet_news const fresh = {(uint8_t)bvxi_octet_mask(job->tree->octets[l].touched, n),
-                                           (uint8_t)bvxi_octet_split(&job->tree->octets[l], n), 0, 0, 0};
-            *bvxi_news_of(job, l, n) = fresh;
+            octet_news const fresh = {(uint8_t)bvxi_octet_mask(job->tree->octets[l].touched, n),
+                                      (uint8_t)bvxi_octet_split(&job->tree->octets[l], n), 0, 0, 0};
+            *news_of(job, l, n) = fresh;
         }
     BVXI_TRY(BVXI_SHARE(
         ctx, 0.0, 0.2,
@@ -478,7 +544,7 @@ static bvx_status find_states(bvx_context *ctx, bvxi_states_job *job)
     BVXI_TRY(work_until_done(ctx, job));
     for (int32_t l = 0; l < job->bottom; l++)
         for (uint64_t n = 0; n < job->tree->octets[l].count; n++)
-            bvxi_octet_put(job->tree->octets[l].outside, n, bvxi_news_of(job, l, n)->outside);
+            bvxi_octet_put(job->tree->octets[l].outside, n, news_of(job, l, n)->outside);
     return bvxi_each(ctx, "refine", 0.8, 1.0, job->pieces, give_cubes, job);
 }
 
@@ -487,7 +553,7 @@ bvx_status bvxi_octree_states(bvx_context *ctx, bvx_octree *tree, uint32_t *cons
     int32_t const bottom = bottom_of_levels(tree->levels);
     uint64_t const octets = octets_above(tree, bottom), cubes = bottom >= 0 ? tree->octets[bottom].count : 0;
     uint64_t const bytes = bvxi_states_bytes(tree, tree->levels);
-    bvxi_states_job job = {.tree = tree, .up = up};
+    states_job job = {.tree = tree, .up = up};
     unsigned char *block;
 
     if (octets + cubes >= UINT32_MAX)
@@ -502,11 +568,11 @@ bvx_status bvxi_octree_states(bvx_context *ctx, bvx_octree *tree, uint32_t *cons
     for (int32_t l = 0; l < bottom; l++) job.first[l + 1] = job.first[l] + tree->octets[l].count;
 
     /* One block, the widest types first, so that each part is aligned without padding between them. */
-    job.cubes = (bvxi_cube_news *)(void *)block;
+    job.cubes = (cube_news *)(void *)block;
     job.passed = (uint64_t *)(void *)(job.cubes + cubes);
     job.list = (uint32_t *)(void *)(job.passed + tree->root.words);
     job.row_list = job.list + octets + cubes;
-    job.news = (bvxi_octet_news *)(void *)(job.row_list + tree->root.count);
+    job.news = (octet_news *)(void *)(job.row_list + tree->root.count);
     job.row_in_list = (uint8_t *)(job.news + octets);
     memset(job.passed, 0, (size_t)tree->root.words * 8);
     memset(job.row_in_list, 0, (size_t)tree->root.count);
