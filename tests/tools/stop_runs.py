@@ -31,7 +31,7 @@ JOBS = [  # outputs, words
     ("x.ply x.csv", "sections knot.csv -o stop/x.ply --block-model stop/x.csv --block 0.5,0.5,0.5"),
     ("x.csl", "slice KNOT -o stop/x.csl --spacing 0.1"),
     ("x.ply", "faces KNOT -o stop/x.ply --resolution 64"),
-    ("x.bvx y.npy y.npy.json", "components knot.bvx -o stop/x.bvx --labels stop/y.npy"),
+    ("x.bvx", "components knot.bvx -o stop/x.bvx"),
     ("x.bvx", "fill knot.bvx -o stop/x.bvx"),
     ("x.stl", "convert KNOT -o stop/x.stl"),
     ("x.png", "render KNOT -o stop/x.png --size 600x600"),
