@@ -777,9 +777,10 @@ static void test_read_ply_every_list_length(void)
     for (int how = LITTLE; how <= BIG; how++) {
         static uint8_t other[4000];
         begin_header(how);
-        put_text("element vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
-                 "property list uint int a\nproperty list uint uint vertex_index\nproperty list int float texcoord\n"
-                 "end_header\n");
+        put_text(
+            "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+            "property list uint int a\nproperty list uint uint vertex_index\nproperty list int float texcoord\n"
+            "end_header\n");
         for (int i = 0; i < 9; i++) put_value(F32, i * i);
         put_value(U32, 2);
         for (int i = 0; i < 2; i++) put_value(I32, i);
