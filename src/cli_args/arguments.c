@@ -133,28 +133,11 @@ int cli_reduces(const cli_run *run)
     return run->options->triangles.count != 0 || run->options->errors.count != 0;
 }
 
-/* One name for two things was confusing: what the command calls it now. NULL when it was never taken. */
-static const char *new_name(int32_t bit, const char *name)
-{
-    static const struct {
-        int32_t command;
-        const char *old, *now;
-    } renamed[] = {{CLI_REFINE, "--levels",
-                    "--halvings, how many times voxels are halved (--levels of lod are resolutions)"}};
-    for (size_t i = 0; i < sizeof renamed / sizeof renamed[0]; i++)
-        if (renamed[i].command == bit && strcmp(renamed[i].old, name) == 0) return renamed[i].now;
-    return NULL;
-}
-
 static int refuse_option(cli_run *run, const char *word, size_t length)
 {
     char name[64];
-    int32_t const bit = run->command->bit;
 
     snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), word);
-    if (new_name(bit, name) != NULL)
-        return cli_usage(run, "%s is not an option of %s; it is now called %s", name, run->command->name,
-                         new_name(bit, name));
     /* A right option at the wrong command is not a misspelling. */
     if (is_taken_by_any(run, word, length))
         return cli_usage(run, "%s has no use for %s; see 'bitvox %s --help-all'", run->command->name, name,

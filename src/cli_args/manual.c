@@ -154,15 +154,11 @@ void cli_print_manual(const cli_command *const *commands)
     put_item(
         "bitvox-PID-N.part",
         "Outputs are written under such a name in their own folder and get their own names when "
-        "all is done, all of them or none. A failure or an interrupt removes them, and what stood there "
+        "all is done, one after the other. A failure or an interrupt removes them, and what stood there "
         "before stays as it "
         "was; only a program that is killed (SIGKILL, a crash, no more power) leaves them, to be deleted. "
         "Where an "
         "output is a pipe or a device it is written in place.");
-    put_item(
-        "bitvox-PID-N.old",
-        "What stood in the place of several outputs, for the moment in which they get their names. Where "
-        "the folder refuses names in just that moment, a message says which of them holds an older file.");
     /* Scripts depend on these, so they never change. */
     put_section("EXIT STATUS");
     put_item("0", "Done.");

@@ -1,5 +1,5 @@
 /* cmd_components.c - bitvox components: the connected parts of a grid, told
- * in a table, kept or dropped, numbered. */
+ * in a table, kept or dropped. */
 #include "cli_commands/commands.h"
 #include "cli_args/rows.h"
 
@@ -13,7 +13,6 @@ typedef struct components_options {
     int64_t keep_largest; /* so many parts */
     int64_t at_least;     /* voxels */
     int32_t fill_cavities;
-    const char *labels; /* the file of the parts' numbers */
 } components_options;
 
 #define OWN(name) CLI_OWN(components_options, name)
@@ -29,12 +28,11 @@ static const cli_argument components_rows[] = {
          "keep so many of the largest parts, of those that remain by other rules [all]"),
     LONG("--at-least", "N", OWN(at_least), 0, 1e15, "keep parts of so many voxels or more [0]"),
     FLAG("--fill-cavities", OWN(fill_cavities), "fill the empty parts that are closed in through faces"),
-    FILE_NAME("--labels", "FILE", OWN(labels), "also write the parts' numbers: .npy, u32"),
     {.also = cli_takes_connectivity},
     {.also = cli_takes_all},
     {0}};
 
-enum { PARTS_SAID = 12, PARTS_REPORTED = 1000, LABELS_HEAD = 128 };
+enum { PARTS_SAID = 12, PARTS_REPORTED = 1000 };
 
 typedef struct components_job {
     cli_input in;
@@ -45,15 +43,8 @@ typedef struct components_job {
     bvx_component *parts; /* of what remains; the largest first once they were reported */
     uint64_t count, set;  /* of parts, of voxels */
     bvx_topology topology;
-    uint32_t *labels;
     cli_voxels voxels; /* the output */
 } components_job;
-
-static const char *labels_of(const cli_run *run)
-{
-    const components_options *const own = run->own;
-    return own->labels;
-}
 
 static int check_components_options(cli_run *run)
 {
@@ -68,16 +59,7 @@ static int check_components_options(cli_run *run)
                          cli_input_name(o->input[0]));
     if (own->seeds.count % 3 != 0)
         return cli_usage(run, "--seed takes three numbers a seed, like 8,8,8 or 8,8,8,40,40,40");
-    if (labels_of(run) != NULL && bvx_format_of_name(labels_of(run)) != BVX_FORMAT_NPY)
-        return cli_usage(run, "%s: --labels writes .npy", labels_of(run));
     return o->output != NULL ? cli_check_voxel_name(run) : CLI_DONE;
-}
-
-/* Outputs in this order: the grid and its side-car, the labels and theirs. */
-static int open_components_outputs(cli_run *run)
-{
-    int const status = run->options->output != NULL ? cli_open_voxels(run) : CLI_DONE;
-    return status == CLI_DONE && labels_of(run) != NULL ? cli_open_grid_output(run, labels_of(run)) : status;
 }
 
 /* ---- what is kept ---- */
@@ -131,7 +113,7 @@ static int list_components(cli_run *run, components_job *job)
         status = bvx_grid_topology(run->context, g, job->connectivity, &job->topology);
     if (status == BVX_OK) status = bvx_grid_count(run->context, g, &job->set);
     CLI_TRY(cli_stage_check(run, status, cli_input_name(job->in.path)));
-    /* The numbers are those of the labels, before sorting. */
+    /* Numbers are by the first voxel. */
     for (uint64_t i = 0; i < job->count; i++) job->parts[i].reserved = i + 1;
     qsort(job->parts, (size_t)job->count, sizeof *job->parts, by_size);
     return CLI_DONE;
@@ -207,75 +189,6 @@ static void report_parts(const components_job *job, cli_made *made)
     cli_text_add(t, "]}");
 }
 
-/* ---- files ---- */
-
-/* u32, axes x, y, z, x fastest. */
-static size_t labels_head(const bvx_grid *g, unsigned char *head)
-{
-    int const n = snprintf((char *)head + 10, LABELS_HEAD - 10,
-                           "{'descr': '<u4', 'fortran_order': True, 'shape': (%" PRId32 ", %" PRId32
-                           ", %" PRId32 "), }",
-                           g->size[0], g->size[1], g->size[2]);
-    memcpy(head, "\x93NUMPY\x01\x00", 8);
-    head[8] = LABELS_HEAD - 10;
-    head[9] = 0;
-    /* NumPy wants the head filled up with spaces, so that the data are aligned. */
-    memset(head + 10 + n, ' ', (size_t)(LABELS_HEAD - 11 - n));
-    head[LABELS_HEAD - 1] = '\n';
-    return LABELS_HEAD;
-}
-
-static void store_labels(unsigned char *to, const uint32_t *labels, uint64_t count)
-{
-    for (uint64_t i = 0; i < count; i++)
-        for (int b = 0; b < 4; b++) to[4 * i + (uint64_t)b] = (unsigned char)(labels[i] >> 8 * b & 0xff);
-}
-
-static int write_labels(cli_run *run, components_job *job, int number)
-{
-    const bvx_grid *const g = &job->in.grid;
-    uint64_t const voxels = (uint64_t)g->size[0] * (uint64_t)g->size[1] * (uint64_t)g->size[2];
-    bvx_buffer file, side_car;
-    int result;
-
-    memset(&file, 0, sizeof file);
-    memset(&side_car, 0, sizeof side_car);
-    if (voxels < (SIZE_MAX - LABELS_HEAD) / 4) {
-        job->labels = malloc((size_t)voxels * 4);
-        file.bytes = malloc((size_t)voxels * 4 + LABELS_HEAD);
-    }
-    if (job->labels == NULL || file.bytes == NULL) {
-        free(file.bytes);
-        return cli_fail(run, "no memory for the labels of %" PRIu64 " voxels", voxels);
-    }
-    cli_note_peak(run, voxels * 8);
-    cli_stage_begin(run, "labels");
-    bvx_status status = bvx_grid_label(run->context, g, job->connectivity, job->labels, voxels, NULL);
-    cli_stage_end(run);
-    if (status == BVX_OK) {
-        file.size = labels_head(g, file.bytes) + voxels * 4;
-        store_labels((unsigned char *)file.bytes + LABELS_HEAD, job->labels, voxels);
-        result = cli_write_output(run, number, &file);
-    } else {
-        result = cli_fail_status(run, status, labels_of(run));
-    }
-    free(file.bytes);
-    if (result != CLI_DONE) return result;
-    status = bvx_write_lattice(run->context, g, &side_car);
-    return cli_write_buffer(run, number + 1, status, &side_car, labels_of(run));
-}
-
-/* The numbers first, since the grid keeps all outputs. */
-static int write_components(cli_run *run, void *work)
-{
-    components_job *const job = work;
-    const char *const output = run->options->output;
-    int const taken = output == NULL ? 0 : cli_needs_sidecar(bvx_format_of_name(output)) ? 2 : 1;
-    int status = labels_of(run) != NULL ? write_labels(run, job, taken) : CLI_DONE;
-    if (status == CLI_DONE && output != NULL) return cli_write_voxels(run, &job->voxels);
-    return status == CLI_DONE && labels_of(run) != NULL ? cli_keep_outputs(run) : status;
-}
-
 static int make_components(cli_run *run, void *work, cli_made *made)
 {
     components_job *const job = work;
@@ -283,7 +196,7 @@ static int make_components(cli_run *run, void *work, cli_made *made)
 
     job->connectivity = cli_neighbours[run->options->connectivity];
     CLI_TRY(check_components_options(run));
-    CLI_TRY(open_components_outputs(run));
+    if (output != NULL) CLI_TRY(cli_open_voxels(run));
     CLI_TRY(cli_read_input(run, run->options->input[0], &job->in));
     /* Refused before parts are looked for, which takes longer. */
     if (output != NULL && !CLI_HOLDS(run, CLI_TO_MESH))
@@ -294,7 +207,6 @@ static int make_components(cli_run *run, void *work, cli_made *made)
     job->voxels.name = run->options->input[0];
     job->voxels.grid = made->shown = &job->in.grid;
     if (output != NULL) made->voxels = &job->voxels;
-    made->write = write_components;
     made->set = job->set;
     made->placed = job->in.placed;
     return CLI_DONE;
@@ -306,10 +218,11 @@ static void tell_components(const cli_run *run, const void *work, cli_made *made
     report_parts(work, made);
 }
 
-static const cli_owned components_owns[] = {
-    CLI_OWNS(VOXELS, components_job, voxels), CLI_OWNS(BYTES, components_job, labels),
-    CLI_OWNS(BYTES, components_job, parts),   CLI_OWNS(BYTES, components_job, seeds),
-    CLI_OWNS(INPUT, components_job, in),      {0}};
+static const cli_owned components_owns[] = {CLI_OWNS(VOXELS, components_job, voxels),
+                                            CLI_OWNS(BYTES, components_job, parts),
+                                            CLI_OWNS(BYTES, components_job, seeds),
+                                            CLI_OWNS(INPUT, components_job, in),
+                                            {0}};
 
 const cli_command cli_components = {
     .name = "components",
@@ -317,17 +230,16 @@ const cli_command cli_components = {
     .least_inputs = 1,
     .most_inputs = 1,
     .usage = "GRID [-o OUT] [options]",
-    .does = "the connected parts of a grid: listed, kept or dropped, numbered",
+    .does = "the connected parts of a grid: listed, kept or dropped",
     .details =
         "Reads a grid (" CLI_GRIDS "), drops the parts that --keep-largest, --at-least and\n"
         "--seed do not keep, fills cavities on request, and reports what remains: the largest parts with\n"
         "their sizes and boxes, cavities, tunnels and the Euler number. Parts are numbered by their first\n"
-        "voxel in the order z, y, x; --labels writes these numbers, 0 for empty voxels. -o writes the grid, "
-        "or\n"
+        "voxel in the order z, y, x. -o writes the grid, or\n"
         "where OUT is a mesh (" CLI_MESHES_WRITTEN ") the surface half way between set and empty voxels.",
     .example = "bitvox voxelize fixtures/knot.ply -o knot.bvx --resolution 64\n"
-               "bitvox components knot.bvx -o part.bvx --keep-largest 1 --fill-cavities --labels parts.npy",
-    .most = "--seed --keep-largest --at-least --fill-cavities --labels --connectivity --triangles "
+               "bitvox components knot.bvx -o part.bvx --keep-largest 1 --fill-cavities",
+    .most = "--seed --keep-largest --at-least --fill-cavities --connectivity --triangles "
             "--error --format --threads --memory-limit --json",
     .rows = components_rows,
     .own = sizeof(components_options),

@@ -233,8 +233,7 @@ static int choose_lattice(cli_run *run, voxel_job *job)
     CLI_TRY(cli_check_call(run, fit_lattice(run, job, l), cli_input_name(o->input[0])));
     run->report.has_lattice = 1;
     /* With a window only its own voxels take memory. */
-    if (job->window.size[0] == 0 && cli_check_far(run, o->input[0], &job->view, job->cloud, l) != CLI_DONE)
-        return CLI_FAILED;
+    if (job->window.size[0] == 0) CLI_TRY(cli_check_far(run, o->input[0], &job->view, l));
     if (CLI_HOLDS(run, CLI_TO_MESH)) return CLI_DONE;
     return cli_check_grid_format(run, o->output, l, job->window.size[0] != 0 ? job->window.size : l->dims);
 }

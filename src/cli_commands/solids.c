@@ -64,10 +64,10 @@ int cli_fill_input(cli_run *run, cli_input *in)
 
     bvx_mesh_view_of(&in->mesh, &view);
     cli_stage_begin(run, "voxelize");
-    bvx_status status = cli_make_lattice(run, &view, &lattice);
-    int result = status != BVX_OK ? cli_fail_status(run, status, cli_input_name(in->path))
-                                  : cli_check_far(run, in->path, &view, 0, &lattice);
-    if (result == CLI_DONE) result = cli_fill_on(run, &lattice, in);
+    bvx_status const status = cli_make_lattice(run, &view, &lattice);
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(in->path));
+    CLI_TRY(cli_check_far(run, in->path, &view, &lattice));
+    int const result = cli_fill_on(run, &lattice, in);
     cli_stage_end(run);
     return result;
 }

@@ -161,8 +161,7 @@ int cli_window_option(cli_run *run, bvx_window *window);
 /* The diagonal of a box, wherever doubles hold it. */
 double cli_diagonal(const double low[3], const double high[3]);
 
-/* Refuse a large lattice that is large because of few points far from the others. */
-int cli_check_far(cli_run *run, const char *path, const bvx_mesh_view *view, int cloud,
-                  const bvx_lattice *lattice);
+/* Refuse a large lattice that is large because of a point far from most others; warn where it leaves these a few voxels. */
+int cli_check_far(cli_run *run, const char *path, const bvx_mesh_view *view, const bvx_lattice *lattice);
 
 #endif

@@ -1,5 +1,5 @@
 /* mesh_lattice.c - where the voxels of a mesh lie: --resolution, --spacing, --origin, --padding, --window;
- * and whether a few points far from all others make them many. */
+ * and whether a point far from most others leaves these few. */
 #include "cli_inputs/inputs.h"
 
 #include <inttypes.h>
@@ -131,32 +131,11 @@ double cli_diagonal(const double low[3], const double high[3])
     return longest * sqrt(sum);
 }
 
-/* ---- points far from all others ---- */
+/* ---- points far from most others ---- */
 
-/* One of them must not cost memory by the size of the box around all. With --spacing a lattice is as large
- * as the box. Where it is large, and mostly for the sake of a few points that lie many times as far from
- * the others as these lie from each other, the command refuses it and names them. The others are looked
- * for among some thousand points: between the places that a twentieth of them lies below and above. */
-
-enum { FAR_SAMPLES = 4096, FAR_TIMES = 50, FAR_SHARE = 100, FAR_SAVED = 16, NEAR_VOXELS = 8 };
+enum { FAR_SAMPLES = 4096, FAR_TIMES = 50, NEAR_VOXELS = 8 };
 
 #define FAR_BYTES 268435456.0 /* smaller lattices are made, whatever they are for */
-
-typedef struct far_points {
-    const bvx_mesh_view *view;
-    int cloud;
-    uint64_t count;                   /* corners of triangles, or points */
-    double low[3], high[3];           /* what lies beyond is far */
-    double near_low[3], near_high[3]; /* box of the others */
-    uint64_t far, first;              /* how many, and the number of the first */
-    double at[3];
-} far_points;
-
-/* The vertex that corner number i is, or point number i. */
-static uint64_t vertex_of(const far_points *f, uint64_t i)
-{
-    return f->cloud || f->view->indices == NULL ? i : ((const uint32_t *)f->view->indices)[i];
-}
 
 int cli_compare_doubles(const void *a, const void *b)
 {
@@ -164,111 +143,63 @@ int cli_compare_doubles(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The box beyond which points are far. 0 without memory. */
-static int find_near_box(far_points *f)
+/* Between the places that a twentieth of some thousand points lies below and above. 0 without memory. */
+static int find_near_box(const bvx_mesh_view *view, cli_box *box)
 {
-    uint64_t const n = f->count < FAR_SAMPLES ? f->count : FAR_SAMPLES;
+    uint64_t const n = view->vertex_count < FAR_SAMPLES ? view->vertex_count : FAR_SAMPLES;
     double *const value = malloc((size_t)n * 3 * sizeof *value);
-    double span = 0.0;
 
     if (value == NULL) return 0;
-    /* A sample, evenly over the file, is enough to find where most points lie. */
     for (uint64_t i = 0; i < n; i++) {
         double p[3];
-        position_of(f->view->positions, f->view->position_type,
-                    vertex_of(f, (uint64_t)((double)i * (double)f->count / (double)n)), p);
+        position_of(view->positions, view->position_type,
+                    (uint64_t)((double)i * (double)view->vertex_count / (double)n), p);
         for (uint64_t a = 0; a < 3; a++) value[a * n + i] = p[a];
     }
     for (uint64_t a = 0; a < 3; a++) {
         qsort(value + a * n, (size_t)n, sizeof *value, cli_compare_doubles);
-        f->low[a] = value[a * n + n / 20];
-        f->high[a] = value[a * n + n - 1 - n / 20];
-        /* A twentieth at either end may be far without moving the box. */
-        span = fmax(span, f->high[a] - f->low[a]);
-    }
-    /* By the longest span, so that a flat mesh is not far from itself. */
-    for (int a = 0; a < 3; a++) {
-        f->low[a] -= FAR_TIMES * span;
-        f->high[a] += FAR_TIMES * span;
+        box->low[a] = value[a * n + n / 20];
+        box->high[a] = value[a * n + n - 1 - n / 20];
     }
     free(value);
     return 1;
 }
 
-static int is_beyond(const far_points *f, const double p[3])
+/* By --spacing such a point makes the lattice large, by --resolution it leaves the others a few voxels. */
+int cli_check_far(cli_run *run, const char *path, const bvx_mesh_view *view, const bvx_lattice *lattice)
 {
-    return p[0] < f->low[0] || p[0] > f->high[0] || p[1] < f->low[1] || p[1] > f->high[1] ||
-           p[2] < f->low[2] || p[2] > f->high[2];
-}
-
-/* Far points by number: a vertex counts once for each triangle, harmless in a share. */
-static void count_far(far_points *f)
-{
-    double p[3];
-    uint64_t v = 0;
-
-    /* Most meshes have no vertex there; then corners, six times as many, need no look. */
-    for (; v < f->view->vertex_count; v++) {
-        position_of(f->view->positions, f->view->position_type, v, p);
-        if (is_beyond(f, p)) break;
-    }
-    if (v == f->view->vertex_count) return;
-    for (int a = 0; a < 3; a++) {
-        f->near_low[a] = HUGE_VAL;
-        f->near_high[a] = -HUGE_VAL;
-    }
-    for (uint64_t i = 0; i < f->count; i++) {
-        uint64_t const vertex = vertex_of(f, i);
-        position_of(f->view->positions, f->view->position_type, vertex, p);
-        int const beyond = is_beyond(f, p);
-        if (beyond && f->far++ == 0) {
-            f->first = vertex;
-            memcpy(f->at, p, sizeof f->at);
-        }
-        for (int a = 0; a < 3 && !beyond; a++) {
-            f->near_low[a] = fmin(f->near_low[a], p[a]);
-            f->near_high[a] = fmax(f->near_high[a], p[a]);
-        }
-    }
-}
-
-/* Two ways in which far points do harm. By --resolution one costs no memory, but leaves the others a few voxels:
- * where they lie in fewer than NEAR_VOXELS along each axis of a lattice that has many more. */
-int cli_check_far(cli_run *run, const char *path, const bvx_mesh_view *view, int cloud,
-                  const bvx_lattice *lattice)
-{
-    const char *const what = cloud ? "point" : "vertex", *const name = cli_input_name(path);
-    double bytes = 8.0, near = 8.0, most = 0.0, limit = (double)run->context_limit;
-    far_points f = {.view = view, .cloud = cloud};
+    double most = 0.0, farthest = 0.0, bytes = 0.125, p[3], at[3] = {0, 0, 0};
+    uint64_t far = 0;
     int32_t longest = 0;
+    cli_box near;
 
-    f.count = cloud ? view->vertex_count : view->triangle_count * 3;
-    if (f.count == 0 || !find_near_box(&f)) return CLI_DONE;
-    count_far(&f);
-    /* Many far points are a shape of two parts, not a mistake. */
-    if (f.far == 0 || f.far > f.count / FAR_SHARE) return CLI_DONE;
+    if (view->vertex_count == 0 || !find_near_box(view, &near)) return CLI_DONE;
     for (int a = 0; a < 3; a++) {
-        double const length = (f.near_high[a] - f.near_low[a]) / lattice->spacing[a], n = floor(length) + 1.0;
-        most = fmax(most, length);
+        most = fmax(most, (near.high[a] - near.low[a]) / lattice->spacing[a]);
         longest = lattice->dims[a] > longest ? lattice->dims[a] : longest;
-        bytes *= a == 0 ? ceil(lattice->dims[a] / 64.0) : (double)lattice->dims[a];
-        near *= a == 0 ? ceil(n / 64.0) : n;
+        bytes *= lattice->dims[a];
     }
-
-    const char *const more = f.far == 1 ? "" : ", and it is not the only one";
-    if (most < NEAR_VOXELS && longest >= 4 * NEAR_VOXELS)
-        cli_warn(run, BVX_WARN_FAR,
-                 "%s: %s %" PRIu64
-                 " at %.9g, %.9g, %.9g lies far from the others%s, which are %.2g of %" PRId32
-                 " voxels long; take it out of the file, or choose voxels by --spacing",
-                 name, what, f.first, f.at[0], f.at[1], f.at[2], more, most, longest);
-    if (bytes < FAR_BYTES || bytes <= limit || near * FAR_SAVED > bytes) return CLI_DONE;
-    return cli_fail(
-        run,
-        "%s: %s %" PRIu64 " at %.9g, %.9g, %.9g lies far from the others%s: a lattice of %" PRId32
-        " x %" PRId32 " x %" PRId32
-        " voxels around both takes %.3g bytes, without it %.3g; take it out of the file, or allow so much "
-        "by --memory-limit",
-        name, what, f.first, f.at[0], f.at[1], f.at[2], more, lattice->dims[0], lattice->dims[1],
-        lattice->dims[2], bytes, near);
+    int const large = bytes > FAR_BYTES && bytes > (double)run->context_limit;
+    if (longest < FAR_TIMES * most || (!large && (most >= NEAR_VOXELS || longest < 4 * NEAR_VOXELS)))
+        return CLI_DONE;
+    for (uint64_t v = 0; v < view->vertex_count; v++) {
+        double beyond = 0.0;
+        position_of(view->positions, view->position_type, v, p);
+        for (int a = 0; a < 3; a++) beyond = fmax(beyond, fmax(near.low[a] - p[a], p[a] - near.high[a]));
+        if (!(beyond > farthest)) continue;
+        farthest = beyond;
+        far = v;
+        memcpy(at, p, sizeof at);
+    }
+    if (large)
+        return cli_fail(run,
+                        "%s: point %" PRIu64
+                        " at %.9g, %.9g, %.9g lies far from most others: a lattice around "
+                        "all takes %.3g bytes; take it out of the file, or allow so much by --memory-limit",
+                        cli_input_name(path), far, at[0], at[1], at[2], bytes);
+    cli_warn(run, BVX_WARN_FAR,
+             "%s: point %" PRIu64 " at %.9g, %.9g, %.9g lies far from most others, which are %.2g of %" PRId32
+             " voxels long; take it out of the file, or choose voxels by --spacing",
+             cli_input_name(path), far, at[0], at[1], at[2], most, longest);
+    return CLI_DONE;
 }

@@ -78,7 +78,7 @@ int cli_usage(cli_run *run, const char *format, ...)
     return tell_error(run, CLI_USAGE, "USAGE", text);
 }
 
-/* Outputs get their names all or none; only what is written in place can be cut. */
+/* Only what is written in place can be cut. */
 int cli_fail_interrupted(cli_run *run)
 {
     char text[sizeof run->report.error_message] = "interrupted; nothing was written";

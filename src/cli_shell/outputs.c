@@ -1,7 +1,7 @@
-/* outputs.c - whole files out, all or none.
+/* outputs.c - whole files out.
  *
  * An output is written under a temporary name in its own folder, which also shows at once whether that is
- * possible, and gets its name when everything is done; whatever happens before leaves the folder as it was.
+ * possible, and gets its name when all outputs are written; whatever happens before leaves the folder as it was.
  * So an output may also be the file that is read. Symbolic links stay, and what they point at is replaced.
  * What is no plain file (a pipe, a device, standard output by one of its names) is written in place. */
 #if defined(__unix__) || defined(__APPLE__)
@@ -136,26 +136,6 @@ static FILE *create_file(const char *name, unsigned mode)
     return file;
 }
 
-/* A second name for what stands at path, or another one where the file system has no second names. */
-static int move_aside(const char *path, const char *name)
-{
-    struct stat s;
-
-    if (lstat(path, &s) != 0) return 0;
-    if (S_ISDIR(s.st_mode)) {
-        errno = EISDIR;
-        return 0;
-    }
-    /* A second name leaves the first in place, so there is no moment without the file. */
-    if (link(path, name) == 0) return 1;
-    /* rename would replace what has this name. */
-    if (errno == EEXIST || lstat(name, &s) == 0) {
-        errno = EEXIST;
-        return 0;
-    }
-    return rename(path, name) == 0;
-}
-
 #else
 
 #if defined(_WIN32)
@@ -204,13 +184,6 @@ static FILE *create_file(const char *name, unsigned mode)
     (void)mode;
     errno = EEXIST;
     return there ? NULL : cli_open_file(name, "wb");
-}
-
-static int move_aside(const char *path, const char *name)
-{
-    int const there = is_there(path), taken = is_there(name);
-    errno = there ? EEXIST : ENOENT;
-    return there && !taken && cli_rename_file(path, name) == 0;
 }
 
 #endif
@@ -357,104 +330,27 @@ void cli_forget_output(cli_run *run, int number)
 
 /* ---- the end ---- */
 
-/* What stands at the target gets another name until all is well. */
-static int set_aside(cli_output *o)
-{
-    for (int i = 0; i < OUTPUT_TRIES; i++) {
-        /* A name that is taken is another run's, or one left behind by a crash: the next one is tried. */
-        char *const name = name_beside(o->target, i, "old");
-        if (name == NULL) return 0;
-        if (move_aside(o->target, name)) {
-            o->older = name;
-            return 1;
-        }
-        free(name);
-        if (errno != EEXIST) return errno == ENOENT; /* nothing stands there */
-    }
-    return 0;
-}
-
 static int give_name(cli_output *o)
 {
-    if (o->kind == CLI_OUT_NEW && cli_rename_file(o->temporary, o->target) != 0) return 0;
+    if (o->kind != CLI_OUT_NEW) return 1;
+#if !OUTPUTS_REPLACES
+    cli_remove_file(o->target);
+#endif
+    if (cli_rename_file(o->temporary, o->target) != 0) return 0;
     free(o->temporary);
     o->temporary = NULL;
     return 1;
 }
 
-/* The first n outputs go, and what stood there comes back. Returns an
- * output whose older file could not, or NULL. */
-static cli_output *take_back(cli_run *run, int n)
-{
-    cli_output *lost = NULL;
-    for (int i = 0; i < run->outputs; i++) {
-        cli_output *const o = &run->output[i];
-        if (o->older == NULL && i < n && o->kind == CLI_OUT_NEW) cli_remove_file(o->target);
-        if (o->older == NULL) continue;
-        /* With a second name the older file never left its place. */
-        if (cli_are_one_file(o->older, o->target)) cli_remove_file(o->older); /* it still stands there */
-        else if (cli_rename_file(o->older, o->target) != 0) lost = o;
-    }
-    return lost;
-}
-
-/* All that is in the way is moved before the first output gets its name. Returns how many are ready. */
-static int set_all_aside(cli_run *run)
-{
-    /* one rename alone is all or nothing, where it replaces */
-    int const careful = run->outputs > 1 || !OUTPUTS_REPLACES;
-    int n = 0;
-    while (n < run->outputs && (!careful || run->output[n].kind != CLI_OUT_NEW || set_aside(&run->output[n])))
-        n++;
-    return n;
-}
-
-static void forget_older(cli_output *o)
-{
-    free(o->older);
-    o->older = NULL;
-}
-
-/* All have their names, so what stood there is needed no more. */
-static void drop_older(cli_run *run)
-{
-    for (int i = 0; i < run->outputs; i++)
-        if (run->output[i].older != NULL && cli_remove_file(run->output[i].older) == 0)
-            forget_older(&run->output[i]);
-}
-
-static int fail_to_keep(cli_run *run, const cli_output *o, int error, const cli_output *lost)
-{
-    if (lost == NULL) return cli_fail(run, "%s: cannot be written: %s", o->path, strerror(error));
-    return cli_fail(run, "%s: cannot be written: %s; what stood at %s is now %s", o->path, strerror(error),
-                    lost->path, lost->older);
-}
-
 int cli_keep_outputs(cli_run *run)
 {
-    cli_output *lost = NULL;
-    int ready, named = 0, good, error;
-
     if (cli_interrupted()) return cli_fail_interrupted(run);
-    ready = set_all_aside(run);
-    if (ready == run->outputs)
-        while (named < run->outputs && give_name(&run->output[named])) named++;
-    error = errno;
-    good = named == run->outputs;
-    if (good) {
-        drop_older(run);
-        cli_watch_last("bitvox: interrupted; what was requested is written\n");
-    } else {
-        lost = take_back(run, named);
-    }
-    if (!good) fail_to_keep(run, &run->output[ready < run->outputs ? ready : named], error, lost);
-    for (int i = 0; i < run->outputs; i++) {
-        cli_output *const o = &run->output[i];
-        if (good && o->older != NULL)
-            cli_warn(run, BVX_WARN_FILE, "%s, which stood at %s, cannot be removed", o->older, o->path);
-        forget_older(o);
-    }
-    return good ? CLI_DONE : CLI_FAILED;
+    for (int i = 0; i < run->outputs; i++)
+        if (!give_name(&run->output[i]))
+            return cli_fail(run, "%s: cannot be written: %s%s", run->output[i].path, strerror(errno),
+                            i > 0 ? "; the outputs before it are written" : "");
+    cli_watch_last("bitvox: interrupted; what was requested is written\n");
+    return CLI_DONE;
 }
 
 void cli_drop_outputs(cli_run *run)

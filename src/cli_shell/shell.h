@@ -180,7 +180,7 @@ int cli_kind_of_name(const char *name); /* CLI_NAME_... */
 int cli_make_folder(const char *name);  /* 0 when it is there */
 #endif
 
-/* ---- outputs.c: whole files out, all or none ---- */
+/* ---- outputs.c: whole files out ---- */
 
 enum { CLI_OUT_NEW = 0, CLI_OUT_IN_PLACE = 1, CLI_OUT_STANDARD = 2 };
 
@@ -188,7 +188,6 @@ typedef struct cli_output {
     char *path;      /* as it was given */
     char *target;    /* behind symbolic links */
     char *temporary; /* CLI_OUT_NEW, until it is kept */
-    char *older;     /* what stood at target, under another name while several outputs are kept */
     int kind;        /* CLI_OUT_... */
     int begun;       /* something was written in place */
 } cli_output;
@@ -199,7 +198,7 @@ int cli_open_output(cli_run *run, const char *path);
 int cli_write_output(cli_run *run, int number, const bvx_buffer *file);
 /* An output that gets no file after all; those opened later move up by one. What stands there stays. */
 void cli_forget_output(cli_run *run, int number);
-/* Give all outputs their names, or none of them. */
+/* Give all outputs their names, one after the other. */
 int cli_keep_outputs(cli_run *run);
 /* Remove what was not kept. */
 void cli_drop_outputs(cli_run *run);

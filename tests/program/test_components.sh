@@ -64,28 +64,13 @@ says 'what was dropped' '"dropped": 2, "voxels_dropped": 72' --keep-largest 1
 says 'what was filled' '"filled": 27, "cavities": 0' --fill-cavities
 leaves 'a seed that holds nothing' 0 --seed 3,3,3
 
-works 'labels' components parts.bvx --labels numbers.npy --quiet
-if has python3; then
-    holds 'labels are the parts numbers' python3 - <<'END'
-import struct
-data = open('numbers.npy', 'rb').read()
-head = 10 + struct.unpack('<H', data[8:10])[0]
-assert b"'<u4'" in data[:head]
-numbers = struct.unpack('<784I', data[head:])
-assert [numbers.count(n) for n in range(4)] == [784 - 388, 316, 64, 8]
-END
-else
-    skip 'labels are the parts numbers' 'python3 is missing'
-fi
-
 # ---- refusals ----
 rm -f left.bvx
 gives 'a seed beyond the grid' 1 'seed' components parts.bvx -o left.bvx --seed 16,0,0
 gives 'two numbers of a seed' 2 'three' components parts.bvx -o left.bvx --seed 1,2
 gives 'a connectivity that is none' 2 '6' components parts.bvx -o left.bvx --connectivity 7
 gives 'a mesh' 2 'parts.obj' components parts.obj -o left.bvx
-gives 'labels of another kind' 2 'npy' components parts.bvx --labels numbers.bvx
-if [ -e left.bvx ] || [ -e numbers.bvx ]; then not_ok 'nothing is left behind' "$(ls)"; else ok 'nothing is left behind'; fi
+if [ -e left.bvx ]; then not_ok 'nothing is left behind' "$(ls)"; else ok 'nothing is left behind'; fi
 
 # ---- clouds ----
 # The points of a cube's six faces, half a voxel in, one hole of a voxel in the low face along z; one voxel twice.

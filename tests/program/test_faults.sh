@@ -127,7 +127,6 @@ if device /dev/full; then
     done
     several x.npy.json x.npy voxelize small.ply -o o/x.npy --resolution 20
     several x.csv x.ply sections knot.csv -o o/x.ply --block-model o/x.csv --block 1,1,1
-    several y.npy 'x.bvx y.npy.json' components grid.bvx -o o/x.bvx --labels o/y.npy
 fi
 
 # ---- folders that vanish, and pipes ----

@@ -177,7 +177,6 @@ for option in '--level 16' '--range 1,2' '--label 2' --below '--shape 8,8,8' '--
     done
 done
 refuses 2 'did you mean --levels?' lod knot.obj -o x_%d.ply --level 16
-refuses 2 'it is now called --halvings' refine knot.obj -o x.bvx --levels 3
 refuses 2 '--states is for octrees' render knot.bvx -o x.png --states inside
 refuses 2 '--states is for octrees' render knot.obj -o x.png --states inside
 refuses 2 '--body is for clouds of points; '"$root/fixtures/waves.nhdr"' is a volume' voxelize "$root/fixtures/waves.nhdr" -o x.bvx --level 100 --body

@@ -20,7 +20,7 @@ OWN = {
     ("voxelize", "--vectors"): "the other way round: no_vectors",
     ("voxelize", "--half-width"): "0 is for bvx_field_options.half_width = infinity", ("fill", "--add-shell"): "a union of grids",
     ("fill", "--connectivity"): "an argument of bvx_grid_fill", ("fill", "--mesh"): "an argument of bvx_find_pockets",
-    ("components", "--fill-cavities"): "another call", ("components", "--labels"): "names a file", ("boolean", "--resample"): "another call",
+    ("components", "--fill-cavities"): "another call", ("boolean", "--resample"): "another call",
     ("slice", "--axis"): "bvx_slice_options.normal", ("refine", "--base"): "the resolution of the lattice", ("refine", "--resolution"): "of the last level",
     ("lod", "--levels"): "an array: resolutions", ("lod", "--outer-hull"): "parts.least_cavity = UINT64_MAX", ("morph", "--origin"): "of the lattice",
     ("morph", "--value-type"): "an argument of bvx_grid_distance", ("sections", "--block-model"): "names a file", ("sections", "--block"): "of the block model",
