@@ -6,8 +6,9 @@
 
 /* ---- Read ---- */
 
-/* Triangles are as many as faces in nearly every file, so that is the room made first. Larger faces are
- * counted on, and when there were any, faces are read once more into exact room. Larger faces lie down as fans and are cut at the end, when all vertices are known. Texture coordinates at corners
+/* Triangles are as many as faces in nearly every file, so that is the room made first. Larger faces and
+ * strips are counted on, and when there were any, faces and strips are read once more into exact room. Larger
+ * faces lie down as fans and are cut at the end, when all vertices are known. Texture coordinates at corners
  * (texcoord) stay when all faces have them; those of vertices come before them.
  * Memory: the mesh (in files with larger faces, first a smaller one), 8 bytes a larger face. Cost:
  * O(bytes). */
@@ -61,13 +62,19 @@ static bvx_status ply_take_all(ply_file *f)
     const ply_element *last = h->vertex;
     /* Elements after the last wanted one are not even stepped over: their rows may be broken. */
     if (h->face > last) last = h->face;
+    if (h->strips > last) last = h->strips;
     for (ply_element *e = h->elements; e <= last; e++) BVXI_TRY(ply_take_element_rows(f, e));
     return BVX_OK;
 }
 
-/* Faces once more, into room for all their triangles. */
+/* Faces and strips once more, into room for all their triangles. */
 static bvx_status ply_take_faces_again(ply_file *f)
 {
+    const ply_header *const h = f->header;
+    ply_element *const first = h->strips == NULL || (h->face != NULL && h->face < h->strips) ? h->face
+                                                                                             : h->strips;
+    ply_element *const second = first == h->face ? h->strips : h->face;
+
     f->fan_room = f->polygon_count;
 
     /* The first pass has counted: fans, triangles and texture coordinates now get exact room. */
@@ -75,19 +82,24 @@ static bvx_status ply_take_faces_again(ply_file *f)
     BVXI_TRY(bvxi_alloc(f->source->ctx, BVXI_SCRATCH, f->fan_room * sizeof *f->fans,
                         "the polygons of the file", &f->fans));
     bvxi_source_pass(f->source, 0, 1);
-    f->p = f->header->face->rows;
-    return ply_take_element_rows(f, f->header->face);
+    f->p = first->rows;
+    BVXI_TRY(ply_take_element_rows(f, first));
+    if (second == NULL) return BVX_OK;
+    f->p = second->rows;
+    return ply_take_element_rows(f, second);
 }
 
 static bvx_status ply_take_data(ply_file *f)
 {
-    uint64_t const faces = f->header->face->count;
+    uint64_t const faces = f->header->face == NULL ? 0 : f->header->face->count;
     BVXI_TRY(ply_make_vertices(f));
 
-    /* As if all faces were triangles. */
+    /* As if all faces were triangles; strips have no room at first, and so are read in the second pass. */
     BVXI_TRY(ply_make_room(f, faces, f->uvs_at_corners ? faces * 3 : 0));
     BVXI_TRY(ply_take_all(f));
     if (f->triangle_count != f->room) BVXI_TRY(ply_take_faces_again(f));
+    if (f->triangle_count == 0)
+        return bvxi_fail(f->source->ctx, BVX_ERR_EMPTY, "PLY: the strips have no triangle");
     return bvxi_cut_fans(f->source, f->mesh, f->fans, f->polygon_count);
 }
 

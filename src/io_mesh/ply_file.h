@@ -9,7 +9,7 @@
 
 enum { PLY_ASCII = 1, PLY_LITTLE = 2, PLY_BIG = 3 };
 enum { PLY_NONE = 0, PLY_I8, PLY_U8, PLY_I16, PLY_U16, PLY_I32, PLY_U32, PLY_F32, PLY_F64 };
-enum { PLY_OTHER = 0, PLY_VERTEX = 1, PLY_FACE = 2 };
+enum { PLY_OTHER = 0, PLY_VERTEX = 1, PLY_FACE = 2, PLY_STRIPS = 3 };
 enum {
     PLY_ROLE_NONE = -1,
     PLY_ROLE_X = 0,
@@ -22,7 +22,8 @@ enum {
     PLY_ROLE_U = 7,
     PLY_ROLE_V = 8,
     PLY_ROLE_CORNERS = 9,
-    PLY_ROLE_UVS = 10
+    PLY_ROLE_UVS = 10,
+    PLY_ROLE_STRIP = 11
 };
 
 typedef struct ply_property {
@@ -36,7 +37,7 @@ typedef struct ply_element {
     uint64_t count;       /* rows */
     uint64_t least_bytes; /* the fewest that a row can take */
     uint32_t first, end;  /* its properties */
-    int32_t kind;         /* PLY_OTHER to PLY_FACE */
+    int32_t kind;         /* PLY_OTHER to PLY_STRIPS */
     /* properties that are lists: without any, each row takes least_bytes in a binary file */
     int32_t lists;
     const char *name; /* in the file */
@@ -48,14 +49,14 @@ typedef struct ply_header {
     int32_t encoding;
     int32_t points; /* set before reading: vertices alone are wanted, faces may be missing */
     uint32_t element_count, property_count;
-    uint64_t name_count;        /* of elements and properties together: what each array has room for */
-    ply_element *elements;      /* scratch */
-    ply_property *properties;   /* scratch */
-    ply_element *vertex, *face; /* NULL when there is none */
-    int32_t colours, alpha;     /* 1: the vertices have them */
-    int32_t uvs;                /* 1: the vertices have texture coordinates, 2: the faces' corners have */
-    int32_t position_type;      /* BVX_F32 when x, y and z are floats, else BVX_F64 */
-    const char *data;           /* the first byte after the header */
+    uint64_t name_count;      /* of elements and properties together: what each array has room for */
+    ply_element *elements;    /* scratch */
+    ply_property *properties; /* scratch */
+    ply_element *vertex, *face, *strips; /* NULL when there is none */
+    int32_t colours, alpha;              /* 1: the vertices have them */
+    int32_t uvs;           /* 1: the vertices have texture coordinates, 2: the faces' corners have */
+    int32_t position_type; /* BVX_F32 when x, y and z are floats, else BVX_F64 */
+    const char *data;      /* the first byte after the header */
 } ply_header;
 
 /* Read the header and hold it against the size of the file: counts that the bytes after it cannot hold are
@@ -86,9 +87,9 @@ typedef struct ply_file {
     uint64_t fan_room;
     int32_t big;            /* byte order of a binary file */
     int32_t uvs_at_corners; /* 1: texture coordinates of faces are wanted */
-    uint64_t corners;       /* of this row's face so far */
+    uint64_t corners;       /* of this row's face or strip so far */
     uint64_t uv_numbers;    /* of this row so far */
-    uint32_t last[2];       /* a fan's first corner and the one before */
+    uint32_t last[2];       /* a fan's first corner and the one before, a strip's last two */
 } ply_file;
 
 /* Read all rows of an element; reading goes on after it. */
@@ -99,7 +100,8 @@ bvx_status bvxi_ply_take_text(ply_file *f, const ply_element *e);
 
 BVXI_COLD bvx_status bvxi_ply_fail_end(const ply_file *f, const ply_element *e, uint64_t row);
 BVXI_COLD bvx_status bvxi_ply_fail_finite(const ply_file *f, const char *at, uint64_t row, int32_t role);
-BVXI_COLD bvx_status bvxi_ply_fail_corner(const ply_file *f, const char *at, uint64_t row, int64_t corner);
+BVXI_COLD bvx_status bvxi_ply_fail_corner(const ply_file *f, const char *name, const char *at, uint64_t row,
+                                          int64_t corner);
 BVXI_COLD bvx_status bvxi_ply_fail_length(const ply_file *f, const ply_element *e, uint64_t row,
                                           int64_t count);
 
@@ -138,11 +140,34 @@ static inline void bvxi_ply_add_corner(ply_file *f, uint32_t corner)
     f->corners++;
 }
 
-/* A corner of a face in the list at a place. */
-static inline bvx_status bvxi_ply_take_corner(ply_file *f, const char *at, uint64_t row, int64_t corner)
+/* One more number of a strip: -1 begins the next, every other triangle stands the other way round. Triangles
+ * with two equal corners only lead from one strip to another. */
+static inline void bvxi_ply_add_strip_corner(ply_file *f, int64_t number)
 {
-    if (corner < 0 || (uint64_t)corner >= f->vertex_count) return bvxi_ply_fail_corner(f, at, row, corner);
-    bvxi_ply_add_corner(f, (uint32_t)corner);
+    uint32_t const a = f->last[0], b = f->last[1], c = (uint32_t)number;
+
+    if (number < 0) {
+        f->corners = 0;
+        return;
+    }
+    if (f->corners >= 2 && a != b && b != c && c != a) {
+        if (f->corners % 2 == 0) bvxi_ply_add_triangle(f, a, b, c);
+        else bvxi_ply_add_triangle(f, b, a, c);
+    }
+    f->last[0] = b;
+    f->last[1] = c;
+    f->corners++;
+}
+
+/* A corner of a face or strip in the list at a place. */
+static inline bvx_status bvxi_ply_take_corner(ply_file *f, const ply_property *property, const char *at,
+                                              uint64_t row, int64_t corner)
+{
+    int const is_strip = property->role == PLY_ROLE_STRIP;
+    if ((corner < 0 || (uint64_t)corner >= f->vertex_count) && !(is_strip && corner == -1))
+        return bvxi_ply_fail_corner(f, is_strip ? "strip" : "face", at, row, corner);
+    if (is_strip) bvxi_ply_add_strip_corner(f, corner);
+    else bvxi_ply_add_corner(f, (uint32_t)corner);
     return BVX_OK;
 }
 

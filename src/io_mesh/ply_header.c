@@ -112,12 +112,13 @@ static bvx_status ply_take_element(const bvxi_source *s, ply_line *line, ply_hea
         else if (e->count < UINT64_MAX / 16) e->count = e->count * 10 + (uint64_t)(word[i] - '0');
     }
     if (n == 0) return bvxi_fail_expected(s, word, "a count of rows");
-    /* The two elements with a meaning are remembered by kind;
+    /* The three elements with a meaning are remembered by kind;
      * a second one of the same name would hide the first. */
-    ply_element **const places[] = {NULL, &h->vertex, &h->face};
-    e->kind = ply_is(e->name, e->name_size, "vertex") ? PLY_VERTEX
-              : ply_is(e->name, e->name_size, "face") ? PLY_FACE
-                                                      : PLY_OTHER;
+    ply_element **const places[] = {NULL, &h->vertex, &h->face, &h->strips};
+    e->kind = ply_is(e->name, e->name_size, "vertex")      ? PLY_VERTEX
+              : ply_is(e->name, e->name_size, "face")      ? PLY_FACE
+              : ply_is(e->name, e->name_size, "tristrips") ? PLY_STRIPS
+                                                           : PLY_OTHER;
     if (e->kind != PLY_OTHER) {
         if (*places[e->kind] != NULL) return ply_fail_line(s, word, "a second element of this name");
         *places[e->kind] = e;
@@ -162,6 +163,8 @@ static void ply_find_role(const ply_element *e, int is_list, const char *word, s
         {"vertex_indices", PLY_FACE, 1, PLY_ROLE_CORNERS, 0},
         {"vertex_index", PLY_FACE, 1, PLY_ROLE_CORNERS, 0},
         {"texcoord", PLY_FACE, 1, PLY_ROLE_UVS, 0},
+        {"vertex_indices", PLY_STRIPS, 1, PLY_ROLE_STRIP, 0},
+        {"vertex_index", PLY_STRIPS, 1, PLY_ROLE_STRIP, 0},
     };
 
     /* Several names have one meaning; which set a name is of decides later, when all of them are known. */
@@ -199,7 +202,8 @@ static bvx_status ply_take_property(const bvxi_source *s, ply_line *line, ply_he
                 return ply_fail_line(s, word, "a second property of this meaning");
         if (property->role <= PLY_ROLE_Z && is_list)
             return ply_fail_line(s, word, "a coordinate cannot be a list");
-        if (property->role == PLY_ROLE_CORNERS && property->type >= PLY_F32)
+        if ((property->role == PLY_ROLE_CORNERS || property->role == PLY_ROLE_STRIP) &&
+            property->type >= PLY_F32)
             return ply_fail_line(s, word, "vertex indices must be integers");
     }
     h->property_count++;
@@ -295,7 +299,8 @@ static void ply_find_attributes(ply_header *h)
     h->colours = ply_keep_set(h, PLY_ROLE_RED, PLY_ROLE_BLUE, PLY_ROLE_ALPHA);
     h->alpha = ply_has_role(h, h->vertex, PLY_ROLE_ALPHA);
     h->uvs = ply_keep_set(h, PLY_ROLE_U, PLY_ROLE_V, PLY_ROLE_V);
-    if (h->uvs == 0 && h->face != NULL && ply_has_role(h, h->face, PLY_ROLE_UVS)) h->uvs = 2;
+    if (h->uvs == 0 && h->strips == NULL && h->face != NULL && ply_has_role(h, h->face, PLY_ROLE_UVS))
+        h->uvs = 2;
     if (h->uvs == 2) return;
 
     /* Coordinates of corners are not used, so the rows need not keep them. */
@@ -307,13 +312,11 @@ static bvx_status ply_check_meaning(const bvxi_source *s, ply_header *h)
 {
     static const char *const names[] = {"x", "y", "z"};
     int const has_faces = h->face != NULL && h->face->count > 0;
+    int const has_strips = h->strips != NULL && h->strips->count > 0;
     int floats = 0;
 
-    for (uint32_t i = 0; i < h->element_count && !h->points; i++)
-        if (ply_is(h->elements[i].name, h->elements[i].name_size, "tristrips") && h->elements[i].count > 0)
-            return bvxi_fail(s->ctx, BVX_ERR_UNSUPPORTED, "PLY: line %u: tristrips are not read",
-                             bvxi_source_line(s, h->elements[i].name));
-    if (!h->points && !has_faces) return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "PLY: the file has no faces");
+    if (!h->points && !has_faces && !has_strips)
+        return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "PLY: the file has no faces");
     if (h->vertex == NULL)
         return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "PLY: the header names no element vertex");
     for (int32_t a = 0; a < 3; a++)
@@ -327,12 +330,16 @@ static bvx_status ply_check_meaning(const bvxi_source *s, ply_header *h)
                   h->properties[i].type == PLY_F32;
     if (!h->points && has_faces && !ply_has_role(h, h->face, PLY_ROLE_CORNERS))
         return ply_fail_line(s, h->face->name, "element face has no list vertex_indices or vertex_index");
+    if (!h->points && has_strips && !ply_has_role(h, h->strips, PLY_ROLE_STRIP))
+        return ply_fail_line(s, h->strips->name,
+                             "element tristrips has no list vertex_indices or vertex_index");
     if (h->vertex->count > UINT32_MAX)
         return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "PLY: %u vertices, the limit is below 2^32", h->vertex->count);
     h->position_type = floats == 3 ? BVX_F32 : BVX_F64;
     /* Elements without rows, and faces where only points are wanted, are as if they were not named. */
     if (!has_faces || h->points) h->face = NULL;
+    if (!has_strips || h->points) h->strips = NULL;
     ply_find_attributes(h);
     return BVX_OK;
 }

@@ -1,10 +1,10 @@
-/* ply_rows.c - the rows of a PLY file, from text or from bytes of either order: corners,
+/* ply_rows.c - the rows of a PLY file, from text or from bytes of either order: corners, strips,
  * coordinates, colours; and messages for what is wrong with one.
  *
  * Text and bytes give the same calls, so a mesh does not depend on the kind of file. */
 #include "io_mesh/ply_file.h"
 
-/* ---- What the values of a row of a PLY file mean: corners, coordinates, colours; and what is
+/* ---- What the values of a row of a PLY file mean: corners, strips, coordinates, colours; and what is
  * wrong with one that cannot be ---- */
 
 /* ---- failures ---- */
@@ -22,7 +22,10 @@ static uint64_t ply_place(const ply_file *f, const char *at)
 
 static const char *ply_row_name(const ply_element *e)
 {
-    return e->kind == PLY_VERTEX ? "vertex" : e->kind == PLY_FACE ? "face" : "row";
+    return e->kind == PLY_VERTEX   ? "vertex"
+           : e->kind == PLY_FACE   ? "face"
+           : e->kind == PLY_STRIPS ? "strip"
+                                   : "row";
 }
 
 bvx_status bvxi_ply_fail_end(const ply_file *f, const ply_element *e, uint64_t row)
@@ -42,10 +45,11 @@ bvx_status bvxi_ply_fail_finite(const ply_file *f, const char *at, uint64_t row,
                                                         : 2]);
 }
 
-bvx_status bvxi_ply_fail_corner(const ply_file *f, const char *at, uint64_t row, int64_t corner)
+bvx_status bvxi_ply_fail_corner(const ply_file *f, const char *name, const char *at, uint64_t row,
+                                int64_t corner)
 {
     return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
-                         "PLY: face %u (%s %u) names vertex %d, but there are %u", row, ply_unit(f),
+                         "PLY: %s %u (%s %u) names vertex %d, but there are %u", name, row, ply_unit(f),
                          ply_place(f, at), corner, f->vertex_count);
 }
 
@@ -156,12 +160,12 @@ static inline bvx_status ply_text_integer(ply_file *f, const char *expected, int
     return BVX_OK;
 }
 
-static bvx_status ply_text_corners(ply_file *f, uint64_t row, int64_t count)
+static bvx_status ply_text_corners(ply_file *f, const ply_property *property, uint64_t row, int64_t count)
 {
     int64_t corner = 0;
     for (int64_t i = 0; i < count; i++) {
         BVXI_TRY(ply_text_integer(f, "a vertex index", &corner));
-        BVXI_TRY(bvxi_ply_take_corner(f, f->p, row, corner));
+        BVXI_TRY(bvxi_ply_take_corner(f, property, f->p, row, corner));
     }
     return BVX_OK;
 }
@@ -211,7 +215,8 @@ static bvx_status ply_take_text_row(ply_file *f, const ply_element *e, uint64_t 
         if (property->count_type != PLY_NONE) BVXI_TRY(ply_text_integer(f, "the length of a list", &count));
         if (property->count_type != PLY_NONE && count < bvxi_ply_least_length(property))
             return bvxi_ply_fail_length(f, e, row, count);
-        if (property->role == PLY_ROLE_CORNERS) BVXI_TRY(ply_text_corners(f, row, count));
+        if (property->role == PLY_ROLE_CORNERS || property->role == PLY_ROLE_STRIP)
+            BVXI_TRY(ply_text_corners(f, property, row, count));
         else if (property->role != PLY_ROLE_NONE) BVXI_TRY(ply_text_numbers(f, property, row, count));
         else BVXI_TRY(ply_text_skip(f, e, row, count));
     }
@@ -264,14 +269,15 @@ static int ply_has(const ply_file *f, uint64_t bytes)
 static bvx_status ply_take_items(ply_file *f, const ply_property *property, uint64_t row, int64_t count)
 {
     size_t const size = ply_type_size(property->type);
-    int const is_corners = property->role == PLY_ROLE_CORNERS;
+    int const is_corners = property->role == PLY_ROLE_CORNERS || property->role == PLY_ROLE_STRIP;
     const char *at = f->p;
 
     /* What to do with a value depends on its property only,
      * and its size is known: the end was checked before. */
     for (int64_t i = 0; i < count; i++, at += size) {
         const uint8_t *const p = (const uint8_t *)at;
-        if (is_corners) BVXI_TRY(bvxi_ply_take_corner(f, at, row, ply_integer(p, property->type, f->big)));
+        if (is_corners)
+            BVXI_TRY(bvxi_ply_take_corner(f, property, at, row, ply_integer(p, property->type, f->big)));
         else BVXI_TRY(ply_put(f, property, at, row, ply_number(p, property->type, f->big)));
     }
     return BVX_OK;

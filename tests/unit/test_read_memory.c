@@ -145,6 +145,12 @@ static void test_ply_takes_at_most(void)
     put_u32(CORNERS);
     for (uint32_t i = 0; i < CORNERS; i++) put(&"\0\2\1\3\4"[i % 5], 1);
     check_memory(MESH, BVX_FORMAT_PLY, READ_PLY, 1, BVX_OK);
+    put_text(vertices);
+    put_text("element tristrips 1\nproperty list uint uchar vertex_indices\nend_header\n");
+    put(places, 15);
+    put_u32(CORNERS);
+    for (uint32_t i = 0; i < CORNERS; i++) put(&"\0\2\1\3\4"[i % 5], 1);
+    check_memory(MESH, BVX_FORMAT_PLY, READ_PLY, 0, BVX_OK);
 }
 
 static void test_points_take_at_most(void)

@@ -504,13 +504,70 @@ static void test_read_ply_both_texture_coordinates(void)
     bvx_mesh_free(ctx, &m);
 }
 
-static void test_read_ply_refuses_strips(void)
-{
-    static const char file_of_strips[] =
-        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-        "element tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+/* ---- strips ---- */
 
-    check_refused_text(file_of_strips, PLY, BVX_ERR_UNSUPPORTED, "PLY: line 7: tristrips are not read");
+/* A file of 6 vertices with strips of these numbers (ended by -2), and a
+ * face before or behind them (0: none). */
+static void put_strips(int how, const int *const *strips, int count, int face)
+{
+    char text[300];
+
+    begin_header(how);
+    put_text("element vertex 6\nproperty float x\nproperty float y\nproperty float z\n");
+    if (face == 1) put_text("element face 1\nproperty list uchar int vertex_indices\n");
+    sprintf(text, "element tristrips %d\nproperty list int int vertex_indices\n", count);
+    put_text(text);
+    if (face == 2) put_text("element face 1\nproperty list uchar int vertex_indices\n");
+    put_text("end_header\n");
+    for (int v = 0; v < 18; v++) put_value(F32, v * v);
+    for (int part = 1; part <= 2; part++) {
+        if (part == face)
+            for (int k = 0; k < 4; k++) put_value(k == 0 ? U8 : I32, k == 0 ? 3 : k);
+        for (int i = 0; i < count && part == (face == 1 ? 2 : 1); i++) {
+            int n = 0;
+            while (strips[i][n] != -2) n++;
+            put_value(I32, n);
+            for (int k = 0; k < n; k++) put_value(I32, strips[i][k]);
+        }
+    }
+}
+
+static void test_read_ply_strips(void)
+{
+    static const int one[] = {0, 1, 2, 3, 4, -1, 5, 4, 3, -2};
+    static const int two[] = {-1, 0, 1, -1, -1, 2, 3, 3, 3, 5, 4, -1, -2};
+    static const int none[] = {-2};
+    static const int bad[] = {0, 1, 2, 6, -2}, worse[] = {0, 1, 2, -3, -2}, flat[] = {0, 1, 1, 0, -2};
+    static const uint32_t want[] = {0, 1, 2, 2, 1, 3, 2, 3, 4, 5, 4, 3, /* two: */ 5, 3, 4};
+    static const uint32_t face_triangle[] = {1, 2, 3};
+    const int *const strips[] = {one, none, two};
+
+    for (int how = ASCII; how <= BIG; how++)
+        for (int face = 0; face <= 2; face++) {
+            bvx_mesh m;
+            put_strips(how, strips, 3, face);
+            TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_file(file, file_size, PLY, &m),
+                                            bvx_last_message(ctx));
+            TEST_ASSERT_EQUAL_UINT64(5 + (face > 0), m.triangle_count);
+            TEST_ASSERT_EQUAL_UINT32_ARRAY(want, m.triangles + (face == 1 ? 3 : 0), 15);
+            if (face > 0)
+                TEST_ASSERT_EQUAL_UINT32_ARRAY(face_triangle, m.triangles + (face == 1 ? 0 : 15), 3);
+            bvx_mesh_free(ctx, &m);
+            check_every_limit(file, file_size, PLY);
+            TEST_ASSERT_TRUE(check_every_prefix(file, file_size, PLY, 5 + (face > 0)) >= 1);
+            put_strips(how, (const int *const[]){bad}, 1, face);
+            check_refused(file, file_size, PLY, BVX_ERR_RANGE, "strip 0 ");
+            check_refused(file, file_size, PLY, BVX_ERR_RANGE, "names vertex 6, but there are 6");
+            put_strips(how, (const int *const[]){worse}, 1, face);
+            check_refused(file, file_size, PLY, BVX_ERR_RANGE, "names vertex -3");
+        }
+    put_strips(LITTLE, (const int *const[]){flat}, 1, 0);
+    check_refused(file, file_size, PLY, BVX_ERR_EMPTY, "no triangle");
+    put_strips(LITTLE, strips, 0, 0);
+    check_refused(file, file_size, PLY, BVX_ERR_EMPTY, "no faces");
+    check_refused_text(
+        VERTICES("") "element tristrips 1\nproperty list int int other\nend_header\n0 0 0\n1 0 0\n0 1 0\n0\n",
+        PLY, BVX_ERR_FORMAT, "line 7: element tristrips has no list vertex_indices");
 }
 
 /* ---- line ends, spaces, indices ---- */
@@ -767,35 +824,45 @@ static void test_read_ply_every_header_count(void)
         put_any_layout(round % 3);
         check_every_count(file, file_size, PLY);
     }
+    static const int strip[] = {0, 1, 2, 3, 4, 5, -2};
+    for (int how = ASCII; how <= BIG; how++) {
+        put_strips(how, (const int *const[]){strip}, 1, 0);
+        TEST_ASSERT_EQUAL_INT(1, check_every_count(file, file_size, PLY)); /* one strip */
+    }
 }
 
 /* Lengths of lists and numbers of corners, as the file has them in four bytes, replaced. */
 static void test_read_ply_every_list_length(void)
 {
     static const uint32_t values[] = {0, 1, 0xffffffffu, 0x80000000u, 0x7fffffffu, 3, 0x55555556u};
+    static const int strip[] = {0, 1, 2, 3, 4, 5, -2};
 
-    for (int how = LITTLE; how <= BIG; how++) {
-        static uint8_t other[4000];
-        begin_header(how);
-        put_text(
-            "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
-            "property list uint int a\nproperty list uint uint vertex_index\nproperty list int float texcoord\n"
-            "end_header\n");
-        for (int i = 0; i < 9; i++) put_value(F32, i * i);
-        put_value(U32, 2);
-        for (int i = 0; i < 2; i++) put_value(I32, i);
-        put_value(U32, 3);
-        for (int i = 0; i < 3; i++) put_value(U32, i);
-        put_value(I32, 6);
-        for (int i = 0; i < 6; i++) put_value(F32, i);
-        for (size_t at = file_size - 60; at + 4 <= file_size; at++)
-            for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
-                bvx_mesh m;
-                memcpy(other, file, file_size);
-                put_u32(other + at, values[i], how == BIG);
-                if (read_file(other, file_size, PLY, &m) == BVX_OK) bvx_mesh_free(ctx, &m);
+    for (int how = LITTLE; how <= BIG; how++)
+        for (int kind = 0; kind < 2; kind++) {
+            static uint8_t other[4000];
+            if (kind == 0) put_strips(how, (const int *const[]){strip}, 1, 2);
+            else {
+                begin_header(how);
+                put_text(
+                    "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+                    "property list uint int a\nproperty list uint uint vertex_index\nproperty list int float texcoord\n"
+                    "end_header\n");
+                for (int i = 0; i < 9; i++) put_value(F32, i * i);
+                put_value(U32, 2);
+                for (int i = 0; i < 2; i++) put_value(I32, i);
+                put_value(U32, 3);
+                for (int i = 0; i < 3; i++) put_value(U32, i);
+                put_value(I32, 6);
+                for (int i = 0; i < 6; i++) put_value(F32, i);
             }
-    }
+            for (size_t at = file_size - 60; at + 4 <= file_size; at++)
+                for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
+                    bvx_mesh m;
+                    memcpy(other, file, file_size);
+                    put_u32(other + at, values[i], how == BIG);
+                    if (read_file(other, file_size, PLY, &m) == BVX_OK) bvx_mesh_free(ctx, &m);
+                }
+        }
 }
 
 /* Polygons whose corners take a byte each: one large one (read_file holds
@@ -916,7 +983,7 @@ int main(void)
     RUN_TEST(test_read_ply_any_layout);
     RUN_TEST(test_read_ply_attributes);
     RUN_TEST(test_read_ply_both_texture_coordinates);
-    RUN_TEST(test_read_ply_refuses_strips);
+    RUN_TEST(test_read_ply_strips);
     RUN_TEST(test_read_ply_line_ends);
     RUN_TEST(test_read_ply_corner_types_reach_their_ends);
     RUN_TEST(test_read_ply_refuses_counts);
