@@ -14,7 +14,8 @@
  * Functions of a body are named BVXI_SIMD(name), which appends the level, and begin with BVXI_SIMD_CODE,
  * which lets the compiler use the level's instructions.
  * Guarantee: each operation gives the same bits in all of them, also for zeros, infinities and no number, so
- * what the arrays do is the specification. -DBVX_SIMD_ARRAYS takes the arrays instead of NEON and simd128. */
+ * what the arrays do is the specification. -DBVX_SIMD_ARRAYS takes the arrays instead of NEON and simd128,
+ * -DBVX_SIMD_VECTORS vectors of SSE2 instead of arrays. */
 #ifndef BVXI_SIMD_H
 #define BVXI_SIMD_H
 
@@ -32,7 +33,8 @@
 /* 1: the base is made of vectors of 16 bytes, two for each of these. */
 #if defined(BVX_SIMD_ARRAYS) || !defined(__GNUC__)
 #define BVXI_SIMD_HALVES 0
-#elif (defined(__aarch64__) && defined(__ARM_NEON) && !defined(__AARCH64EB__)) || defined(__wasm_simd128__)
+#elif (defined(__aarch64__) && defined(__ARM_NEON) && !defined(__AARCH64EB__)) || \
+    defined(__wasm_simd128__) || (defined(BVX_SIMD_VECTORS) && defined(__SSE2__))
 #define BVXI_SIMD_HALVES 1
 #else
 #define BVXI_SIMD_HALVES 0
@@ -46,11 +48,7 @@
 #define BVXI_SIMD_BASE 0
 #endif
 
-#if BVXI_SIMD_HALVES
-#include "core/simd_halves.h"
-#else
-#include "core/simd_arrays.h"
-#endif
+#include "core/simd_base.h"
 
 /* Of the base, whichever it is: four vectors across four arrays. */
 #define BVXI_SIMD_COLUMNS(name, type)                                                        \
