@@ -1,7 +1,7 @@
 /* simd_base.h - the operations of simd.h for every processor. Not installed; simd.h includes it.
  *
  * A vector is an array of elements. In plain C an element is one lane: that says what each operation is, and runs
- * where there are no vectors. With NEON, WebAssembly's simd128, or SSE2 for a look at it, an element is one of the
+ * where there are no vectors. With SSE2, NEON or WebAssembly's simd128 an element is one of the
  * compiler's own vectors of 16 bytes, on which the same operators act lane by lane. */
 #ifndef BVXI_SIMD_BASE_H
 #define BVXI_SIMD_BASE_H

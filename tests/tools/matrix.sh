@@ -129,13 +129,11 @@ row clang-19-native '' CC=clang-19 'CFLAGS=-O3 -march=native'
 for threads in 1 2 3 8; do row threads-$threads '' CC=gcc CFLAGS=-O3 WERROR=1 -- --threads $threads; done
 
 # There are two sets of kernels, chosen at run time: each is forced. Those written for vectors (src/core/simd.h) run as arrays in the
-# row arrays, where the portable set would ask element by element, and as vectors of SSE2 in the row vectors, by the text that NEON
-# and WebAssembly have; aarch64 has NEON, and arrays too. The last row has no word of a compiler's own (builtins,
+# row arrays, where the portable set has vectors of SSE2; aarch64 has NEON, and arrays too. The last row has no word of a compiler's own (builtins,
 # attributes), as for a compiler that is none of GNU's kind; the headers of musl bear that.
 row portable '' CC=gcc CFLAGS=-O3 WERROR=1 -- --portable
 row avx2 '' CC=gcc CFLAGS=-O3 WERROR=1 -- --avx2
 row arrays '' CC=gcc 'CFLAGS=-O3 -DBVX_SIMD_ARRAYS' WERROR=1 -- --portable
-row vectors '' CC=gcc 'CFLAGS=-O3 -DBVX_SIMD_VECTORS' WERROR=1 -- --portable
 row flushed-avx2 '' CC=gcc CFLAGS=-O3 WERROR=1 -- --flush --threads 1 --avx2
 row flushed-portable '' CC=clang CFLAGS=-O3 WERROR=1 -- --flush --threads 1 --portable
 row plain-c '' CC=musl-gcc 'CFLAGS=-O2 -U__GNUC__' $static THREADS=0 ZLIB=0
