@@ -4,7 +4,7 @@
  * A kernel is written once, in a file named ..._body.h, with the names at the end of this file. Its source
  * includes the body once for each set of instructions:
  *
- *     #define BVXI_SIMD_LEVEL _base       NEON, WebAssembly's simd128, or arrays where there is neither
+ *     #define BVXI_SIMD_LEVEL _base       SSE2, NEON, WebAssembly's simd128, or arrays
  *     #include of the body
  *     #undef BVXI_SIMD_LEVEL
  *     #if BVXI_HAVE_AVX2
@@ -14,7 +14,7 @@
  * Functions of a body are named BVXI_SIMD(name), which appends the level, and begin with BVXI_SIMD_CODE,
  * which lets the compiler use the level's instructions.
  * Guarantee: each operation gives the same bits in all of them, also for zeros, infinities and no number, so
- * what the arrays do is the specification. -DBVX_SIMD_ARRAYS takes the arrays instead of NEON and simd128. */
+ * what the arrays do is the specification. -DBVX_SIMD_ARRAYS takes the arrays in any case. */
 #ifndef BVXI_SIMD_H
 #define BVXI_SIMD_H
 
@@ -32,25 +32,14 @@
 /* 1: the base is made of vectors of 16 bytes, two for each of these. */
 #if defined(BVX_SIMD_ARRAYS) || !defined(__GNUC__)
 #define BVXI_SIMD_HALVES 0
-#elif (defined(__aarch64__) && defined(__ARM_NEON) && !defined(__AARCH64EB__)) || defined(__wasm_simd128__)
+#elif (defined(__aarch64__) && defined(__ARM_NEON) && !defined(__AARCH64EB__)) || \
+    defined(__wasm_simd128__) || defined(__SSE2__)
 #define BVXI_SIMD_HALVES 1
 #else
 #define BVXI_SIMD_HALVES 0
 #endif
 
-/* 1: where a body could be asked element by element instead, its base is taken all the same. Arrays only
- * where that is wanted, for a look at them. */
-#if BVXI_SIMD_HALVES || defined(BVX_SIMD_ARRAYS)
-#define BVXI_SIMD_BASE 1
-#else
-#define BVXI_SIMD_BASE 0
-#endif
-
-#if BVXI_SIMD_HALVES
-#include "core/simd_halves.h"
-#else
-#include "core/simd_arrays.h"
-#endif
+#include "core/simd_base.h"
 
 /* Of the base, whichever it is: four vectors across four arrays. */
 #define BVXI_SIMD_COLUMNS(name, type)                                                        \

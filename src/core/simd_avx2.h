@@ -1,5 +1,5 @@
 /* simd_avx2.h - the operations of simd.h in AVX2, for functions marked BVXI_AVX2. Each gives the bits of
- * simd_arrays.h. Not installed; simd.h includes it. */
+ * simd_base.h. Not installed; simd.h includes it. */
 #ifndef BVXI_SIMD_AVX2_H
 #define BVXI_SIMD_AVX2_H
 

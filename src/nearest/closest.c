@@ -98,18 +98,14 @@ static void begin_closest_search(const bvxi_closest_tree *tree, const double poi
     s->margin = (1.0 + reach) * (s->is_near ? 0x1p-19 : 0x1p-45);
 }
 
-#define CLOSEST_TOGETHER BVXI_SIMD_BASE /* 1: triangles wait for each other */
-#define BVXI_SIMD_LEVEL  _base
+#define BVXI_SIMD_LEVEL _base
 #include "nearest/closest_body.h"
 #undef BVXI_SIMD_LEVEL
-#undef CLOSEST_TOGETHER
 
 #if BVXI_HAVE_AVX2
-#define CLOSEST_TOGETHER 1
-#define BVXI_SIMD_LEVEL  _avx2
+#define BVXI_SIMD_LEVEL _avx2
 #include "nearest/closest_body.h"
 #undef BVXI_SIMD_LEVEL
-#undef CLOSEST_TOGETHER
 #endif
 
 void bvxi_closest_find(const bvxi_closest_tree *tree, const double point[3], uint32_t hint,

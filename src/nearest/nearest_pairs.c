@@ -1,7 +1,6 @@
 /* nearest_pairs.c - closest points on triangles, four pairs of a point and a triangle at a time.
  *
- * nearest/point_triangle_four.h evaluates them. Pairs that it leaves go to point_triangle.c itself, and without
- * vectors all pairs.
+ * nearest/point_triangle_four.h evaluates them. Pairs that it leaves go to point_triangle.c itself.
  * Guarantee: the same bits as bvxi_closest_on_triangle, but for the sign of zeros. */
 #include "nearest/nearest_brick.h"
 #include "nearest/closest.h"
@@ -29,11 +28,9 @@ static void evaluate_near_pair(bvxi_near_pairs *p, int32_t i)
     for (int a = 0; a < 3; a++) p->closest[a][i] = q[a];
 }
 
-#if BVXI_SIMD_BASE
 #define BVXI_SIMD_LEVEL _base
 #include "nearest/nearest_pairs_body.h"
 #undef BVXI_SIMD_LEVEL
-#endif
 
 #if BVXI_HAVE_AVX2
 #define BVXI_SIMD_LEVEL _avx2
@@ -50,16 +47,5 @@ void bvxi_near_evaluate(const bvxi_nearest *n, int32_t fast, bvxi_near_pairs *pa
     }
     if (n->by_planes) order_near_corners(pairs);
 
-#if BVXI_HAVE_AVX2
-    if (fast) {
-        evaluate_near_fours_avx2(pairs);
-        return;
-    }
-#endif
-    (void)fast;
-#if BVXI_SIMD_BASE
-    evaluate_near_fours_base(pairs);
-#else
-    for (int32_t i = 0; i < pairs->count; i++) evaluate_near_pair(pairs, i);
-#endif
+    BVXI_PATH(fast, evaluate_near_fours_base(pairs), evaluate_near_fours_avx2(pairs));
 }

@@ -17,12 +17,9 @@
 
 enum { COLUMN_BYTES = 64 }; /* of a column at a time: a line of the cache */
 
-/* Arrays are slower than runs that are turned: only vectors, and arrays where they are wanted. */
-#if BVXI_SIMD_BASE
 #define BVXI_SIMD_LEVEL _base
 #include "volume/threshold_columns_body.h"
 #undef BVXI_SIMD_LEVEL
-#endif
 
 #if BVXI_HAVE_AVX2
 #define BVXI_SIMD_LEVEL _avx2
@@ -30,20 +27,11 @@ enum { COLUMN_BYTES = 64 }; /* of a column at a time: a line of the cache */
 #undef BVXI_SIMD_LEVEL
 #endif
 
-/* NULL where the processor has nothing better than runs. */
+/* NULL where there is nothing better than runs. */
 static bvxi_columns_fn *range_columns_for(const bvx_context *ctx, int32_t type)
 {
     if (bvxi_type_size(type) != 1) return NULL;
-#if BVXI_HAVE_AVX2
-    if (bvxi_cpu(ctx) == BVX_CPU_AVX2) return range_columns_avx2;
-#else
-    (void)ctx;
-#endif
-#if BVXI_SIMD_BASE
-    return range_columns_base;
-#else
-    return NULL;
-#endif
+    return BVXI_PATH(bvxi_cpu(ctx) == BVX_CPU_AVX2, range_columns_base, range_columns_avx2);
 }
 
 /* ---- Runs of samples to words of bits: in range or not, and what there is to count ---- */
@@ -236,14 +224,10 @@ RANGE_TYPE(f32, float, BVX_SAMPLE_F32, f, any_odd_f32)
 FLOAT_EXTREMES(f64, double)
 RANGE_TYPE(f64, double, BVX_SAMPLE_F64, d, any_odd_f64)
 
-#if BVXI_SIMD_BASE
 #define BVXI_SIMD_LEVEL    _base
 #define range_run_f32_base range_run_f32
 #include "volume/threshold_runs_body.h"
 #undef BVXI_SIMD_LEVEL
-#else
-#define range_rows_f32_base range_run_f32
-#endif
 
 #if BVXI_HAVE_AVX2
 #define BVXI_SIMD_LEVEL _avx2

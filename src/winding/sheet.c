@@ -36,13 +36,11 @@ enum { SHEET_LANES_one = 1, SHEET_LANES_base = 4, SHEET_LANES_avx2 = 4 };
 #include "winding/sheet_four_body.h"
 #undef BVXI_SIMD_LEVEL
 
-#if BVXI_SIMD_BASE
 #define BVXI_SIMD_LEVEL _base
 #include "winding/sheet_lanes_body.h"
 
 #include "winding/sheet_four_body.h"
 #undef BVXI_SIMD_LEVEL
-#endif
 
 #if BVXI_HAVE_AVX2
 #define BVXI_SIMD_LEVEL _avx2
@@ -62,18 +60,8 @@ double bvxi_sheet_angle(const bvxi_sheet *s, const int64_t p[3], double near)
 static void angles_of_four(const bvxi_sheet *s, const int64_t p[4][3], double near, int alone,
                            double turns[4], double error[4])
 {
-#if BVXI_HAVE_AVX2
-    if (s->fast) {
-        angles_avx2(s, p, near, alone, turns, error);
-        return;
-    }
-#endif
-#if BVXI_SIMD_BASE
-    angles_base(s, p, near, alone, turns, error);
-#else
-    (void)alone;
-    for (int l = 0; l < 4; l++) angles_one(s, p + l, near, 0, &turns[l], &error[l]);
-#endif
+    BVXI_PATH(s->fast, angles_base(s, p, near, alone, turns, error),
+              angles_avx2(s, p, near, alone, turns, error));
 }
 
 void bvxi_sheet_angles_four(const bvxi_sheet *s, const int64_t p[4][3], double near, double turns[4])
@@ -91,17 +79,8 @@ void bvxi_sheet_around(const bvxi_sheet *s, const int64_t p[3], double reach, do
 void bvxi_sheet_around_four(const bvxi_sheet *s, const int64_t p[4][3], double reach, double near,
                             double edge_rest, bvxi_sheet_look look[4])
 {
-#if BVXI_HAVE_AVX2
-    if (s->fast) {
-        around_avx2(s, p, reach, near, edge_rest, look);
-        return;
-    }
-#endif
-#if BVXI_SIMD_BASE
-    around_base(s, p, reach, near, edge_rest, look);
-#else
-    for (int l = 0; l < 4; l++) around_one(s, p + l, reach, near, edge_rest, &look[l]);
-#endif
+    BVXI_PATH(s->fast, around_base(s, p, reach, near, edge_rest, look),
+              around_avx2(s, p, reach, near, edge_rest, look));
 }
 
 /* What turns, off by less than error, say. Returns 1 when nothing is left open. */

@@ -129,7 +129,7 @@ row clang-19-native '' CC=clang-19 'CFLAGS=-O3 -march=native'
 for threads in 1 2 3 8; do row threads-$threads '' CC=gcc CFLAGS=-O3 WERROR=1 -- --threads $threads; done
 
 # There are two sets of kernels, chosen at run time: each is forced. Those written for vectors (src/core/simd.h) run as arrays in the
-# row arrays, where the portable set would ask element by element; aarch64 has NEON, and arrays too. The last row has no word of a compiler's own (builtins,
+# row arrays, where the portable set has vectors of SSE2; aarch64 has NEON, and arrays too. The last row has no word of a compiler's own (builtins,
 # attributes), as for a compiler that is none of GNU's kind; the headers of musl bear that.
 row portable '' CC=gcc CFLAGS=-O3 WERROR=1 -- --portable
 row avx2 '' CC=gcc CFLAGS=-O3 WERROR=1 -- --avx2
