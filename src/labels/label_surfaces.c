@@ -569,7 +569,7 @@ static bvx_status open_complex(label_work *w, uint64_t vertices, uint64_t faces)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, vertices * 8, "the vertices' cells", &c->cells));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, vertices, "the junctions", &c->junctions));
     if (w->options.staircase) return BVX_OK;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * 12, "the vertices' offsets", &w->net.offset));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * 6, "the vertices' offsets", &w->net.offset));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * 24, "the vertices' links", &w->net.links));
     memset(w->net.links, 0xff, (size_t)vertices * 24);
     return BVX_OK;
@@ -616,10 +616,7 @@ static bvx_status make_complex(label_work *w)
     bvxi_drop(ctx, w->scratch);
     close_flaps(w);
     w->net.complex = c;
-    if (!w->options.staircase) {
-        BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.8, bvxi_net_smooth(ctx, &w->net)));
-        bvxi_drop(ctx, w->net.links);
-    }
+    if (!w->options.staircase) BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.8, bvxi_net_smooth(ctx, &w->net)));
     BVXI_TRY(bvxi_for(ctx, "positions", vertices, POSITION_GRAIN, put_positions, &w->net));
     return w->options.staircase ? BVX_OK : BVXI_SHARE(ctx, 0.8, 1.0, bvxi_net_untangle(ctx, &w->net));
 }

@@ -11,6 +11,9 @@
 
 enum { BVXI_PATTERNS = 4096, BVXI_SPLITS = 5506 };
 
+/* Offsets of vertices are in parts of a voxel; the limit is 0.49 voxels. */
+enum { BVXI_NET_UNITS = 65536, BVXI_NET_LIMIT = 32112 };
+
 /* What leads through a side whose four edges have different ends: none of its labels, that of the voxels with
  * offsets 0, 0 and 1, 1, or that of the other two. */
 enum { BVXI_ACROSS_NONE, BVXI_ACROSS_SAME, BVXI_ACROSS_MIXED };
@@ -28,7 +31,9 @@ typedef struct bvxi_cell_split {
     uint8_t flaps;
     bvxi_cell_flap flap[3];
     uint8_t junction[7]; /* as in bvx_complex */
-    float start[7][3];   /* mean of the edges' middles, from the cell's centre [Units: voxels] */
+    int16_t
+        start[7]
+             [3]; /* mean of the edges' middles, from the cell's centre [Units: BVXI_NET_UNITS of a voxel] */
 } bvxi_cell_split;
 
 void bvxi_split_pattern(uint32_t pattern, const uint8_t across[6], bvxi_cell_split *split);
@@ -69,11 +74,16 @@ static inline void bvxi_cell_of(const bvx_complex *complex, uint64_t vertex, uin
 /* What smoothing needs of vertices. */
 typedef struct bvxi_net {
     bvx_complex *complex;
-    float *offset;   /* from the cell's centre [Size: vertices * 3] [Units: voxels] */
+    int16_t *offset; /* from the cell's centre [Size: vertices * 3] [Units: BVXI_NET_UNITS of a voxel] */
     uint64_t flaps;  /* index of the first one; they are the last faces */
     uint32_t *links; /* the vertex beyond each side of the cell, or UINT32_MAX [Size: vertices * 6] */
     double origin[3], spacing[3]; /* of positions: origin 0 in a local frame */
 } bvxi_net;
+
+static inline double bvxi_net_offset(const bvxi_net *net, uint64_t vertex, int32_t axis)
+{
+    return (double)net->offset[3 * vertex + (uint64_t)axis] * (1.0 / BVXI_NET_UNITS);
+}
 
 /* A face on the staircase, from its corner in the highest cell, and how its corners have moved. */
 typedef struct bvxi_face {
@@ -84,7 +94,7 @@ typedef struct bvxi_face {
 void bvxi_read_face(const bvxi_net *net, uint32_t face, bvxi_face *f); /* smooth.c */
 /* smooth.c: write the position of a vertex; without offsets it is at its cell's centre. */
 void bvxi_net_put(const bvxi_net *net, uint64_t vertex);
-/* Move the offsets. Memory: 12 bytes a vertex, and 12 a face and what sorting them takes. */
+/* Move the offsets, in the place of positions too; the links are freed. Memory: 8 bytes a face, label and pair. */
 bvx_status bvxi_net_smooth(bvx_context *ctx, bvxi_net *net);
 /* untangle.c: move offsets back until no two triangles cross, and write their positions; the others are written.
  * Memory: 5 bytes a vertex, 1 a face, and what bvx_mesh_crossings takes of those near a face that leaves its

@@ -1,9 +1,10 @@
 /* smooth.c - smooth the vertices of a complex inside their cells.
  *
- * Source: Gibson. Constrained Elastic Surface Nets. 1998 (towards the mean of the neighbours, no vertex leaves its
- * cell).
+ * Sources: Gibson. Constrained Elastic Surface Nets. 1998 (towards the mean of the neighbours, no vertex leaves its
+ * cell). Golub, Varga. Chebyshev Semi-iterative Methods. 1961 (weights with which few steps do the work of many).
  *
- * Steps go from one buffer to another, so no order of vertices shows. On a junction only neighbours along it count.
+ * Steps go from one buffer to another, so no order of vertices shows; each goes on from the last two. On a junction
+ * only neighbours along it count. Offsets are 16 bits a coordinate, and the second buffer is where positions will be.
  * What the faces between two labels have swept since the staircase is then undone: their free vertices move along
  * normals. A label's volume is that of its voxels and what all its faces have swept, since the walls that edges
  * sweep cancel; so it comes back without a system of equations over labels. */
@@ -11,20 +12,31 @@
 #include "labels/labels.h"
 #include "mesh/mesh.h"
 
-enum { STEPS = 12, CORRECTIONS = 16, VERTEX_GRAIN = 4096 };
+enum {
+    STEPS = 6 /* even: the last one ends in the offsets */,
+    CORRECTIONS = 16,
+    VERTEX_GRAIN = 4096,
+    LARGE_PAIR = 1 << 16
+};
 
-static float const relax_step = 0.7F; /* below 1: vertices of two colours would take turns */
-static float const move_limit = 0.49F;
+/* What waves keep is least for eigenvalues of the mean's step from 0.25 to 2. */
+static float const relax_step = 2.0F / 2.25F;
+static float const radius_squared = 1.75F / 2.25F * (1.75F / 2.25F);
 static double const correct = 2.0;       /* further than any pair moves */
 static double const longest_move = 0.25; /* move of a round [Units: voxels] */
 static double const kept_volume =
     1e-4; /* of the volume that a pair may keep, for each face [Units: voxels] */
 
+static double const last_step = 8.0; /* times that volume */
+
 typedef struct net_work {
     bvxi_net *net;
-    float *other;    /* the second buffer; area vectors afterwards */
-    uint64_t *pairs; /* of faces, sorted; then where each pair's faces begin */
-    uint32_t *faces; /* in the order of pairs */
+    const int16_t *from;               /* offsets before a step */
+    int16_t *to;                       /* those of the step before, then after this one */
+    float of_last, of_own, of_mean[7]; /* weights of a step; of a sum by how many it has */
+    float *areas;                      /* vectors of vertices; in the place of positions, too */
+    uint32_t *pairs;                   /* where each pair's faces begin */
+    uint32_t *faces;                   /* in the order of pairs */
     uint64_t pair_count;
     double *moved; /* of each pair, or correct */
 } net_work;
@@ -34,37 +46,35 @@ static double limited(double x, double limit)
     return x < -limit ? -limit : x > limit ? limit : x;
 }
 
-static float clamp(float x)
+static int16_t clamp(float x)
 {
-    return x < -move_limit ? -move_limit : x > move_limit ? move_limit : x;
+    float const most = (float)BVXI_NET_LIMIT;
+    /* Positive when it is cut off, so it is rounded to the nearest. */
+    return (int16_t)((int32_t)((x < -most ? -most : x > most ? most : x) + 32768.5F) - 32768);
 }
 
 static void relax_range(void *user, uint64_t begin, uint64_t end)
 {
-    static const float inverse[7] = {0.0F, 1.0F, 0.5F, 1.0F / 3.0F, 0.25F, 0.2F, 1.0F / 6.0F};
     const net_work *const w = user;
     const bvxi_net *const net = w->net;
 
     for (uint64_t v = begin; v < end; v++) {
         const uint32_t *const link = net->links + 6 * v;
-        const float *const own = net->offset + 3 * v;
+        const int16_t *const own = w->from + 3 * v;
+        int16_t *const to = w->to + 3 * v;
         uint32_t const junction = net->complex->junctions[v], mask = junction != 0 ? junction : 63;
-        float sum[3] = {0.0F, 0.0F, 0.0F};
-        int32_t count = 0;
+        int32_t sum[3] = {0, 0, 0}, count = 0;
 
         for (int32_t side = 0; side < 6; side++) {
             if ((mask >> side & 1) == 0 || link[side] == UINT32_MAX) continue;
-            const float *const o = net->offset + 3 * (size_t)link[side];
-            sum[0] += o[0];
-            sum[1] += o[1];
-            sum[2] += o[2];
-            sum[side >> 1] += (side & 1) != 0 ? 1.0F : -1.0F;
+            const int16_t *const o = w->from + 3 * (size_t)link[side];
+            for (int a = 0; a < 3; a++) sum[a] += o[a];
+            sum[side >> 1] += (side & 1) != 0 ? BVXI_NET_UNITS : -BVXI_NET_UNITS;
             count++;
         }
-        for (int a = 0; a < 3; a++) {
-            float const to = count == 0 ? own[a] : sum[a] * inverse[count];
-            w->other[3 * v + (uint64_t)a] = clamp(own[a] + relax_step * (to - own[a]));
-        }
+        float const of_own = count == 0 ? w->of_own + w->of_mean[1] : w->of_own, of_sum = w->of_mean[count];
+        for (int a = 0; a < 3; a++)
+            to[a] = clamp(w->of_last * (float)to[a] + of_own * (float)own[a] + of_sum * (float)sum[a]);
     }
 }
 
@@ -92,8 +102,7 @@ void bvxi_read_face(const bvxi_net *net, uint32_t face, bvxi_face *f)
         if (face < net->flaps) f->at[(owner + 2) & 3][axis] = -1.0;
     }
     for (int32_t n = 0; n < 4; n++)
-        for (int32_t a = 0; a < 3; a++)
-            f->moved[n][a] = (double)net->offset[3 * (size_t)f->vertex[n] + (size_t)a];
+        for (int32_t a = 0; a < 3; a++) f->moved[n][a] = bvxi_net_offset(net, f->vertex[n], a);
 }
 
 static double face_diagonal(const bvxi_face *f, int32_t from)
@@ -152,7 +161,7 @@ static int is_free_vertex(const net_work *w, uint32_t vertex)
     return w->net->complex->junctions[vertex] == 0;
 }
 
-/* What a pair's faces have swept; other gets the area vectors of its free vertices, to which those of the faces
+/* What a pair's faces have swept; areas get the area vectors of its free vertices, to which those of the faces
  * around them add up, *area what they would sweep by moving 1 along their normals, and *corners how many they are. */
 static double measure_pair(const net_work *w, uint64_t begin, uint64_t end, double *area, uint64_t *corners)
 {
@@ -169,7 +178,7 @@ static double measure_pair(const net_work *w, uint64_t begin, uint64_t end, doub
         double const size[2] = {bvxi_vec_length(half[0]), bvxi_vec_length(half[1])};
         for (int32_t n = 0; n < 4; n++) {
             if (!is_free_vertex(w, f.vertex[n])) continue;
-            float *const sum = w->other + 3 * (size_t)f.vertex[n];
+            float *const sum = w->areas + 3 * (size_t)f.vertex[n];
             int const first = n != 3, second = n != 1;
             for (int32_t d = 0; d < 3; d++)
                 sum[d] += (float)((first ? half[0][d] : 0.0) + (second ? half[1][d] : 0.0));
@@ -188,68 +197,82 @@ static void move_pair(const net_work *w, uint64_t begin, uint64_t end, double di
         uint32_t const vertex[4] = {t[0], t[1], t[2], t[5]};
 
         for (int32_t n = 0; n < 4; n++) {
-            float *const sum = w->other + 3 * (size_t)vertex[n], *const o = w->net->offset +
-                                                                            3 * (size_t)vertex[n];
+            float *const sum = w->areas + 3 * (size_t)vertex[n];
+            int16_t *const o = w->net->offset + 3 * (size_t)vertex[n];
             double const area[3] = {(double)sum[0], (double)sum[1], (double)sum[2]},
                          size = bvxi_vec_length(area);
             if (!is_free_vertex(w, vertex[n]) || size == 0.0) continue;
             for (int32_t d = 0; d < 3; d++) {
-                o[d] = clamp((float)((double)o[d] + distance * area[d] / size));
+                o[d] = clamp((float)((double)o[d] + distance * BVXI_NET_UNITS * area[d] / size));
                 sum[d] = 0.0F;
             }
         }
     }
 }
 
-/* One step of each pair. Free vertices have one pair's faces around them, so pairs are corrected apart from each
- * other. */
+/* One step of a pair, as *moved says how far it has come. */
+static void correct_pair(const net_work *w, uint64_t begin, uint64_t end, double *moved)
+{
+    double const faces = (double)(end - begin), before = *moved, kept = kept_volume * faces;
+    uint64_t corners;
+    double area, volume;
+
+    *moved = correct;
+    volume = measure_pair(w, begin, end, &area, &corners);
+    if (area == 0.0 || bvxi_absolute(volume) <= kept) return;
+
+    /* What has shrunk to nearly nothing has no area to divide by. A few free vertices do not make up for what all
+     * faces at junctions have swept. */
+    double const share = (double)corners / (4.0 * faces), limit = share * share;
+    double const way = -volume / (area > 0.5 * faces ? area : 0.5 * faces);
+    double const step = limited(limited(before + way, limit) - before, longest_move);
+    if (step == 0.0) return;
+    move_pair(w, begin, end, step);
+
+    /* A step leaves a fiftieth at most where it is not cut off, so the last one is not measured. */
+    if (step != way || bvxi_absolute(volume) > last_step * kept) *moved = before + step;
+}
+
+/* Free vertices have one pair's faces around them, so pairs are corrected apart from each other. Large ones take a
+ * step at a time. */
 static void correct_pairs(void *user, uint64_t first, uint64_t last)
 {
     const net_work *const w = user;
 
     for (uint64_t p = first; p < last; p++) {
         uint64_t const begin = w->pairs[p], end = w->pairs[p + 1];
-        double const faces = (double)(end - begin), moved = w->moved[p];
-        uint64_t corners;
-        double area, volume;
-
-        if (moved == correct) continue;
-        w->moved[p] = correct;
-        volume = measure_pair(w, begin, end, &area, &corners);
-        if (area == 0.0 || bvxi_absolute(volume) <= kept_volume * faces) continue;
-
-        /* What has shrunk to nearly nothing has no area to divide by. A few free vertices do not make up for what
-         * all faces at junctions have swept. */
-        double const share = (double)corners / (4.0 * faces), limit = share * share;
-        double const way = -volume / (area > 0.5 * faces ? area : 0.5 * faces);
-        double const step = limited(limited(moved + way, limit) - moved, longest_move);
-        if (step == 0.0) continue;
-        move_pair(w, begin, end, step);
-        w->moved[p] = moved + step;
+        int32_t const steps = end - begin < LARGE_PAIR ? CORRECTIONS : 1;
+        for (int32_t i = 0; i < steps && w->moved[p] != correct; i++)
+            correct_pair(w, begin, end, &w->moved[p]);
     }
 }
 
+/* By the lower label, then by the higher: counted by the higher first. */
 static bvx_status sort_faces(bvx_context *ctx, net_work *w)
 {
     const bvx_complex *const c = w->net->complex;
-    uint64_t const faces = c->face_count;
+    uint64_t const faces = c->face_count, labels = c->label_count + 1;
+    uint64_t *count;
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (faces + 1) * 8, "the faces' pairs", &w->pairs));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (faces + 1) * 4, "the faces' pairs", &w->pairs));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, faces * 4, "the faces by pair", &w->faces));
-    for (uint64_t f = 0; f < faces; f++) {
-        w->pairs[f] = (uint64_t)c->sides[2 * f] << 32 | c->sides[2 * f + 1];
-        w->faces[f] = (uint32_t)f;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, labels * 8, "faces of each label", &count));
+    for (int32_t side = 1; side >= 0; side--) {
+        memset(count, 0, (size_t)labels * 8);
+        for (uint64_t f = 0; f < faces; f++) count[c->sides[2 * f + (uint64_t)side]]++;
+        (void)bvxi_place_counts(count, labels);
+        for (uint64_t i = 0; i < faces; i++) {
+            uint32_t const f = side == 1 ? (uint32_t)i : w->pairs[i];
+            (side == 1 ? w->pairs : w->faces)[count[c->sides[2 * (size_t)f + (size_t)side]]++] = f;
+        }
     }
-    BVXI_TRY(bvxi_radix_sort(ctx, w->pairs, w->faces, faces));
+    bvxi_drop(ctx, count);
 
-    /* Keys become the places where they begin; the last key read is always beyond the last place written. */
-    uint64_t key = 0;
-    for (uint64_t f = 0; f < faces; f++) {
-        uint64_t const own = w->pairs[f];
-        if (f == 0 || own != key) w->pairs[w->pair_count++] = f;
-        key = own;
-    }
-    w->pairs[w->pair_count] = faces;
+    for (uint64_t i = 0; i < faces; i++)
+        if (i == 0 ||
+            memcmp(c->sides + 2 * (size_t)w->faces[i - 1], c->sides + 2 * (size_t)w->faces[i], 8) != 0)
+            w->pairs[w->pair_count++] = (uint32_t)i;
+    w->pairs[w->pair_count] = (uint32_t)faces;
     return BVX_OK;
 }
 
@@ -260,7 +283,7 @@ void bvxi_net_put(const bvxi_net *net, uint64_t vertex)
 
     bvxi_cell_of(c, vertex, cell);
     for (uint64_t a = 0; a < 3; a++) {
-        double const offset = net->offset != NULL ? (double)net->offset[3 * vertex + a] : 0.0;
+        double const offset = net->offset != NULL ? bvxi_net_offset(net, vertex, (int32_t)a) : 0.0;
         double const p = net->origin[a] + ((double)c->low[a] + (double)cell[a] + offset) * net->spacing[a];
         if (c->mesh.position_type == BVX_F32) ((float *)c->mesh.positions)[3 * vertex + a] = (float)p;
         else ((double *)c->mesh.positions)[3 * vertex + a] = p;
@@ -271,21 +294,28 @@ bvx_status bvxi_net_smooth(bvx_context *ctx, bvxi_net *net)
 {
     uint64_t const vertices = net->complex->mesh.vertex_count;
     net_work w = {.net = net};
+    float weight = 1.0F;
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * 12, "the moved offsets", &w.other));
+    memset(net->complex->mesh.positions, 0, (size_t)vertices * 6);
     for (int32_t i = 0; i < STEPS; i++) {
-        float *const offset = net->offset;
+        int16_t *const second = net->complex->mesh.positions;
 
+        w.from = i % 2 == 0 ? net->offset : second;
+        w.to = i % 2 == 0 ? second : net->offset;
+        w.of_last = 1.0F - weight;
+        w.of_own = weight * (1.0F - relax_step);
+        for (int32_t n = 1; n < 7; n++) w.of_mean[n] = weight * relax_step / (float)n;
+        weight = 1.0F / (1.0F - (i == 0 ? 0.5F : 0.25F * weight) * radius_squared);
         BVXI_TRY(bvxi_for_ranges(ctx, "smooth", 0.7 * (double)i / (double)STEPS,
                                  0.7 * (double)(i + 1) / (double)STEPS,
                                  bvxi_piece_count(vertices, VERTEX_GRAIN), vertices, relax_range, &w));
-        net->offset = w.other;
-        w.other = offset;
     }
+    bvxi_drop(ctx, net->links);
 
     BVXI_TRY(bvxi_for(ctx, "faces", net->flaps, VERTEX_GRAIN, split_faces, &w));
     BVXI_TRY(sort_faces(ctx, &w));
-    memset(w.other, 0, (size_t)vertices * 12);
+    w.areas = net->complex->mesh.positions;
+    memset(w.areas, 0, (size_t)vertices * 12);
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, w.pair_count * 8, "the pairs' moves", &w.moved));
     for (int32_t i = 0; i < CORRECTIONS; i++)
         BVXI_TRY(bvxi_for_ranges(ctx, "volumes", 0.7 + 0.3 * (double)i / (double)CORRECTIONS,
@@ -294,6 +324,5 @@ bvx_status bvxi_net_smooth(bvx_context *ctx, bvxi_net *net)
     bvxi_drop(ctx, w.moved);
     bvxi_drop(ctx, w.pairs);
     bvxi_drop(ctx, w.faces);
-    bvxi_drop(ctx, w.other);
     return BVX_OK;
 }

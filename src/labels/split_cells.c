@@ -82,7 +82,7 @@ static void add_flap(bvxi_cell_split *split, int32_t side, uint32_t across)
 void bvxi_split_pattern(uint32_t pattern, const uint8_t across[6], bvxi_cell_split *split)
 {
     uint32_t parent[12];
-    int32_t edges[7] = {0};
+    int32_t edges[7] = {0}, sum[7][3] = {{0}};
 
     memset(split, 0, sizeof *split);
     for (uint32_t e = 0; e < 12; e++) parent[e] = e;
@@ -110,10 +110,10 @@ void bvxi_split_pattern(uint32_t pattern, const uint8_t across[6], bvxi_cell_spl
         if ((pattern >> e & 1) == 0) continue;
         edges[split->of[e]]++;
         for (int32_t a = 0; a < 3; a++)
-            if (a != e >> 2) split->start[split->of[e]][a] += (float)bvxi_edge_offset(e, a) - 0.5F;
+            if (a != e >> 2) sum[split->of[e]][a] += (2 * bvxi_edge_offset(e, a) - 1) * BVXI_NET_LIMIT;
     }
     for (int32_t v = 0; v < split->count; v++)
-        for (int32_t a = 0; a < 3 && edges[v] != 0; a++) split->start[v][a] /= (float)edges[v];
+        for (int32_t a = 0; a < 3 && edges[v] != 0; a++) split->start[v][a] = (int16_t)(sum[v][a] / edges[v]);
 
     for (int32_t side = 0; side < 6; side++) {
         int32_t met = 0;

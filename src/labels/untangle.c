@@ -22,7 +22,8 @@ enum {
     IS_MOVED = 2,
     STRIKE = 4,
     IS_FLAP = 128,
-    FLAP_STRIKES = 10
+    FLAP_STRIKES = 10,
+    FLAP_TURN = STRIKES + 1
 };
 
 typedef struct tangle {
@@ -151,15 +152,36 @@ static bvx_status gather_near_faces(bvx_context *ctx, tangle *t)
 static void move_back(tangle *t, uint32_t vertex)
 {
     uint8_t *const state = &t->state[vertex];
-    float *const offset = t->net->offset + 3 * (size_t)vertex;
+    int16_t *const offset = t->net->offset + 3 * (size_t)vertex;
 
     if ((*state & IS_MOVED) != 0) return;
     *state |= IS_MOVED;
     /* A flap's new vertex comes last, as triangles would lose their area. */
     int32_t const most = (*state & IS_FLAP) != 0 ? IS_FLAP + FLAP_STRIKES * STRIKE : STRIKES * STRIKE;
     if (*state < most) *state = (uint8_t)(*state + STRIKE);
-    for (int a = 0; a < 3; a++) offset[a] = *state < most ? 0.5F * offset[a] : 0.0F;
+    for (int a = 0; a < 3; a++) offset[a] = (int16_t)(*state < most ? offset[a] / 2 : 0);
     bvxi_net_put(t->net, vertex);
+}
+
+/* The vertices around are at their cells' centres by now, so halving alone changes no crossing: a flap's new vertex
+ * that still has one turns towards the edges that it has for itself. */
+static void turn_flaps(const tangle *t)
+{
+    bvx_complex *const c = t->net->complex;
+
+    for (uint64_t f = t->net->flaps; f < c->face_count; f++) {
+        uint32_t const v = bvxi_face_vertex(c, (uint32_t)f, 0);
+        bvxi_face face;
+
+        if ((t->state[v] | IS_NEAR) != IS_FLAP + FLAP_TURN * STRIKE + IS_MOVED + IS_NEAR) continue;
+        bvxi_read_face(t->net, (uint32_t)f, &face);
+        for (int a = 0; a < 3; a++) {
+            double const way = face.at[1][a] + face.at[3][a];
+            t->net->offset[3 * (size_t)v + (size_t)a] = (int16_t)(way == 0.0 ? BVXI_NET_UNITS / 8
+                                                                             : way * (BVXI_NET_UNITS / 16));
+        }
+        bvxi_net_put(t->net, v);
+    }
 }
 
 /* One round; *count becomes the number of crossings that it has found. */
@@ -188,6 +210,7 @@ static bvx_status look_for_crossings(bvx_context *ctx, tangle *t, int first, uin
     BVXI_TRY(BVXI_SHARE(ctx, 0.9, 1.0, bvx_mesh_crossings(ctx, &view, count, pairs, *count)));
     for (uint64_t i = 0; i < 2 * *count; i++)
         for (uint64_t k = 0; k < 3; k++) move_back(t, t->vertices[t->triangles[3 * (size_t)pairs[i] + k]]);
+    turn_flaps(t);
     return BVX_OK;
 }
 
@@ -225,7 +248,7 @@ bvx_status bvxi_net_untangle(bvx_context *ctx, bvxi_net *net)
     }
 
     /* Not seen yet; the staircase does not cross. */
-    memset(net->offset, 0, (size_t)vertices * 12);
+    memset(net->offset, 0, (size_t)vertices * 6);
     for (uint64_t v = 0; v < vertices; v++) bvxi_net_put(net, v);
     return BVX_OK;
 }
