@@ -638,7 +638,8 @@ static bvx_status open_arrays(bvxi_collapse *c)
 
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * sizeof *c->undo, "what undoes collapses", &c->undo));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 16, "the vertices' edges", &c->least));
-    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, 4 * n, "the vertices' kinds", &c->kind));
+    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, 3 * n, "the vertices' kinds", &c->kind));
+    BVXI_TRY(BVXI_ARRAY(c->ctx, bvxi_collapse_cost_pieces(c) * COST_BUCKETS, "counts of costs", c->costs));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 4, "the mesh's vertices", &c->first_source));
     c->first_triangles = m->triangles;
     c->first_vertices = n;
@@ -646,8 +647,7 @@ static bvx_status open_arrays(bvxi_collapse *c)
     c->edge = (int32_t *)(void *)(c->least + n);
     c->any = c->edge + n;
     c->last = (uint32_t *)(void *)(c->any + n);
-    c->waits = c->kind + n;
-    c->fresh = c->waits + n;
+    c->fresh = c->kind + n;
     c->stale = c->fresh + n;
 
     memset(c->last, 0xff, (size_t)n * sizeof *c->last);
