@@ -188,8 +188,9 @@ bvx_status bvxi_for_ranges(bvx_context *ctx, const char *stage, double from, dou
 typedef void bvxi_piece_fn(void *user, int32_t piece, uint64_t begin, uint64_t end);
 bvx_status bvxi_for_pieces(bvx_context *ctx, const char *stage, double from, double to, int32_t pieces,
                            uint64_t count, bvxi_piece_fn *body, void *user);
-/* bvxi_each without reports, for what is short beside the time between two of them. */
+/* bvxi_each and bvxi_for_pieces without reports, for what is short beside the time between two of them. */
 void bvxi_tasks(bvx_context *ctx, int32_t count, bvxi_item_fn *item, void *user);
+void bvxi_ranges(bvx_context *ctx, int32_t pieces, uint64_t count, bvxi_piece_fn *body, void *user);
 /* 0: none */
 uint64_t bvxi_memory_limit(const bvx_context *ctx);
 int32_t bvxi_threads(const bvx_context *ctx);
@@ -277,6 +278,14 @@ static inline int32_t bvxi_piece_count(uint64_t count, uint64_t grain)
 {
     uint64_t const pieces = count / grain;
     return pieces < 1 ? 1 : pieces > BVXI_MOST_PIECES ? BVXI_MOST_PIECES : (int32_t)pieces;
+}
+
+/* Pieces for tasks that each look at everything and take what belongs to a range of their own. That costs a look for
+ * each: there are as many as threads, so that ranges may show in nothing. */
+static inline int32_t bvxi_looking_pieces(const bvx_context *ctx)
+{
+    int32_t const threads = bvxi_threads(ctx);
+    return threads < BVXI_MOST_PIECES ? threads : BVXI_MOST_PIECES;
 }
 
 /* ---- options.c: options of callers older or newer than the library ---- */

@@ -200,6 +200,12 @@ void bvxi_tasks(bvx_context *ctx, int32_t count, bvxi_item_fn *item, void *user)
     (void)run_all(ctx, count, run_plain, &p);
 }
 
+void bvxi_ranges(bvx_context *ctx, int32_t pieces, uint64_t count, bvxi_piece_fn *body, void *user)
+{
+    plain_tasks p = {.piece = body, .user = user, .count = count, .pieces = pieces};
+    (void)run_all(ctx, pieces, run_plain, &p);
+}
+
 bvx_status bvxi_each(bvx_context *ctx, const char *stage, double from, double to, int32_t count,
                      bvxi_item_fn *item, void *user)
 {

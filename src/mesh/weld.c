@@ -9,15 +9,10 @@
 
 enum {
     WELD_ASKS = 1 << 20, /* vertices between asking progress */
-    WELD_BATCH = 64      /* vertices whose places are asked from memory before the first is looked at */
+    WELD_BATCH = 64,     /* vertices whose places are asked from memory before the first is looked at */
+    WELD_GRAIN = 16384,  /* vertices to a part of the table, at least */
+    WELD_PARTS = 4       /* more would read more than they share */
 };
-
-static inline bvx_status weld_ask(bvx_context *ctx, const bvx_mesh_view *v, uint64_t i)
-{
-    if (BVXI_UNLIKELY(i % WELD_ASKS == WELD_ASKS - 1))
-        return bvxi_progress(ctx, "weld", (double)i / (double)v->vertex_count);
-    return BVX_OK;
-}
 
 /* 31 well mixed bits of a position; adding 0 makes -0 the same as 0. */
 static uint32_t weld_hash(const double p[3])
@@ -34,57 +29,90 @@ static uint32_t weld_hash(const double p[3])
     return (uint32_t)(h >> 33);
 }
 
-/* Where the searches of n vertices begin in the table. Both it and the vertices found there may lie anywhere
- * in memory, so that all of them are requested before the first is needed. */
-static void weld_slots(const bvx_mesh_view *v, const uint32_t *table, uint64_t size, uint64_t first,
-                       uint64_t n, uint64_t *slot)
+/* The table in parts, each of which a task has for itself: it looks at all vertices and takes those whose search begins
+ * there. That costs a look for each task: there are as many as threads, which show nowhere. */
+typedef struct weld_job {
+    const bvx_mesh_view *view;
+    uint32_t *table;            /* vertex index plus 1, or 0 [Size: size] */
+    uint64_t size, first, last; /* of the table; vertices of this step */
+    uint32_t *representative;
+    int32_t parts;
+    uint64_t found[WELD_PARTS], probes[WELD_PARTS];
+} weld_job;
+
+/* Vertices from *next on whose searches begin in a part of the table, and where. Both it and the vertices found there
+ * may lie anywhere in memory, so that all of them are requested before the first is needed. */
+static uint64_t weld_slots(const weld_job *w, uint64_t begin, uint64_t end, uint64_t *next, uint32_t *vertex,
+                           uint64_t *slot)
 {
-    double p[3];
-    for (uint64_t k = 0; k < n; k++) {
-        bvxi_view_position(v, first + k, p);
+    uint64_t n = 0;
+
+    for (; *next < w->last && n < WELD_BATCH; ++*next) {
+        double p[3];
+
+        bvxi_view_position(w->view, *next, p);
         /* The high bits of the hash times the size spread over the table without a division. */
-        slot[k] = (uint64_t)weld_hash(p) * size >> 31; /* size < 2^33 */
-        BVXI_PREFETCH(&table[slot[k]]);
+        slot[n] = (uint64_t)weld_hash(p) * w->size >> 31; /* size < 2^33 */
+        if (slot[n] - begin >= end - begin) continue;
+        BVXI_PREFETCH(&w->table[slot[n]]);
+        vertex[n++] = (uint32_t)*next;
     }
     for (uint64_t k = 0; k < n; k++) {
-        uint32_t const other = table[slot[k]];
-        BVXI_PREFETCH(bvxi_view_position_at(v, other - (other != 0)));
+        uint32_t const other = w->table[slot[k]];
+        BVXI_PREFETCH(bvxi_view_position_at(w->view, other - (other != 0)));
     }
+    return n;
 }
 
-/* table[slot] is a vertex index plus 1, or 0. *different becomes 0 when it was searched too long. */
-static bvx_status weld_into(bvx_context *ctx, const bvx_mesh_view *v, uint32_t *table, uint64_t size,
-                            uint32_t *representative, uint64_t *different)
+static void weld_part(void *user, int32_t part)
 {
-    uint64_t const limit = bvxi_probe_limit(v->vertex_count);
-    uint64_t found = 0, probes = 0, slots[WELD_BATCH];
-    double p[3], q[3];
+    weld_job *const w = user;
+    uint64_t const limit = bvxi_probe_limit(w->view->vertex_count);
+    uint64_t begin, end, next = w->first, found = 0, probes = w->probes[part], slots[WELD_BATCH], n;
+    uint32_t vertex[WELD_BATCH];
 
-    *different = 0;
-    for (uint64_t i = 0; i < v->vertex_count; i++) {
-        uint64_t const left = v->vertex_count - i;
+    bvxi_piece(w->size, w->parts, part, &begin, &end);
+    /* Too many steps so far: whatever was found is thrown away, and the tree begins anew. */
+    while (probes <= limit && (n = weld_slots(w, begin, end, &next, vertex, slots)) != 0)
+        for (uint64_t k = 0; k < n && probes <= limit; k++) {
+            double p[3], q[3];
 
-        BVXI_TRY(weld_ask(ctx, v, i));
-        if (i % WELD_BATCH == 0) weld_slots(v, table, size, i, left < WELD_BATCH ? left : WELD_BATCH, slots);
-        bvxi_view_position(v, i, p);
-        for (uint64_t slot = slots[i % WELD_BATCH];; slot = slot + 1 == size ? 0 : slot + 1, probes++) {
-            uint32_t const other = table[slot];
-            if (other == 0) {
-                table[slot] = (uint32_t)(i + 1);
-                representative[i] = (uint32_t)i;
-                found++;
-                break;
-            }
-            bvxi_view_position(v, other - 1, q);
-            if (p[0] == q[0] && p[1] == q[1] && p[2] == q[2]) {
-                representative[i] = other - 1;
-                break;
+            bvxi_view_position(w->view, vertex[k], p);
+            for (uint64_t slot = slots[k]; probes <= limit;
+                 slot = slot + 1 == end ? begin : slot + 1, probes++) {
+                uint32_t const other = w->table[slot];
+
+                w->representative[vertex[k]] = other == 0 ? vertex[k] : other - 1;
+                if (other == 0) {
+                    w->table[slot] = vertex[k] + 1;
+                    found++;
+                    break;
+                }
+                bvxi_view_position(w->view, other - 1, q);
+                if (p[0] == q[0] && p[1] == q[1] && p[2] == q[2]) break;
             }
         }
-        /* Too many steps so far: whatever was found is thrown away, and the tree begins anew. */
-        if (BVXI_UNLIKELY(probes > limit)) return BVX_OK;
+    w->found[part] += found;
+    w->probes[part] = probes;
+}
+
+/* *different becomes 0 when it was searched too long. */
+static bvx_status weld_into(bvx_context *ctx, weld_job *w, uint64_t *different)
+{
+    uint64_t const count = w->view->vertex_count;
+
+    *different = 0;
+    w->parts = bvxi_piece_count(count, WELD_GRAIN);
+    if (w->parts > bvxi_threads(ctx)) w->parts = bvxi_threads(ctx);
+    if (w->parts > WELD_PARTS) w->parts = WELD_PARTS;
+    for (; w->first < count; w->first = w->last) {
+        w->last = count - w->first < WELD_ASKS ? count : w->first + WELD_ASKS;
+        if (w->first != 0) BVXI_TRY(bvxi_progress(ctx, "weld", (double)w->first / (double)count));
+        bvxi_tasks(ctx, w->parts, weld_part, w);
     }
-    *different = found;
+    for (int32_t i = 0; i < w->parts; i++) *different += w->found[i];
+    for (int32_t i = 0; i < w->parts; i++)
+        if (w->probes[i] > bvxi_probe_limit(count)) *different = 0;
     return BVX_OK;
 }
 
@@ -101,17 +129,18 @@ bvx_status bvxi_weld(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *repr
                      uint64_t *different)
 {
     uint64_t const size = view->vertex_count + view->vertex_count / 2 + 1;
-    uint32_t *table;
-    BVXI_TRY(BVXI_ZEROS(ctx, size, "the welding table", table));
-    bvx_status const status = weld_into(ctx, view, table, size, representative, different);
-    bvxi_drop(ctx, table);
+    weld_job w = {.view = view, .size = size, .representative = representative};
+    BVXI_TRY(BVXI_ZEROS(ctx, size, "the welding table", w.table));
+    bvx_status const status = weld_into(ctx, &w, different);
+    bvxi_drop(ctx, w.table);
     /* No vertex at all has been found different: the mark of a search that was given up. */
     if (status != BVX_OK || *different != 0 || view->vertex_count == 0) return status;
 
     bvxi_key_tree tree;
     BVXI_TRY(bvxi_key_tree_open(ctx, &tree, weld_key, view, view->vertex_count));
     for (uint64_t i = 0; i < view->vertex_count; i++) {
-        BVXI_TRY(weld_ask(ctx, view, i));
+        if (BVXI_UNLIKELY(i % WELD_ASKS == WELD_ASKS - 1))
+            BVXI_TRY(bvxi_progress(ctx, "weld", (double)i / (double)view->vertex_count));
         representative[i] = (uint32_t)bvxi_key_tree_find(&tree, i);
         *different += representative[i] == i; /* A vertex that finds itself is the first at its position. */
     }

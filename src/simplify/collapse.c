@@ -26,7 +26,10 @@ enum {
     RANGE_VERTICES = 4096,  /* of a range, at least */
     RANGE_MOST = 20,        /* ranges: more have more edges that reach into others */
     RANGE_COLLAPSES = 4096, /* fewer are not worth ranges */
-    SWEEP_AHEAD = 8,        /* vertices */
+    BLOCK_VERTICES = 512,   /* at least */
+    COST_GRAIN = 8192,      /* vertices whose costs are counted in one piece, at least */
+    COST_PIECES = 4,
+    SWEEP_AHEAD = 8, /* vertices */
     THRESHOLD_WANTED = 16384,
     THRESHOLD_VERTICES = 8192, /* more are wanted: about so many are looked at, else four times as many */
     THRESHOLD_FEW = 64,        /* the share of those wanted that are the cheapest */
@@ -98,13 +101,17 @@ typedef struct collapse_range {
     uint32_t order;
     uint64_t collapsed, triangles; /* that went */
     uint64_t refused;
+    uint64_t waiting; /* vertices whose edges reach into other ranges */
 } collapse_range;
 
 typedef struct collapse_sweep {
     bvxi_collapse *c;
     collapse_range *range;
     float threshold;
-    uint64_t size;       /* vertices of a range; 0: one range has all */
+    uint32_t *waiting;   /* vertices, those of each range from its first on */
+    uint8_t *cheap;      /* of blocks in place of ranges, 1: a vertex has an edge that cheap */
+    uint64_t size;       /* vertices of a range, or of a block */
+    uint64_t target;     /* triangles */
     uint64_t left;       /* triangles as the sweep begins */
     uint64_t candidates; /* vertices with an edge that cheap */
     uint64_t needed;     /* collapses */
@@ -323,7 +330,7 @@ static void try_vertex(const collapse_sweep *s, collapse_range *r, int64_t range
     double p[3];
 
     if (range != RANGE_ALL && (!in_range(s, (uint64_t)range, x) || !in_range(s, (uint64_t)range, y))) {
-        c->waits[v] = 1;
+        s->waiting[(uint64_t)range * s->size + r->waiting++] = v;
         return;
     }
     if (c->least[x] < c->least[v] || c->least[y] < c->least[v]) return;
@@ -334,7 +341,7 @@ static void try_vertex(const collapse_sweep *s, collapse_range *r, int64_t range
         int const needles = plan.cost * 2 < cost;
 
         if (range != RANGE_ALL && !star_in_range(s, (uint64_t)range, &r->star)) {
-            c->waits[v] = 1;
+            s->waiting[(uint64_t)range * s->size + r->waiting++] = v;
             return;
         }
         if (judge_at(s, &plan, &r->star, plan.d, needles, p) ||
@@ -349,14 +356,54 @@ static void try_vertex(const collapse_sweep *s, collapse_range *r, int64_t range
 
 /* ---- Sweeps ---- */
 
-enum { COST_BUCKETS = 1 << 12 };
-
 static uint32_t cost_bits(float cost)
 {
     uint32_t bits;
 
     memcpy(&bits, &cost, sizeof bits);
     return bits;
+}
+
+/* Vertices by the bits of their costs: the upper twelve, or the next twelve of those that begin with high. */
+typedef struct cost_counts {
+    const bvxi_collapse *c;
+    uint64_t step; /* vertices to one that is looked at */
+    uint32_t high; /* COST_BUCKETS: none */
+} cost_counts;
+
+uint64_t bvxi_collapse_cost_pieces(const bvxi_collapse *c)
+{
+    int32_t const pieces = bvxi_piece_count(c->mesh.vertices, COST_GRAIN), threads = bvxi_threads(c->ctx);
+    int32_t const most = threads < COST_PIECES ? threads : COST_PIECES;
+
+    return (uint64_t)(pieces < most ? pieces : most);
+}
+
+static void costs_of_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
+{
+    const cost_counts *const k = user;
+    const float *const least = k->c->least;
+    uint32_t *const count = k->c->costs + (uint64_t)piece * COST_BUCKETS;
+
+    memset(count, 0, COST_BUCKETS * sizeof *count);
+    for (uint64_t i = begin; i < end; i++) {
+        uint32_t const bits = cost_bits(least[i * k->step]);
+
+        if (k->high == COST_BUCKETS) count[bits >> 20]++;
+        else if (bits >> 20 == k->high && least[i * k->step] < COLLAPSE_NEVER)
+            count[bits >> 8 & (COST_BUCKETS - 1)]++;
+    }
+}
+
+/* The counts of all pieces go to those of the first. */
+static void count_costs(cost_counts *k)
+{
+    uint64_t const looked = (k->c->mesh.vertices + k->step - 1) / k->step;
+    uint64_t const pieces = looked < COST_GRAIN ? 1 : bvxi_collapse_cost_pieces(k->c);
+
+    bvxi_ranges(k->c->ctx, (int32_t)pieces, looked, costs_of_piece, k);
+    for (uint64_t i = COST_BUCKETS; i < pieces * COST_BUCKETS; i++)
+        k->c->costs[i & (COST_BUCKETS - 1)] += k->c->costs[i];
 }
 
 /* Set the cost that about so many vertices have no cheaper edge than; bits of positive floats are in the order
@@ -366,15 +413,16 @@ static void choose_threshold(collapse_sweep *s, uint64_t wanted, int idle)
     const bvxi_collapse *const c = s->c;
     uint64_t const looked = wanted > THRESHOLD_WANTED ? THRESHOLD_VERTICES : 4 * THRESHOLD_VERTICES;
     uint64_t const step = idle == 0 || wanted > THRESHOLD_WANTED ? 1 + c->mesh.vertices / looked : 1;
-    uint32_t count[COST_BUCKETS], high = COST_BUCKETS - 1, low = COST_BUCKETS, bits;
+    cost_counts counts = {.c = c, .step = step, .high = COST_BUCKETS};
+    const uint32_t *const count = c->costs;
+    uint32_t high = COST_BUCKETS - 1, low = COST_BUCKETS, bits;
     uint64_t const enough = (wanted + step - 1) / step, few = enough / THRESHOLD_FEW + 1;
     uint64_t before = 0;
     double dearer = DEARER;
     float most;
 
     /* The upper twelve bits first, then the next twelve of those that are in the same bucket. */
-    memset(count, 0, sizeof count);
-    for (uint64_t v = 0; v < c->mesh.vertices; v += step) count[cost_bits(c->least[v]) >> 20]++;
+    count_costs(&counts);
     for (uint32_t i = 0; i < COST_BUCKETS; i++) {
         if (before + count[i] >= few && low == COST_BUCKETS) low = i;
         if (before + count[i] >= enough) {
@@ -395,11 +443,8 @@ static void choose_threshold(collapse_sweep *s, uint64_t wanted, int idle)
         before = 0;
         for (uint32_t i = 0; i < high; i++) before += count[i];
     }
-    memset(count, 0, sizeof count);
-    for (uint64_t v = 0; v < c->mesh.vertices; v += step) {
-        bits = cost_bits(c->least[v]);
-        if (bits >> 20 == high && c->least[v] < COLLAPSE_NEVER) count[bits >> 8 & (COST_BUCKETS - 1)]++;
-    }
+    counts.high = high;
+    count_costs(&counts);
     bits = high << 20 | 0xfffff;
     for (uint32_t i = 0; i < COST_BUCKETS; i++) {
         before += count[i];
@@ -410,6 +455,13 @@ static void choose_threshold(collapse_sweep *s, uint64_t wanted, int idle)
     memcpy(&s->threshold, &bits, sizeof bits);
     if (!(s->threshold < COLLAPSE_NEVER)) s->threshold = 0.5f * COLLAPSE_NEVER;
     s->candidates = before * step;
+}
+
+/* Memory that a vertex needs is requested before its turn. */
+static void request_vertex(const bvxi_collapse *c, uint32_t v)
+{
+    BVXI_PREFETCH(&c->mesh.at[v]);
+    BVXI_PREFETCH(&c->mesh.triangle[(uint32_t)c->edge[v] >> 2]);
 }
 
 static void range_piece(void *user, int32_t index)
@@ -425,11 +477,8 @@ static void range_piece(void *user, int32_t index)
     for (uint64_t v = begin; v < end; v++) candidates += c->least[v] <= s->threshold;
     quota = (uint64_t)((double)s->needed * (double)candidates / (double)s->candidates);
     for (uint64_t v = begin; v < end; v++) {
-        /* Memory that the next ones need is requested before its turn. */
-        if (v + SWEEP_AHEAD < end && c->least[v + SWEEP_AHEAD] <= s->threshold) {
-            BVXI_PREFETCH(&c->mesh.at[v + SWEEP_AHEAD]);
-            BVXI_PREFETCH(&c->mesh.triangle[(uint32_t)c->edge[v + SWEEP_AHEAD] >> 2]);
-        }
+        if (v + SWEEP_AHEAD < end && c->least[v + SWEEP_AHEAD] <= s->threshold)
+            request_vertex(c, (uint32_t)v + SWEEP_AHEAD);
         if (!(c->least[v] <= s->threshold)) continue;
         if (r->collapsed >= quota) break;
         try_vertex(s, r, index, (uint32_t)v);
@@ -444,47 +493,122 @@ static void take_range(bvxi_collapse *c, const collapse_range *r)
     c->counts.refused += r->refused;
 }
 
+/* What reaches over the ranges' borders, one by one. */
+static void sweep_waiting(const collapse_sweep *s, uint64_t ranges, collapse_range *r)
+{
+    const bvxi_collapse *const c = s->c;
+
+    for (uint64_t i = 0; i < ranges; i++) {
+        const uint32_t *const waiting = s->waiting + i * s->size;
+
+        for (uint64_t k = 0, n = s->range[i].waiting; k < n; k++) {
+            if (k + SWEEP_AHEAD < n) request_vertex(c, waiting[k + SWEEP_AHEAD]);
+            if (!(c->least[waiting[k]] <= s->threshold)) continue;
+            if (c->mesh.left <= s->target + r->triangles) return;
+            try_vertex(s, r, RANGE_ALL, waiting[k]);
+        }
+    }
+}
+
 static bvx_status sweep_ranges(collapse_sweep *s)
 {
     bvxi_collapse *const c = s->c;
-    uint64_t ranges, collapsed = 0;
+    collapse_range r = {.triangles = 0};
+    uint64_t ranges;
 
     s->size = (c->mesh.vertices + RANGE_MOST - 1) / RANGE_MOST;
     if (s->size < RANGE_VERTICES) s->size = RANGE_VERTICES;
     ranges = (c->mesh.vertices + s->size - 1) / s->size;
-    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, ranges * sizeof *s->range, "the ranges of collapses",
-                             &s->range));
+    BVXI_TRY(BVXI_ZEROS(c->ctx, ranges, "the ranges of collapses", s->range));
+    BVXI_TRY(BVXI_ARRAY(c->ctx, c->mesh.vertices, "vertices that wait", s->waiting));
 
     for (uint64_t i = 0; i < ranges; i++) s->range[i].order = c->order;
     bvxi_tasks(c->ctx, (int32_t)ranges, range_piece, s);
+    r.order = c->order;
     for (uint64_t i = 0; i < ranges; i++) {
         take_range(c, &s->range[i]);
-        collapsed += s->range[i].collapsed;
+        r.order += (uint32_t)s->range[i].collapsed;
     }
-    c->order += (uint32_t)collapsed;
+    sweep_waiting(s, ranges, &r);
+    c->order = r.order;
+    take_range(c, &r);
+    bvxi_drop(c->ctx, s->waiting);
     bvxi_drop(c->ctx, s->range);
     return BVX_OK;
 }
 
 /* 1: one of the next eight vertices may be tried. */
-static int any_of_eight(const collapse_sweep *s, int ranged, uint64_t v)
+static int any_of_eight(const float *least, float threshold)
 {
-    uint64_t waits = 1;
     int cheap = 0;
 
-    if (ranged) memcpy(&waits, s->c->waits + v, sizeof waits);
-    for (uint64_t k = v; k < v + 8 && waits != 0; k++) cheap |= s->c->least[k] <= s->threshold;
+    for (int k = 0; k < 8; k++) cheap |= least[k] <= threshold;
     return cheap;
+}
+
+static void block_piece(void *user, int32_t block)
+{
+    const collapse_sweep *const s = user;
+    uint64_t const begin = (uint64_t)block * s->size;
+    uint64_t const end = begin + s->size < s->c->mesh.vertices ? begin + s->size : s->c->mesh.vertices;
+    uint64_t v = begin;
+
+    while (v + 8 <= end && !any_of_eight(s->c->least + v, s->threshold)) v += 8;
+    while (v < end && !(s->c->least[v] <= s->threshold)) v++;
+    s->cheap[block] = v < end;
+}
+
+/* The vertices of one block, in their order; a collapse may make edges of others cheap. */
+static void sweep_block(const collapse_sweep *s, uint64_t block, collapse_range *r)
+{
+    bvxi_collapse *const c = s->c;
+    uint64_t const begin = block * s->size;
+    uint64_t const end = begin + s->size < c->mesh.vertices ? begin + s->size : c->mesh.vertices;
+
+    for (uint64_t v = begin; v < end; v++) {
+        uint64_t const collapsed = r->collapsed;
+
+        /* Few are that cheap: eight are looked at at once. */
+        if (v + 8 <= end && !any_of_eight(c->least + v, s->threshold)) {
+            v += 7;
+            continue;
+        }
+        if (!(c->least[v] <= s->threshold)) continue;
+        if (c->mesh.left <= s->target + r->triangles) return;
+        try_vertex(s, r, RANGE_ALL, (uint32_t)v);
+        if (r->collapsed == collapsed) continue;
+        s->cheap[bvxi_corner_vertex_of(&c->mesh, r->star.corner[0]) / s->size] = 1;
+        for (int32_t i = 0; i < r->star.count; i++)
+            if (r->star.link[i] != BVXI_VERTEX_GHOST) s->cheap[r->star.link[i] / s->size] = 1;
+    }
+}
+
+/* All vertices one by one, but for blocks without a cheap edge. */
+static void sweep_blocks(collapse_sweep *s)
+{
+    bvxi_collapse *const c = s->c;
+    uint8_t cheap[BVXI_MOST_PIECES];
+    collapse_range r = {.order = c->order};
+    uint64_t blocks;
+
+    s->cheap = cheap;
+    s->size = c->mesh.vertices / BVXI_MOST_PIECES + 1;
+    if (s->size < BLOCK_VERTICES) s->size = BLOCK_VERTICES;
+    blocks = (c->mesh.vertices + s->size - 1) / s->size;
+    bvxi_tasks(c->ctx, (int32_t)blocks, block_piece, s);
+    for (uint64_t i = 0; i < blocks; i++)
+        if (cheap[i]) sweep_block(s, i, &r);
+    c->order = r.order;
+    take_range(c, &r);
 }
 
 bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint64_t *done)
 {
     uint64_t const begun = c->counts.collapsed;
     uint64_t const share = idle > 1 ? c->alive : (uint64_t)((double)c->alive * SWEEP_SHARE) + 1;
-    collapse_sweep s = {.c = c, .left = c->mesh.left, .needed = (c->mesh.left - target + 1) / 2};
+    collapse_sweep s = {
+        .c = c, .target = target, .left = c->mesh.left, .needed = (c->mesh.left - target + 1) / 2};
     uint64_t const wanted = (2 * s.needed) << idle;
-    collapse_range r = {.triangles = 0};
-    int ranged;
 
     /* After sweeps in vain more edges are tried, in the end all, since the cheapest ones are refused. */
     choose_threshold(&s, wanted < share ? wanted : share, idle);
@@ -497,24 +621,9 @@ bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint
     if (s.threshold > c->reached) c->reached = s.threshold;
     *done = 0;
     if (s.candidates == 0) return BVX_OK;
-    ranged = c->tree.node[0] == NULL && s.needed >= RANGE_COLLAPSES && c->mesh.vertices >= 2 * RANGE_VERTICES;
-    if (ranged) BVXI_TRY(sweep_ranges(&s));
-
-    /* What reaches over the ranges' borders, or all. */
-    r.order = c->order;
-    for (uint64_t v = 0, n = c->mesh.vertices; v < n; v++) {
-        /* Few wait, and few are that cheap: eight are looked at at once. */
-        if (v + 8 <= n && !any_of_eight(&s, ranged, v)) {
-            v += 7;
-            continue;
-        }
-        if ((ranged && !c->waits[v]) || !(c->least[v] <= s.threshold)) continue;
-        if (c->mesh.left <= target + r.triangles) break;
-        try_vertex(&s, &r, RANGE_ALL, (uint32_t)v);
-    }
-    if (ranged) memset(c->waits, 0, (size_t)c->mesh.vertices);
-    c->order = r.order;
-    take_range(c, &r);
+    if (c->tree.node[0] == NULL && s.needed >= RANGE_COLLAPSES && c->mesh.vertices >= 2 * RANGE_VERTICES)
+        BVXI_TRY(sweep_ranges(&s));
+    else sweep_blocks(&s);
     *done = c->counts.collapsed - begun;
     return BVX_OK;
 }

@@ -184,15 +184,17 @@ typedef struct collapse_order {
     /* of each vertex of the view: UINT32_MAX where no triangle uses it, else 0 until take_mesh writes its
      * number in the new order */
     uint32_t *rank;
-    uint32_t *begin; /* of each vertex's triangles: where the next one goes [Size: vertices + 1] */
+    uint32_t *begin; /* of each vertex's triangles: where the next one goes [Size: vertices] */
     double low[3], scale;
+    uint64_t used[BVXI_MOST_PIECES]; /* vertices of the view in each piece; then where their keys begin */
 } collapse_order;
 
-static void vertex_keys(collapse_order *o, uint64_t *used)
+static void keys_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
-    uint64_t n = 0;
+    const collapse_order *const o = user;
+    uint64_t n = o->used[piece];
 
-    for (uint64_t v = 0; v < o->view->vertex_count; v++) {
+    for (uint64_t v = begin; v < end; v++) {
         double p[3];
         uint64_t key = 0;
 
@@ -205,7 +207,6 @@ static void vertex_keys(collapse_order *o, uint64_t *used)
         o->key[n] = key;
         o->index[n++] = (uint32_t)v;
     }
-    *used = n;
 }
 
 static int position_before(const double p[3], const double q[3])
@@ -280,13 +281,11 @@ static void order_bucket(bvxi_corner_triangle *t, uint64_t begin, uint64_t end)
 }
 
 /* Each vertex's triangles end where its next one would go, which is where those of the vertex before end. */
-static void buckets_piece(void *user, int32_t index)
+static void buckets_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     const collapse_order *const o = user;
-    uint64_t const n = o->c->mesh.vertices;
-    uint64_t begin, end;
 
-    bvxi_piece(n, bvxi_piece_count(n, COLLAPSE_GRAIN), index, &begin, &end);
+    (void)piece;
     for (uint64_t i = begin; i < end; i++) {
         uint64_t const from = i == 0 ? 0 : o->begin[i - 1];
 
@@ -295,15 +294,44 @@ static void buckets_piece(void *user, int32_t index)
 }
 
 /* The corners of some triangles, and where these come from. */
-static void ranks_piece(void *user, int32_t index)
+static void ranks_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     const collapse_order *const o = user;
-    uint64_t const n = o->view->triangle_count;
-    uint64_t begin, end;
 
-    bvxi_piece(n, bvxi_piece_count(n, COLLAPSE_GRAIN), index, &begin, &end);
+    (void)piece;
     for (uint64_t t = begin; t < end; t++)
         o->index[t] = (uint32_t)(t << 2) | (uint32_t)ranked_triangle(o, t, o->c->origin + 3 * t);
+}
+
+/* Triangles whose first vertex is one from first on go side by side, each vertex's in their order. */
+static void scatter_piece(void *user, int32_t piece, uint64_t first, uint64_t end)
+{
+    const collapse_order *const o = user;
+    const uint32_t *const origin = o->c->origin;
+    uint64_t const n = o->view->triangle_count, size = end - first;
+    uint32_t sum = 0; /* triangles of the vertices before */
+
+    (void)piece;
+    memset(o->begin + first, 0, (size_t)size * sizeof *o->begin);
+    for (uint64_t t = 0; t < n; t++) {
+        sum += origin[3 * t] < first;
+        if (origin[3 * t] - first < size) o->begin[origin[3 * t]]++;
+    }
+    for (uint64_t v = first; v < end; v++) {
+        uint32_t const own = o->begin[v];
+
+        o->begin[v] = sum;
+        sum += own;
+    }
+    for (uint64_t t = 0; t < n; t++) {
+        bvxi_corner_triangle *to;
+
+        if (origin[3 * t] - first >= size) continue;
+        to = &o->c->mesh.triangle[o->begin[origin[3 * t]]++];
+        memcpy(to->vertex, origin + 3 * t, sizeof to->vertex);
+        /* Where it comes from waits in a field that is not set yet. */
+        to->left[0] = (int32_t)o->index[t];
+    }
 }
 
 /* Triangles by their least vertex, which comes first, and the ones after it: the order depends on the mesh
@@ -311,47 +339,31 @@ static void ranks_piece(void *user, int32_t index)
 static bvx_status order_triangles(bvxi_collapse *c, collapse_order *o)
 {
     uint64_t const n = o->view->triangle_count;
-    uint32_t *begin;
-    uint64_t sum = 0;
+    uint64_t const vertices = c->mesh.vertices;
 
-    BVXI_TRY(
-        bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, (c->mesh.vertices + 1) * 4, "the triangles' vertices", &begin));
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, vertices * 4, "the triangles' vertices", &o->begin));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 12, "the mesh's corners", &c->origin));
-    bvxi_tasks(c->ctx, bvxi_piece_count(n, COLLAPSE_GRAIN), ranks_piece, o);
-    for (uint64_t t = 0; t < n; t++) begin[c->origin[3 * t]]++;
-    for (uint64_t i = 0; i <= c->mesh.vertices; i++) {
-        uint64_t const own = begin[i];
+    bvxi_ranges(c->ctx, bvxi_piece_count(n, COLLAPSE_GRAIN), n, ranks_piece, o);
+    bvxi_ranges(c->ctx, bvxi_looking_pieces(c->ctx), vertices, scatter_piece, o);
+    bvxi_ranges(c->ctx, bvxi_piece_count(vertices, COLLAPSE_GRAIN), vertices, buckets_piece, o);
+    for (uint64_t i = 0; i < vertices; i++) {
+        uint64_t const from = i == 0 ? 0 : o->begin[i - 1];
 
-        begin[i] = (uint32_t)sum;
-        sum += own;
+        if (o->begin[i] - from > COLLAPSE_BUCKET) BVXI_TRY(order_crowd(o, from, o->begin[i]));
     }
-    for (uint64_t t = 0; t < n; t++) {
-        bvxi_corner_triangle *const to = &c->mesh.triangle[begin[c->origin[3 * t]]++];
-
-        /* Where it comes from waits in a field that is not set yet. */
-        memcpy(to->vertex, c->origin + 3 * t, sizeof to->vertex);
-        to->left[0] = (int32_t)o->index[t];
-    }
-
-    o->begin = begin;
-    bvxi_tasks(c->ctx, bvxi_piece_count(c->mesh.vertices, COLLAPSE_GRAIN), buckets_piece, o);
-    for (uint64_t i = 0; i < c->mesh.vertices; i++)
-        if (begin[i] - (i == 0 ? 0 : begin[i - 1]) > COLLAPSE_BUCKET)
-            BVXI_TRY(order_crowd(o, i == 0 ? 0 : begin[i - 1], begin[i]));
-    bvxi_drop(c->ctx, begin);
+    bvxi_drop(c->ctx, o->begin);
     if (!bvxi_collapse_needs_sources(c->given, &c->options)) return BVX_OK;
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 4, "the triangles' sources", &c->from));
     for (uint64_t t = 0; t < n; t++) c->from[t] = (uint32_t)c->mesh.triangle[t].left[0];
     return BVX_OK;
 }
 
-static void positions_piece(void *user, int32_t index)
+static void positions_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     const collapse_order *const o = user;
     bvxi_corners *const m = &o->c->mesh;
-    uint64_t begin, end;
 
-    bvxi_piece(m->vertices, bvxi_piece_count(m->vertices, COLLAPSE_GRAIN), index, &begin, &end);
+    (void)piece;
     for (uint64_t i = begin; i < end; i++) {
         bvxi_corner_vertex at = {.q = {.c = 0}};
 
@@ -369,34 +381,34 @@ static void positions_piece(void *user, int32_t index)
 /* The mesh in an order of space, and its positions as the result will have them. */
 static bvx_status take_mesh(bvxi_collapse *c, collapse_order *o)
 {
-    uint64_t used;
+    uint64_t const used = c->mesh.vertices;
 
-    vertex_keys(o, &used);
+    bvxi_ranges(c->ctx, bvxi_looking_pieces(c->ctx), o->view->vertex_count, keys_piece, o);
     BVXI_TRY(bvxi_radix_sort(c->ctx, o->key, o->index, used));
     order_equal_keys(o, used);
-
-    c->mesh.vertices = used;
-    bvxi_tasks(c->ctx, bvxi_piece_count(used, COLLAPSE_GRAIN), positions_piece, o);
+    bvxi_ranges(c->ctx, bvxi_piece_count(used, COLLAPSE_GRAIN), used, positions_piece, o);
     return order_triangles(c, o);
 }
 
-/* Marks the vertices that triangles use by a rank of 0; returns how many. */
-static uint64_t mark_used(collapse_order *o)
+/* Mark the vertices that triangles use by a rank of 0, and count them. */
+static void used_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
+    collapse_order *const o = user;
     uint64_t used = 0;
 
-    for (uint64_t v = 0; v < o->view->vertex_count; v++) o->rank[v] = UINT32_MAX;
+    memset(o->rank + begin, 0xff, (size_t)(end - begin) * sizeof *o->rank);
     for (uint64_t t = 0; t < o->view->triangle_count; t++) {
         uint32_t v[3];
 
         bvxi_view_triangle(o->view, t, v);
         for (int k = 0; k < 3; k++) {
+            if (v[k] - begin >= end - begin) continue;
             /* Counted once: after the first triangle the mark is 0. */
             used += o->rank[v[k]] != 0;
             o->rank[v[k]] = 0;
         }
     }
-    return used;
+    o->used[piece] = used;
 }
 
 static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const double low[3], double size)
@@ -404,6 +416,7 @@ static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const 
     uint64_t const items = mesh->vertex_count > mesh->triangle_count ? mesh->vertex_count
                                                                      : mesh->triangle_count;
     uint64_t const bytes = items * 12 + mesh->vertex_count * 4; /* a bucket may have all triangles */
+    int32_t const pieces = bvxi_looking_pieces(c->ctx);
     collapse_order o = {.c = c,
                         .view = mesh,
                         .packed = c->sheets->corner,
@@ -418,7 +431,8 @@ static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const 
     o.index = (uint32_t *)(void *)(o.key + items);
     o.rank = o.index + items;
 
-    c->mesh.vertex_room = mark_used(&o);
+    bvxi_ranges(c->ctx, pieces, mesh->vertex_count, used_piece, &o);
+    c->mesh.vertices = c->mesh.vertex_room = bvxi_place_counts(o.used, (uint64_t)pieces);
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * sizeof *c->mesh.at, "the vertices",
                         &c->mesh.at));
     BVXI_TRY(
@@ -504,12 +518,11 @@ static void add_lines(bvxi_collapse *c, uint64_t begin, uint64_t end)
 }
 
 /* The quadrics of some vertices, whose sums go in the order of triangles. */
-static void quadrics_piece(void *user, int32_t index)
+static void quadrics_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     bvxi_collapse *const c = user;
-    uint64_t begin, end;
 
-    bvxi_piece(c->mesh.vertices, bvxi_threads(c->ctx), index, &begin, &end);
+    (void)piece;
     BVXI_PATH(c->fast, add_planes(c, begin, end), add_planes_avx2(c, begin, end));
     /* After it: the weight of lines is a share of that of planes. */
     add_lines(c, begin, end);
@@ -591,35 +604,56 @@ static void mark_lines(bvxi_collapse *c)
 
 /* ---- Opening, results ---- */
 
+/* Corners as they are opened, costs that are not known yet, and the area of some triangles. */
+typedef struct collapse_costs {
+    bvxi_collapse *c;
+    double area[BVXI_MOST_PIECES];
+} collapse_costs;
+
+static void costs_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
+{
+    collapse_costs *const s = user;
+    bvxi_collapse *const c = s->c;
+
+    s->area[piece] = 0;
+    for (uint64_t t = begin; t < end; t++) {
+        bvxi_corner_triangle *const at = &c->mesh.triangle[t];
+        double length = 0;
+
+        if (t < c->mesh.triangles) {
+            memcpy(c->origin + 3 * t, at->vertex, sizeof at->vertex);
+            memcpy(&length, at->cost, sizeof length);
+        }
+        s->area[piece] += 0.5 * length * c->scale * c->scale;
+        for (int k = 0; k < 3; k++) at->cost[k] = COLLAPSE_NEVER;
+    }
+}
+
 static bvx_status open_arrays(bvxi_collapse *c)
 {
     bvxi_corners *const m = &c->mesh;
-    uint64_t const n = m->vertices;
+    uint64_t const n = m->vertices, all = m->triangles + m->ghosts;
+    int32_t const pieces = bvxi_piece_count(all, COLLAPSE_GRAIN);
+    collapse_costs s = {.c = c};
 
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * sizeof *c->undo, "what undoes collapses", &c->undo));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 16, "the vertices' edges", &c->least));
-    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, 4 * n, "the vertices' kinds", &c->kind));
+    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, 3 * n, "the vertices' kinds", &c->kind));
+    BVXI_TRY(BVXI_ARRAY(c->ctx, bvxi_collapse_cost_pieces(c) * COST_BUCKETS, "counts of costs", c->costs));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 4, "the mesh's vertices", &c->first_source));
     c->first_triangles = m->triangles;
     c->first_vertices = n;
-    for (uint64_t t = 0; t < m->triangles; t++) memcpy(c->origin + 3 * t, m->triangle[t].vertex, 12);
     memcpy(c->first_source, m->source, (size_t)n * 4);
     c->edge = (int32_t *)(void *)(c->least + n);
     c->any = c->edge + n;
     c->last = (uint32_t *)(void *)(c->any + n);
-    c->waits = c->kind + n;
-    c->fresh = c->waits + n;
+    c->fresh = c->kind + n;
     c->stale = c->fresh + n;
 
     memset(c->last, 0xff, (size_t)n * sizeof *c->last);
     memset(c->stale, 1, (size_t)n);
-    for (uint64_t t = 0; t < m->triangles + m->ghosts; t++) {
-        double length = 0;
-
-        if (t < m->triangles) memcpy(&length, m->triangle[t].cost, sizeof length);
-        c->area += 0.5 * length * c->scale * c->scale;
-        for (int k = 0; k < 3; k++) m->triangle[t].cost[k] = COLLAPSE_NEVER;
-    }
+    bvxi_ranges(c->ctx, pieces, all, costs_piece, &s);
+    for (int32_t i = 0; i < pieces; i++) c->area += s.area[i];
     bvxi_collapse_index(c);
     c->alive = n;
     c->crumpled = CRUMPLED_MOST;
@@ -657,7 +691,7 @@ static bvx_status open_steps(bvxi_collapse *c, const bvx_mesh_view *mesh)
     BVXI_TRY(bvxi_corners_connect(c->ctx, c->function, &c->mesh, c->options.borders));
     c->counts.split = c->mesh.split;
     BVXI_TRY(bvxi_progress(c->ctx, "collapse", 0.07));
-    bvxi_tasks(c->ctx, bvxi_threads(c->ctx), quadrics_piece, c);
+    bvxi_ranges(c->ctx, bvxi_looking_pieces(c->ctx), c->mesh.vertices, quadrics_piece, c);
     return open_arrays(c);
 }
 

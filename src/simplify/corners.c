@@ -10,8 +10,8 @@
 /* ---- Connecting ---- */
 
 enum {
-    EDGE_CROWD = 48,  /* triangles around a vertex whose list would be too long */
-    FAN_GRAIN = 4096, /* vertices of a task */
+    EDGE_CROWD = 48,     /* triangles around a vertex whose list would be too long */
+    CORNER_GRAIN = 4096, /* triangles of a task */
 };
 
 /* A corner whose edge waits at one of its ends for its second side. */
@@ -26,12 +26,14 @@ typedef struct edge_lists {
     edge_wait *wait;  /* of each corner [Size: triangles * 3] */
 } edge_lists;
 
-/* Edges whose end with the list is of some vertices are paired by a task. */
+/* Edges whose end with the list is of some vertices are paired by a task; then corners are looked at by others. */
 typedef struct edge_job {
     bvxi_corners *m;
     edge_lists *lists;
-    int32_t borders, pieces;
+    int32_t borders;
     int32_t failed[BVXI_MOST_PIECES]; /* of each piece: the first corner that it refused, or that after all */
+    uint64_t
+        count[BVXI_MOST_PIECES]; /* of each piece: borders, or corners that the walks around vertices reach */
 } edge_job;
 
 /* Across the edge of the first corner that waited at an edge whose sides are all borders. */
@@ -108,16 +110,30 @@ BVXI_VECTOR_INLINE int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c
     return u != v;
 }
 
+/* Empty lists, and the triangles around each of some vertices. */
+static void lists_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
+{
+    const edge_job *const job = user;
+    edge_lists *const lists = job->lists;
+
+    (void)piece;
+    memset(lists->first + begin, 0xff, (size_t)(end - begin) * sizeof *lists->first); /* -1 */
+    memset(lists->around + begin, 0, (size_t)(end - begin) * sizeof *lists->around);
+    for (uint64_t t = 0; t < job->m->triangles; t++)
+        for (int k = 0; k < 3; k++) {
+            uint32_t const v = job->m->triangle[t].vertex[k];
+
+            if (v - begin < end - begin) lists->around[v]++;
+        }
+}
+
 /* Corners of all triangles in their order: edges have one list each, so no two tasks write the same. */
-static void edges_piece(void *user, int32_t index)
+static void edges_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     edge_job *const job = user;
     bvxi_corners *const m = job->m;
     int32_t const last = (int32_t)(4 * m->triangles);
-    uint64_t begin, count;
-
-    bvxi_piece(m->vertices, job->pieces, index, &begin, &count);
-    count -= begin;
+    uint64_t const count = end - begin;
     for (int32_t c = 0; c < last; c += 4) {
         const bvxi_corner_triangle *const t = &m->triangle[c >> 2];
         uint32_t const u = t->vertex[0], v = t->vertex[1], w = t->vertex[2];
@@ -171,85 +187,92 @@ static void lengthen_cut(bvxi_corners *m, int32_t c)
     cut_both_sides(m, bvxi_corner_previous(at));
 }
 
+static void open_triangles_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
+{
+    const edge_job *const job = user;
+
+    (void)piece;
+    for (uint64_t t = begin; t < end; t++)
+        for (int k = 0; k < 3; k++) job->m->triangle[t].left[k] = -1;
+}
+
+/* What still waits is a border. */
+static void borders_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
+{
+    edge_job *const job = user;
+    uint64_t count = 0;
+
+    job->failed[piece] = (int32_t)(4 * job->m->triangles);
+    for (int32_t c = (int32_t)(4 * end); c > (int32_t)(4 * begin);) {
+        c -= (c & 3) == 0 ? 2 : 1;
+        if (across_edge(job->m, c) >= 0) continue;
+        job->failed[piece] = c;
+        count++;
+    }
+    job->count[piece] = count;
+}
+
+/* The first corner that a piece refused. */
+static int32_t first_failed(const edge_job *job, int32_t pieces)
+{
+    int32_t failed = job->failed[0];
+
+    for (int32_t i = 1; i < pieces; i++) failed = job->failed[i] < failed ? job->failed[i] : failed;
+    return failed;
+}
+
 /* Join all corners across their edges, and count borders as ghosts. A refusal names the two ends of the first
  * edge that has one side, three or more, or two that run the same way. */
 static bvx_status pair_corners(bvx_context *ctx, const char *function, bvxi_corners *m, edge_lists *lists,
                                int borders)
 {
-    int32_t const end = (int32_t)(4 * m->triangles);
+    int32_t const end = (int32_t)(4 * m->triangles), looking = bvxi_looking_pieces(ctx);
+    int32_t const pieces = bvxi_piece_count(m->triangles, CORNER_GRAIN);
+    edge_job job = {.m = m, .lists = lists, .borders = borders};
+    int32_t failed;
 
-    edge_job job = {.m = m, .lists = lists, .borders = borders, .pieces = bvxi_threads(ctx)};
-    int32_t failed = end;
-
-    for (uint64_t v = 0; v < m->vertices; v++) {
-        lists->first[v] = -1;
-        lists->around[v] = 0;
-    }
-    for (uint64_t t = 0; t < m->triangles; t++)
-        for (int k = 0; k < 3; k++) {
-            lists->around[m->triangle[t].vertex[k]]++;
-            m->triangle[t].left[k] = -1;
-        }
-
-    /* Corners are numbered by fours: the fourth is left out. */
-    if (job.pieces > BVXI_MOST_PIECES) job.pieces = BVXI_MOST_PIECES;
-    bvxi_tasks(ctx, job.pieces, edges_piece, &job);
-    for (int32_t i = 0; i < job.pieces; i++) failed = job.failed[i] < failed ? job.failed[i] : failed;
+    bvxi_ranges(ctx, looking, m->vertices, lists_piece, &job);
+    bvxi_ranges(ctx, pieces, m->triangles, open_triangles_piece, &job);
+    bvxi_ranges(ctx, looking, m->vertices, edges_piece, &job);
+    failed = first_failed(&job, looking);
     if (failed < end) return fail_edge(ctx, function, m, failed);
 
+    /* Corners are numbered by fours: the fourth is left out. */
     for (int32_t c = 0; c < end && borders == BVXI_BORDERS_CUT; c += (c & 3) == 2 ? 2 : 1)
         if (is_border(m, c)) lengthen_cut(m, c);
 
-    /* What still waits is a border. */
-    m->ghosts = 0;
-    for (int32_t c = 0; c < end; c += (c & 3) == 2 ? 2 : 1) {
-        if (across_edge(m, c) >= 0) continue;
-        if (borders == BVXI_BORDERS_REFUSED) return fail_edge(ctx, function, m, c);
-        m->ghosts++;
-    }
-    return BVX_OK;
+    bvxi_ranges(ctx, pieces, m->triangles, borders_piece, &job);
+    m->ghosts = bvxi_place_counts(job.count, (uint64_t)pieces);
+    if (m->ghosts == 0 || borders != BVXI_BORDERS_REFUSED) return BVX_OK;
+    return fail_edge(ctx, function, m, first_failed(&job, pieces));
 }
 
-/* Corners that the walks around some vertices reach. */
-typedef struct fan_job {
-    const bvxi_corners *m;
-    const int32_t *any; /* a corner of each vertex, or -1 */
-    int32_t pieces;
-    uint64_t reached[BVXI_MOST_PIECES];
-} fan_job;
-
-static void walk_fans_piece(void *user, int32_t index)
+static void walk_fans_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
-    fan_job *const job = user;
-    uint64_t begin, end, reached = 0;
+    edge_job *const job = user;
+    int32_t *const any = job->lists->first;
+    uint64_t reached = 0;
 
-    bvxi_piece(job->m->vertices, job->pieces, index, &begin, &end);
+    bvxi_corners_any(job->m, begin, end, any);
     for (uint64_t v = begin; v < end; v++) {
-        int32_t c = job->any[v];
+        int32_t c = any[v];
 
-        if (c < 0) continue;
         do {
             reached++;
             c = bvxi_corner_turn_left(job->m, c);
-        } while (c != job->any[v]);
+        } while (c != any[v]);
     }
-    job->reached[index] = reached;
+    job->count[piece] = reached;
 }
 
 /* 1: the corners of every vertex are one fan, which is walked from any of them. */
-static int has_one_fan_each(bvx_context *ctx, const bvxi_corners *m, int32_t *any)
+static int has_one_fan_each(bvx_context *ctx, bvxi_corners *m, edge_lists *lists)
 {
-    fan_job job = {.m = m, .any = any, .pieces = bvxi_piece_count(m->vertices, FAN_GRAIN)};
-    uint64_t reached = 0;
+    int32_t const pieces = bvxi_looking_pieces(ctx);
+    edge_job job = {.m = m, .lists = lists};
 
-    for (uint64_t v = 0; v < m->vertices; v++) any[v] = -1;
-    for (uint64_t t = 0; t < m->triangles + m->ghosts; t++)
-        for (int k = t < m->triangles ? 0 : 1; k < 3; k++)
-            any[m->triangle[t].vertex[k]] = (int32_t)(4 * t) + k;
-
-    bvxi_tasks(ctx, job.pieces, walk_fans_piece, &job);
-    for (int32_t i = 0; i < job.pieces; i++) reached += job.reached[i];
-    return reached == 3 * m->triangles + 2 * m->ghosts;
+    bvxi_ranges(ctx, pieces, m->vertices, walk_fans_piece, &job);
+    return bvxi_place_counts(job.count, (uint64_t)pieces) == 3 * m->triangles + 2 * m->ghosts;
 }
 
 /* ---- Borders ---- */
@@ -375,7 +398,7 @@ bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_cor
         put_ghosts(m);
         join_ghosts(m);
     }
-    one = has_one_fan_each(ctx, m, lists.first);
+    one = has_one_fan_each(ctx, m, &lists);
     bvxi_drop(ctx, lists.wait);
     if (one) return BVX_OK;
     if (borders == BVXI_BORDERS_REFUSED)

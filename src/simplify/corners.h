@@ -115,6 +115,15 @@ static inline void bvxi_area_normal(const double *a, const double *b, const doub
     n[2] = u[0] * v[1] - u[1] * v[0];
 }
 
+/* The first corner of each vertex from begin to end, which has one. */
+static inline void bvxi_corners_any(const bvxi_corners *m, uint64_t begin, uint64_t end, int32_t *any)
+{
+    for (uint64_t t = m->triangles + m->ghosts; t-- > 0;)
+        for (int k = 0; k < 3; k++)
+            if (m->triangle[t].vertex[k] - begin < end - begin)
+                any[m->triangle[t].vertex[k]] = (int32_t)(4 * t) + k;
+}
+
 /* Join the corners of a mesh whose vertices and triangles' vertices are set; borders: BVXI_BORDERS_...
  * Refuses with BVX_ERR_ARGUMENT what is not edge-manifold and oriented and, where borders are refused, what
  * is not closed and vertex-manifold. Where they are not, arrays are replaced by larger ones for ghosts, and

@@ -257,46 +257,48 @@ void bvxi_edge_find_least(bvxi_collapse *c, uint32_t v)
     c->edge[v] = best;
 }
 
-static void evaluate_piece(void *user, int32_t index)
+static void evaluate_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     bvxi_collapse *const c = user;
-    uint64_t begin, end;
 
-    bvxi_piece(c->mesh.vertices, bvxi_piece_count(c->mesh.vertices, COSTS_GRAIN), index, &begin, &end);
+    (void)piece;
     for (uint64_t v = begin; v < end; v++)
         if (!bvxi_collapse_is_gone(c, (uint32_t)v) && c->stale[v] != 0) bvxi_edges_around(c, (uint32_t)v, 1);
 }
 
-static void least_piece(void *user, int32_t index)
+static void least_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     bvxi_collapse *const c = user;
-    uint64_t begin, end;
 
-    bvxi_piece(c->mesh.vertices, bvxi_piece_count(c->mesh.vertices, COSTS_GRAIN), index, &begin, &end);
+    (void)piece;
     for (uint64_t v = begin; v < end; v++)
         if (!bvxi_collapse_is_gone(c, (uint32_t)v) && (c->stale[v] != 0 || c->edge[v] < 0))
             bvxi_edge_find_least(c, (uint32_t)v);
 }
 
+static void index_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
+{
+    const bvxi_collapse *const c = user;
+    const bvxi_corners *const m = &c->mesh;
+
+    (void)piece;
+    memset(c->edge + begin, 0xff, (size_t)(end - begin) * sizeof *c->edge); /* -1 */
+    bvxi_corners_any(m, begin, end, c->any);
+}
+
 void bvxi_collapse_index(bvxi_collapse *c)
 {
-    bvxi_corners *const m = &c->mesh;
-
-    for (uint64_t v = 0; v < m->vertices; v++) c->edge[v] = -1;
-    for (uint64_t t = m->triangles + m->ghosts; t-- > 0;)
-        for (int k = 0; k < 3; k++)
-            if (m->triangle[t].vertex[k] != BVXI_VERTEX_GHOST)
-                c->any[m->triangle[t].vertex[k]] = (int32_t)(4 * t) + k;
+    bvxi_ranges(c->ctx, bvxi_looking_pieces(c->ctx), c->mesh.vertices, index_piece, c);
 }
 
 void bvxi_collapse_find_least(bvxi_collapse *c)
 {
-    bvxi_tasks(c->ctx, bvxi_piece_count(c->mesh.vertices, COSTS_GRAIN), least_piece, c);
+    bvxi_ranges(c->ctx, bvxi_piece_count(c->mesh.vertices, COSTS_GRAIN), c->mesh.vertices, least_piece, c);
 }
 
 bvx_status bvxi_collapse_evaluate(bvxi_collapse *c)
 {
-    bvxi_tasks(c->ctx, bvxi_piece_count(c->mesh.vertices, COSTS_GRAIN), evaluate_piece, c);
+    bvxi_ranges(c->ctx, bvxi_piece_count(c->mesh.vertices, COSTS_GRAIN), c->mesh.vertices, evaluate_piece, c);
     bvxi_collapse_find_least(c);
     memset(c->stale, 0, (size_t)c->mesh.vertices);
     return BVX_OK;

@@ -138,13 +138,12 @@ typedef struct judge_level {
     uint8_t *graph;
 } judge_level;
 
-static void fans_piece(void *user, int32_t piece)
+static void fans_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     const judge_level *const l = user;
     const bvxi_collapse *const c = l->c;
-    uint64_t begin, end;
 
-    bvxi_piece(c->mesh.vertices, bvxi_piece_count(c->mesh.vertices, JUDGE_GRAIN), piece, &begin, &end);
+    (void)piece;
     for (uint64_t v = begin; v < end; v++)
         if (!bvxi_collapse_is_gone(c, (uint32_t)v))
             l->graph[v] = (uint8_t)is_graph(&c->mesh, (uint32_t)v, c->any[v]);
@@ -181,7 +180,7 @@ static bvx_status search_level(bvxi_collapse *c, const uint8_t *fresh, double fr
 
     bvxi_drop(c->ctx, c->pairs);
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertices, "the level's fans", &l.graph));
-    bvxi_tasks(c->ctx, bvxi_piece_count(c->mesh.vertices, JUDGE_GRAIN), fans_piece, &l);
+    bvxi_ranges(c->ctx, bvxi_piece_count(c->mesh.vertices, JUDGE_GRAIN), c->mesh.vertices, fans_piece, &l);
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.left * 4, "the level's triangles", &live));
     for (uint64_t t = 0; t < c->mesh.triangles; t++)
         if (!bvxi_triangle_gone(&c->mesh.triangle[t])) live[count++] = (uint32_t)t;

@@ -205,13 +205,11 @@ static void put_above(const crossing_tree *tree, int32_t level, uint64_t begin, 
     }
 }
 
-static void leaf_piece(void *user, int32_t index)
+static void leaf_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
-    const crossing_job *const job = user;
-    const crossing_tree *const tree = job->tree;
-    uint64_t begin, end;
+    const crossing_tree *const tree = user;
 
-    bvxi_piece(tree->nodes[0], job->pieces, index, &begin, &end);
+    (void)piece;
     empty_bounds(tree->node[0][begin].bound[0], (end - begin) * 6 * WIDTH);
     if (tree->slanted) empty_bounds(tree->slant[begin].bound[0], (end - begin) * 2 * CROSSING_SLANTS * WIDTH);
     for (uint64_t t = begin * WIDTH; t < end * WIDTH; t++) {
@@ -233,7 +231,6 @@ static void leaf_piece(void *user, int32_t index)
 
 bvx_status bvxi_crossing_tree_open(bvx_context *ctx, crossing_tree *tree)
 {
-    crossing_job job = {.tree = tree};
     uint64_t count = tree->triangles, sum = 0;
     box_node *block;
 
@@ -252,8 +249,7 @@ bvx_status bvxi_crossing_tree_open(bvx_context *ctx, crossing_tree *tree)
         block += tree->nodes[l];
         if (l > 0) empty_bounds(tree->node[l][0].bound[0], tree->nodes[l] * 6 * WIDTH);
     }
-    job.pieces = bvxi_piece_count(tree->nodes[0], CROSSING_GRAIN);
-    bvxi_tasks(ctx, job.pieces, leaf_piece, &job);
+    bvxi_ranges(ctx, bvxi_piece_count(tree->nodes[0], CROSSING_GRAIN), tree->nodes[0], leaf_piece, tree);
     for (int32_t l = 1; l + 1 < tree->levels; l++) put_above(tree, l, 0, tree->nodes[l]);
     return BVX_OK;
 }
@@ -408,13 +404,12 @@ static int hold_node(const crossing_job *job, uint64_t node, held_triangle held[
 }
 
 /* Of fans of very many triangles all nodes overlap. */
-static void common_piece(void *user, int32_t index)
+static void common_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     const crossing_job *const job = user;
     const crossing_tree *const tree = job->tree;
-    uint64_t begin, end;
 
-    bvxi_piece(tree->nodes[0], job->pieces, index, &begin, &end);
+    (void)piece;
     for (uint64_t i = begin; i < end; i++) {
         uint32_t common[3] = {BVXI_VERTEX_NONE, BVXI_VERTEX_NONE, BVXI_VERTEX_NONE};
         int any = 0;
@@ -541,7 +536,7 @@ bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, doub
     job.fresh = (uint8_t *)(job.common + tree->nodes[0]);
     for (int32_t i = 0; i <= job.pieces; i++)
         job.begins[i] = CROSSING_KEYS * (uint64_t)i / (uint64_t)job.pieces;
-    bvxi_tasks(ctx, job.pieces, common_piece, &job);
+    bvxi_ranges(ctx, job.pieces, tree->nodes[0], common_piece, &job);
     BVXI_TRY(bvxi_each(ctx, "crossings", from, to, job.pieces, pairs_piece, &job));
     for (int32_t i = 0; i < job.pieces; i++) *count += job.counts[i];
     if (*count != 0) BVXI_TRY(write_pairs(ctx, &job, *count, pairs));

@@ -43,7 +43,6 @@ static void pack_vertices(bvxi_collapse *c, const uint32_t *moved)
         if (c->came != NULL) c->came[kept] = c->came[v];
     }
     m->vertices = c->alive;
-    memset(c->waits, 0, (size_t)m->vertices);
     memset(c->last, 0xff, (size_t)m->vertices * sizeof *c->last);
 }
 
