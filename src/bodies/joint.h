@@ -7,7 +7,7 @@
 #ifndef BVXI_JOINT_H
 #define BVXI_JOINT_H
 
-#include "oblique/joint_fields.h"
+#include "oblique/oblique.h"
 
 typedef struct bvxi_joint_cut {
     uint64_t *among; /* [vertices] a bit for each kind that a vertex lies between */

@@ -17,8 +17,6 @@ static const uint8_t tetra_face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2,
 typedef struct joint_list {
     uint64_t first[BVXI_JOINT_BODIES + 2]; /* of each kind's; the outside has none */
     uint32_t *face;                        /* 4 times the tetrahedron and the corner opposite */
-    /* [vertex] corners at it, and the first side of the edges found there; between bodies 0, BVXI_NONE */
-    uint32_t *degree, *edge;
 } joint_list;
 
 /* Edges at which a body touches itself. */
@@ -75,57 +73,33 @@ static bvx_status list_all_faces(const bvxi_oblique *o, const bvxi_joint_cut *cu
         for (uint32_t i = 0; i < o->body_count; i++) next[i + 1] += next[i];
         BVXI_TRY(BVXI_ARRAY(o->ctx, next[o->body_count] + 1, "the faces of bodies", list->face));
     }
-    BVXI_TRY(BVXI_ZEROS(o->ctx, o->vertex_count, "the edges of bodies", list->degree));
-    BVXI_TRY(BVXI_ARRAY(o->ctx, o->vertex_count, "the edges of bodies", list->edge));
-    memset(list->edge, 0xff, (size_t)(o->vertex_count * 4));
     return BVX_OK;
 }
 
-/* Of an edge's ends the one with fewer corners has it, so that no vertex has many, also where a contour of
- * many points has a fan (Chiba, Nishizeki 1985). */
-static uint32_t end_with_edge(const joint_list *list, uint32_t a, uint32_t b)
+/* The sides of each edge as a list, which begins with the first of them. */
+static bvx_status list_sides(joint_faces *f)
 {
-    if (list->degree[a] != list->degree[b]) return list->degree[a] < list->degree[b] ? a : b;
-    return a < b ? a : b;
-}
+    bvx_context *const ctx = f->o->ctx;
+    bvxi_map edges = {0};
 
-static uint32_t other_end(const joint_faces *f, uint32_t side, uint32_t end)
-{
-    const uint32_t *const v = f->corner[side / 3];
-    return v[side % 3] == end ? v[(side + 1) % 3] : v[side % 3];
-}
-
-/* Adds a side to its edge's others. more: [3 a face] the first side of the next edge of the same end. */
-static void list_side(joint_faces *f, const joint_list *list, uint32_t *more, uint32_t side)
-{
-    const uint32_t *const v = f->corner[side / 3];
-    uint32_t const end = end_with_edge(list, v[side % 3], v[(side + 1) % 3]);
-    uint32_t const other = other_end(f, side, end);
-    uint32_t first = list->edge[end];
-
-    while (first != BVXI_NONE && other_end(f, first, end) != other) first = more[first];
-    f->number[side] = first != BVXI_NONE;
-    f->next[side] = BVXI_NONE;
-    if (first != BVXI_NONE) {
-        f->next[side] = f->next[first];
-        f->next[first] = side;
-        return;
+    /* A closed surface has three edges for two faces. */
+    BVXI_TRY(bvxi_map_reserve(ctx, &edges, f->count + f->count / 2 + 1));
+    for (uint32_t side = 0; side < 3 * f->count; side++) {
+        const uint32_t *const v = f->corner[side / 3];
+        uint32_t *first;
+        BVXI_TRY(bvxi_edge_add(f->o, &edges, v[side % 3], v[(side + 1) % 3], &first));
+        f->number[side] = *first != BVXI_NONE;
+        f->next[side] = BVXI_NONE;
+        if (*first == BVXI_NONE) {
+            *first = side;
+        } else {
+            f->next[side] = f->next[*first];
+            f->next[*first] = side;
+        }
     }
-    more[side] = list->edge[end];
-    list->edge[end] = side;
-}
-
-static void list_sides(joint_faces *f, const joint_list *list)
-{
-    uint64_t const sides = 3 * f->count;
-    const uint32_t *const corner = f->corner[0];
-    /* Corners are joined when all sides are listed, so their array serves until then. */
-    for (uint64_t i = 0; i < sides; i++) list->degree[corner[i]]++;
-    for (uint64_t i = 0; i < sides; i++) list_side(f, list, f->joined, (uint32_t)i);
-    for (uint64_t i = 0; i < sides; i++) {
-        list->degree[corner[i]] = 0;
-        list->edge[corner[i]] = BVXI_NONE;
-    }
+    bvxi_drop(ctx, edges.value);
+    bvxi_drop(ctx, edges.key);
+    return BVX_OK;
 }
 
 /* The side that its edge's list begins with. */
@@ -157,8 +131,7 @@ static bvx_status take_faces(joint_faces *f, const joint_list *list, int kind)
             f->corner[i][k] = f->o->tetra[face[i] / 4].v[tetra_face[face[i] % 4][against ? 2 - k : k]];
         f->from[i] = against ? BVXI_NONE : face[i];
     }
-    list_sides(f, list);
-    return BVX_OK;
+    return list_sides(f);
 }
 
 static bvx_status cut_pinched_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t a, uint32_t b)

@@ -25,6 +25,29 @@ void bvx_sections_free(bvx_context *context, bvx_sections *sections)
     memset(sections, 0, sizeof *sections);
 }
 
+bvx_status bvxi_sections_give(bvx_context *ctx, bvx_sections *s, uint64_t normal_room, bvx_sections *to)
+{
+    BVXI_TRY(bvxi_resize(ctx, BVXI_RESULT, &s->positions, s->section_capacity * 8, s->section_count * 8,
+                         "the sections"));
+    s->section_capacity = s->section_count;
+    BVXI_TRY(bvxi_resize(ctx, BVXI_RESULT, &s->loops, s->loop_capacity * sizeof *s->loops,
+                         s->loop_count * sizeof *s->loops, "the loops"));
+    s->loop_capacity = s->loop_count;
+    BVXI_TRY(
+        bvxi_resize(ctx, BVXI_RESULT, &s->points, s->point_capacity * 24, s->point_count * 24, "the points"));
+    s->point_capacity = s->point_count;
+    /* Last, as who frees them after a failure goes by normal_room. */
+    if (s->normals != NULL)
+        BVXI_TRY(bvxi_resize(ctx, BVXI_RESULT, &s->normals, normal_room * 24, s->section_count * 24,
+                             "the sections"));
+
+    /* The old stack is freed only when the new one is complete; s gives up its arrays with the copy. */
+    bvx_sections_free(ctx, to);
+    *to = *s;
+    memset(s, 0, sizeof *s);
+    return BVX_OK;
+}
+
 static const char slice_name[] = "bvx_slice_mesh";
 
 typedef struct slice_work {
@@ -326,27 +349,6 @@ static bvx_status follow_pieces(slice_work *w, uint64_t plane, uint64_t n)
 
 /* ---- result ---- */
 
-static bvx_status close_result(slice_work *w, bvx_sections *sections)
-{
-    bvx_sections *const s = &w->made;
-
-    if (s->loop_count == 0)
-        return bvxi_fail(w->ctx, BVX_ERR_EMPTY, "%s: no plane meets more of the mesh than points and lines",
-                         slice_name);
-
-    /* Cut to what was used, then given away; what is left of the work is zeroed, so that it is not freed. */
-    BVXI_TRY(bvxi_resize(w->ctx, BVXI_RESULT, &s->loops, s->loop_capacity * sizeof *s->loops,
-                         s->loop_count * sizeof *s->loops, "the loops"));
-    s->loop_capacity = s->loop_count;
-    BVXI_TRY(bvxi_resize(w->ctx, BVXI_RESULT, &s->points, s->point_capacity * 24, s->point_count * 24,
-                         "the points"));
-    s->point_capacity = s->point_count;
-    bvx_sections_free(w->ctx, sections);
-    *sections = *s;
-    memset(s, 0, sizeof *s);
-    return BVX_OK;
-}
-
 static bvx_status slice_all(slice_work *w, const bvx_slice_options *o, bvx_sections *sections)
 {
     double low, high, bounds[2][3];
@@ -386,7 +388,10 @@ static bvx_status slice_all(slice_work *w, const bvx_slice_options *o, bvx_secti
         BVXI_TRY(bvxi_radix_sort(w->ctx, w->from, w->order, n));
         BVXI_TRY(follow_pieces(w, i, n));
     }
-    return close_result(w, sections);
+    if (s->loop_count == 0)
+        return bvxi_fail(w->ctx, BVX_ERR_EMPTY, "%s: no plane meets more of the mesh than points and lines",
+                         slice_name);
+    return bvxi_sections_give(w->ctx, s, 0, sections);
 }
 
 static const bvxi_option slice_rows[] = {

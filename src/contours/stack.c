@@ -435,7 +435,7 @@ bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_se
     const bvxi_plane *p = s->plane;
     uint32_t const n = s->plane_count;
     /* Of few sections most are a first or last one, whose slope is a guess. The paper's way and marching cubes
-     * are straight. A stack that is begun again with sections put in between keeps what was chosen. */
+     * are straight. */
     if (s->options.slabs.blend == BVX_BLEND_AUTO)
         s->options.slabs.blend = n >= LEAST_CUBIC && s->options.slabs.crossings == BVX_CROSSINGS_EXACT
                                      ? BVX_BLEND_CUBIC

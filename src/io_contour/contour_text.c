@@ -1,6 +1,8 @@
 /* contour_text.c - contour stacks as readers make them, and which reader a format has. */
 #include "io_contour/contour_text.h"
 
+#include "contours/section.h"
+
 static uint64_t contour_line(const bvxi_contour_file *f, const char *at)
 {
     uint64_t line = 1;
@@ -73,28 +75,7 @@ bvx_status bvxi_contour_add_point(bvxi_contour_file *f, const double p[3])
 
 bvx_status bvxi_contour_finish(bvxi_contour_file *f, bvx_sections *sections)
 {
-    bvx_sections *const s = &f->sections;
-
-    if (s->loop_count == 0) return bvxi_fail(f->ctx, BVX_ERR_EMPTY, "%s: the file holds no loop", f->format);
-
-    /* Arrays are cut to what they hold: the result has no room that nobody asked for. */
-    if (s->normals != NULL)
-        BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, &s->normals, f->normal_room * 24, s->section_count * 24,
-                             "the sections"));
-    f->normal_room = s->section_count;
-    BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, &s->positions, s->section_capacity * 8, s->section_count * 8,
-                         "the sections"));
-    s->section_capacity = s->section_count;
-    BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, &s->loops, s->loop_capacity * sizeof *s->loops,
-                         s->loop_count * sizeof *s->loops, "the loops"));
-    s->loop_capacity = s->loop_count;
-    BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, &s->points, s->point_capacity * 24, s->point_count * 24,
-                         "the points"));
-    s->point_capacity = s->point_count;
-
-    /* The old stack is freed only when the new one is complete; f gives up its arrays with the copy. */
-    bvx_sections_free(f->ctx, sections);
-    *sections = *s;
-    memset(s, 0, sizeof *s);
-    return BVX_OK;
+    if (f->sections.loop_count == 0)
+        return bvxi_fail(f->ctx, BVX_ERR_EMPTY, "%s: the file holds no loop", f->format);
+    return bvxi_sections_give(f->ctx, &f->sections, f->normal_room, sections);
 }

@@ -5,7 +5,7 @@
  * their other side. A place is outside where that one is below 0; else it is in the body whose number is the
  * largest. So both sides of a face between two bodies follow from the same two numbers, and no gap is left
  * between bodies that touch. On a plane the contours decide. */
-#include "oblique/joint_fields.h"
+#include "oblique/oblique.h"
 
 #include <math.h>
 

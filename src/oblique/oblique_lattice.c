@@ -7,7 +7,7 @@
  *
  * Vertices next to a plane are moved onto it, and have its own distance and sign: no sliver of a cell is cut
  * off there. The lattice's outermost vertices are outside, so the surface is closed. */
-#include "oblique/joint_fields.h"
+#include "oblique/oblique.h"
 
 #include <math.h>
 

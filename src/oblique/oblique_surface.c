@@ -126,7 +126,6 @@ static bvx_status find_apart(bvxi_oblique *o, uint32_t *joined)
     return BVX_OK;
 }
 
-/* oblique_parts.c: parts that end towards each other, counted and joined; those joined already are at their roots. */
 /* ---- the surface ---- */
 
 enum { HANDLE_ROUNDS = 3 };

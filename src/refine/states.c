@@ -211,8 +211,7 @@ static void expose_sides(states_job *job)
 
 /* ---- What is outside: boundary states handed from voxel to voxel until nothing changes ---- */
 
-/* Source: Liu, Jing, Zhang, Zhao. Refinement of surface voxels by boundary states (docs/papers.md, 4),
- * sections 2.1 and 2.2: six bits 00zyx-z-y-x say through which faces a voxel borders on the outside; a child
+/* The paper's sections 2.1 and 2.2: six bits 00zyx-z-y-x say through which faces a voxel borders on the outside; a child
  * p = x + 2 y + 4 z takes those of its octet that are its own too: I(p) = (p << 3) | (~p & 7). The paper's
  * one traversal depends on its order; here a worklist holds every octet with news until none is left, and a
  * triangle-free voxel of any size that is exposed becomes outside. The last state is the least fixed point,
