@@ -203,9 +203,7 @@ void cli_drop_outputs(cli_run *run);
 
 /* ---- pack.c: outputs whose names end in .gz ---- */
 
-/* 0 in builds without zlib. */
-int cli_can_pack(void);
-/* Pack a file by gzip; packed->bytes is to be freed in any case. */
+/* Pack a file by gzip; packed->bytes is to be freed in any case. Not in builds without zlib. */
 int cli_pack(cli_run *run, const char *path, const bvx_buffer *plain, bvx_buffer *packed);
 int cli_is_packed(const char *path); /* ends in .gz */
 
