@@ -188,7 +188,7 @@ static void tell_volume(const cli_run *run, const void *work, cli_made *made)
 {
     const volume_job *const j = work;
 
-    cli_tell_volume(&j->volume, &j->report, &made->members, &made->warnings);
+    cli_tell_volume(made->run, &j->volume, &j->report, &made->members);
 
     cli_text_add(&made->head, "  samples     %.9g to %.9g", j->report.least, j->report.greatest);
     if (j->report.nan + j->report.infinite != 0)

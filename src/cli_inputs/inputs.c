@@ -73,7 +73,6 @@ static int parse_grid(cli_run *run, cli_bytes *b, const bvx_window *window, cli_
 
 static int read_selected(cli_run *run, const char *path, const bvx_window *window, cli_input *in)
 {
-    cli_text warnings = {0};
     bvx_volume_report report;
     cli_volume v;
     int status = cli_read_volume(run, path, window, &v);
@@ -87,8 +86,8 @@ static int read_selected(cli_run *run, const char *path, const bvx_window *windo
         if (selected == BVX_OK && CLI_HOLDS(run, CLI_KEEPS_PARTS))
             selected = cli_keep_parts(run, &in->grid, &in->grid);
         if (selected != BVX_OK) status = cli_fail_status(run, selected, cli_input_name(path));
-        else cli_tell_volume(&v, &report, &run->report.more, &warnings);
-        cli_warn_lines(run, &warnings);
+        else cli_tell_volume(run, &v, &report, &run->report.more);
+        cli_say_warnings(run);
     }
     cli_free_volume(run, &v);
     return status;

@@ -124,8 +124,8 @@ void cli_volume_strides(const bvx_volume_view *view, int64_t stride[3]);
 bvx_status cli_select_voxels(cli_run *run, const cli_volume *volume, bvx_volume_report *report,
                              bvx_grid *grid);
 /* What was found in it: a member of the JSON report, a warning. */
-void cli_tell_volume(const cli_volume *volume, const bvx_volume_report *report, cli_text *members,
-                     cli_text *warnings);
+void cli_tell_volume(cli_run *run, const cli_volume *volume, const bvx_volume_report *report,
+                     cli_text *members);
 
 /* ---- kept_parts.c: --keep-largest and --least-part of voxels ---- */
 

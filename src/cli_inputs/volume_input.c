@@ -320,7 +320,7 @@ bvx_status cli_select_voxels(cli_run *run, const cli_volume *v, bvx_volume_repor
                          o->below ? o->level : HUGE_VAL, report, grid);
 }
 
-void cli_tell_volume(const cli_volume *v, const bvx_volume_report *r, cli_text *t, cli_text *warnings)
+void cli_tell_volume(cli_run *run, const cli_volume *v, const bvx_volume_report *r, cli_text *t)
 {
     cli_text_add(t, ", \"volume\": {\"type\": \"%s\"", cli_sample_names[v->view.sample_type - BVX_SAMPLE_U8]);
     cli_json_ints(t, "size", v->view.size);
@@ -330,7 +330,7 @@ void cli_tell_volume(const cli_volume *v, const bvx_volume_report *r, cli_text *
     cli_json_count(t, "infinite", r->infinite);
     cli_text_add(t, "}");
     if (r->nan + r->infinite != 0)
-        cli_add_warning(warnings, BVX_WARN_READ,
-                        "%" PRIu64 " samples are NaN and %" PRIu64 " infinite: they count as outside", r->nan,
-                        r->infinite);
+        cli_keep_warning(run, BVX_WARN_READ,
+                         "%" PRIu64 " samples are NaN and %" PRIu64 " infinite: they count as outside",
+                         r->nan, r->infinite);
 }

@@ -47,12 +47,11 @@ static void tell_made(cli_run *run, cli_made *made)
     cli_say_lines(run, &made->head);
     cli_say_lines(run, &made->text);
     cli_say_warnings(run);
-    cli_warn_lines(run, &made->warnings);
 }
 
 int cli_perform(cli_run *run)
 {
-    cli_made made = {.placed = 1};
+    cli_made made = {.run = run, .placed = 1};
 
     run->job = &run->command->job;
     if (run->command->choose != NULL) CLI_TRY(run->command->choose(run, &run->job));
@@ -66,7 +65,6 @@ int cli_perform(cli_run *run)
     cli_text_free(&made.head);
     cli_text_free(&made.text);
     cli_text_free(&made.members);
-    cli_text_free(&made.warnings);
     return result;
 }
 

@@ -10,6 +10,7 @@ typedef struct cli_voxels cli_voxels;
 
 /* What a command has made. One of these goes to run->options.output: */
 struct cli_made {
+    cli_run *run;
     const bvx_grid *grid;
     const bvx_field *field;
     const bvx_mesh *mesh;
@@ -22,12 +23,11 @@ struct cli_made {
     int untitled;          /* the text has the first line */
     cli_text head, text;   /* lines for people, before those of the lattice and after them */
     cli_text members;      /* of the JSON report, each with ", " before it */
-    cli_text warnings;     /* one a line */
 };
 
 /* Another line, or a part of one, for people; another warning. */
 #define cli_tell(made, ...)   cli_text_add(&(made)->text, __VA_ARGS__)
-#define cli_advise(made, ...) cli_add_warning(&(made)->warnings, __VA_ARGS__)
+#define cli_advise(made, ...) cli_keep_warning((made)->run, __VA_ARGS__)
 /* Do what the command says, with run->work zeroed for it: make, write, keep, tell, report and warn, in this
  * order; or fail, and nothing is left. */
 int cli_perform(cli_run *run);

@@ -154,7 +154,7 @@ static void keep_warning(cli_run *run, const cli_warning *warning, char *text)
 #define NAME_OF_WARNING(name, value) [value] = #name,
 static const char *const warning_names[] = {BVX_WARN_LIST(NAME_OF_WARNING)};
 
-void cli_warn(cli_run *run, int32_t code, const char *format, ...)
+void cli_keep_warning(cli_run *run, int32_t code, const char *format, ...)
 {
     cli_warning const plain = {.code = warning_names[code]};
     char text[512];
@@ -163,7 +163,6 @@ void cli_warn(cli_run *run, int32_t code, const char *format, ...)
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
     keep_warning(run, &plain, text);
-    cli_say_warnings(run);
 }
 
 void cli_take_warnings(cli_run *run, const char *const about[3])
@@ -205,30 +204,6 @@ void cli_say(cli_run *run, const char *format, ...)
     va_start(args, format);
     vfprintf(run->standard_taken ? stderr : stdout, format, args);
     va_end(args);
-}
-
-void cli_add_warning(cli_text *lines, int32_t code, const char *format, ...)
-{
-    char text[512];
-    va_list args;
-    va_start(args, format);
-    /* Line ends part warnings from each other, so none may hold one. */
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    tame(text);
-    cli_text_add(lines, "%d %s\n", (int)code, text);
-}
-
-void cli_warn_lines(cli_run *run, cli_text *lines)
-{
-    for (const char *p = lines->bytes; p != NULL && *p != 0;) {
-        char *text;
-        int32_t const code = (int32_t)strtol(p, &text, 10);
-        size_t const n = strcspn(text, "\n");
-        cli_warn(run, code, "%.*s", (int)n - 1, text + 1);
-        p = text + n + (text[n] != 0);
-    }
-    cli_text_free(lines);
 }
 
 void cli_say_lines(cli_run *run, cli_text *lines)

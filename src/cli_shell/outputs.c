@@ -226,9 +226,11 @@ int cli_open_output(cli_run *run, const char *path)
 
     if (run->outputs == CLI_MAX_OUTPUTS)
         return cli_fail(run, "%s: more than %d outputs", path, CLI_MAX_OUTPUTS);
-    if (cli_is_packed(path) && !cli_can_pack())
+#ifndef BVX_HAVE_ZLIB
+    if (cli_is_packed(path))
         return cli_fail(run, "%s: this build cannot pack: it was made without zlib; give a name without .gz",
                         path);
+#endif
     memset(o, 0, sizeof *o);
     o->path = copy_text(path);
     cli_watch_last(NULL);
@@ -310,9 +312,14 @@ int cli_write_output(cli_run *run, int number, const bvx_buffer *buffer)
 {
     cli_output *const o = &run->output[number];
     bvx_buffer packed = {0};
-    if (!cli_is_packed(o->path)) return write_bytes(run, o, buffer);
-    int status = cli_pack(run, o->path, buffer, &packed);
-    if (status == CLI_DONE) status = write_bytes(run, o, &packed);
+    int status = CLI_DONE;
+#ifdef BVX_HAVE_ZLIB
+    if (cli_is_packed(o->path)) {
+        status = cli_pack(run, o->path, buffer, &packed);
+        buffer = &packed;
+    }
+#endif
+    if (status == CLI_DONE) status = write_bytes(run, o, buffer);
     free(packed.bytes);
     return status;
 }

@@ -147,18 +147,16 @@ int cli_stage_check(cli_run *run, bvx_status status, const char *about);
 /* The same, with an advice after the message. */
 int cli_fail_advised(cli_run *run, bvx_status status, const char *about, const char *advice);
 int cli_fail_interrupted(cli_run *run);
-/* code: BVX_WARN_... */
-void cli_warn(cli_run *run, int32_t code, const char *format, ...);
+/* A warning, of code BVX_WARN_..., that is said with the next ones; or now. */
+void cli_keep_warning(cli_run *run, int32_t code, const char *format, ...);
+#define cli_warn(run, ...) (cli_keep_warning(run, __VA_ARGS__), cli_say_warnings(run))
 /* Keep what the call of the library that has just succeeded warns of; about: names for its result or only input, or
  * NULL, for its first and for its second input. Say what was kept. */
 void cli_take_warnings(cli_run *run, const char *const about[3]);
 void cli_say_warnings(cli_run *run);
 /* Print to standard output unless --quiet, --json or an output takes it; to standard error with -o -. */
 void cli_say(cli_run *run, const char *format, ...);
-/* One more line of a text that is warned of later. */
-void cli_add_warning(cli_text *lines, int32_t code, const char *format, ...);
-/* Each line of a text as a warning; all of a text. The text is freed. */
-void cli_warn_lines(cli_run *run, cli_text *lines);
+/* All of a text, which is freed. */
 void cli_say_lines(cli_run *run, cli_text *lines);
 
 /* ---- names.c: names of files, UTF-8 on Windows too ---- */
@@ -205,9 +203,7 @@ void cli_drop_outputs(cli_run *run);
 
 /* ---- pack.c: outputs whose names end in .gz ---- */
 
-/* 0 in builds without zlib. */
-int cli_can_pack(void);
-/* Pack a file by gzip; packed->bytes is to be freed in any case. */
+/* Pack a file by gzip; packed->bytes is to be freed in any case. Not in builds without zlib. */
 int cli_pack(cli_run *run, const char *path, const bvx_buffer *plain, bvx_buffer *packed);
 int cli_is_packed(const char *path); /* ends in .gz */
 

@@ -376,7 +376,7 @@ if pipes; then
     run lod in.ply -o piped.ply --levels 16 --samples 0
     wait
     holds 'an input that is a pipe' cmp piped.ply right.ply
-    # All or nothing: while the run waits for its input, the place of its second output is taken.
+    # One after the other: while the run waits for its input, the place of its second output is taken.
     rm -f x_*
     echo kept >x_0.ply
     "$program" lod in.ply -o x_%d.ply --levels 16,12,8 --samples 0 >out 2>err &
@@ -386,8 +386,8 @@ if pipes; then
     cat "$knot" >in.ply
     wait $child
     status=$?
-    holds 'several outputs: one that fails undoes all' \
-        sh -c "test $status = 1 && grep -q 'x_1.ply: cannot be written' err && grep -q kept x_0.ply && test ! -e x_2.ply"
+    holds 'several outputs: of one that fails it is told that those before it are written' \
+        sh -c "test $status = 1 && grep -q 'x_1.ply: cannot be written.*; the outputs before it are written' err && cmp x_0.ply right.ply && test ! -e x_2.ply"
     holds 'several outputs: nothing is left behind' sh -c '! ls | grep -E "part$|old$"'
     rmdir x_1.ply
     run lod "$knot" -o x_%d.ply --levels 16,12,8 --samples 0
@@ -736,7 +736,7 @@ def start(job):
     return subprocess.Popen([program] + job, stdin=subprocess.DEVNULL, stdout=open('out', 'wb'), stderr=open('err', 'wb'),
                             preexec_fn=lambda: [signal.signal(s, signal.SIG_DFL) for s in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)])
 
-slowest, stopped = 0, 0
+slowest, stopped, longest = 0, 0, 0
 for job in jobs:
     waits = any('pipe.ply' in w for w in job)
     life = 0.1
@@ -745,6 +745,7 @@ for job in jobs:
         before = time.monotonic()
         assert start(job).wait() == 0, open('err').read()
         life = time.monotonic() - before
+        longest = max(longest, life)
     for turn in range(5):
         fresh(job)
         before = folder()
@@ -775,7 +776,8 @@ for job in jobs:
             assert r['status'] == 'interrupted' and r['error']['code'] == 'BVX_CANCELLED', what
             assert all(k in r for k in ('stages', 'meshes', 'warnings', 'peak_bytes')), what
 print('%d interrupted, slowest %.0f ms' % (stopped, slowest * 1e3))
-assert stopped > len(jobs) and slowest < 1.0
+# beside other programs as much slower as the work itself
+assert stopped > len(jobs) and slowest < max(1.0, longest / 4)
 P
     # a seed that differs every time, so that many runs try many moments
     seed=$(od -An -N4 -tu4 /dev/urandom 2>/dev/null | tr -d ' ')
