@@ -1,5 +1,4 @@
-/* simd_shorts.h - vectors of 8 whole numbers of 16 bits, whose sums and products wrap around: of SSE2, which
- * every x86-64 has, NEON, WebAssembly's simd128, or arrays, which say what the operations are. Not installed.
+/* simd_shorts.h - vectors of 8 whole numbers of 16 bits: of SSE2, which every x86-64 has, NEON, WebAssembly's simd128, or arrays, which say what the operations are. Not installed.
  *
  * Nothing is chosen at run time, so there is one set of names. Of a comparison each lane is -1 or 0.
  * Guarantee: the same numbers in all of them. -DBVX_SIMD_ARRAYS takes the arrays. */
@@ -8,17 +7,9 @@
 
 #include "core/simd.h"
 
-#if defined(__GNUC__) && defined(__SSE2__) && !defined(BVX_SIMD_ARRAYS)
-#define BVXI_SIMD_SHORTS 1
-#include <immintrin.h>
-#else
-#define BVXI_SIMD_SHORTS BVXI_SIMD_HALVES
-#endif
-
-#if BVXI_SIMD_SHORTS
-/* The compiler's own vectors: operators act on each lane, without signs so that nothing overflows. */
+#if BVXI_SIMD_HALVES
+/* The compiler's own vectors: operators act on each lane. */
 typedef int16_t bvxi_shorts __attribute__((vector_size(16)));
-typedef uint16_t bvxi_shorts_wrapped __attribute__((vector_size(16)));
 #define BVXI_SHORTS_IS(name, parameters, lane, whole) \
     BVXI_VECTOR_INLINE bvxi_shorts name parameters    \
     {                                                 \
@@ -41,10 +32,6 @@ typedef struct bvxi_shorts {
 BVXI_SHORTS_IS(bvxi_shorts_all, (int16_t x), x, ((bvxi_shorts){x, x, x, x, x, x, x, x}))
 BVXI_SHORTS_IS(bvxi_shorts_or, (bvxi_shorts x, bvxi_shorts y), x.v[i] | y.v[i], x | y)
 BVXI_SHORTS_IS(bvxi_shorts_more, (bvxi_shorts x, bvxi_shorts y), -(x.v[i] > y.v[i]), x > y)
-BVXI_SHORTS_IS(bvxi_shorts_add, (bvxi_shorts x, bvxi_shorts y), x.v[i] + y.v[i],
-               (bvxi_shorts_wrapped)x + (bvxi_shorts_wrapped)y)
-BVXI_SHORTS_IS(bvxi_shorts_mul, (bvxi_shorts x, bvxi_shorts y), x.v[i] * y.v[i],
-               (bvxi_shorts_wrapped)x *(bvxi_shorts_wrapped)y)
 
 BVXI_VECTOR_INLINE bvxi_shorts bvxi_shorts_load(const int16_t *from)
 {
@@ -53,27 +40,10 @@ BVXI_VECTOR_INLINE bvxi_shorts bvxi_shorts_load(const int16_t *from)
     return x;
 }
 
-/* From eight bytes. */
-BVXI_VECTOR_INLINE bvxi_shorts bvxi_shorts_load_bytes(const int8_t *from)
-{
-#if !BVXI_SIMD_SHORTS
-    bvxi_shorts x;
-    for (int i = 0; i < 8; i++) x.v[i] = from[i];
-    return x;
-#elif defined(__SSE2__)
-    __m128i const bytes = _mm_loadl_epi64((const __m128i *)(const void *)from);
-    return (bvxi_shorts)_mm_srai_epi16(_mm_unpacklo_epi8(bytes, bytes), 8);
-#elif defined(__wasm_simd128__)
-    return (bvxi_shorts)wasm_i16x8_load8x8(from);
-#else
-    return (bvxi_shorts)vmovl_s8(vld1_s8(from));
-#endif
-}
-
 /* Bit i: lane i of a comparison is -1. */
 BVXI_VECTOR_INLINE uint32_t bvxi_shorts_bits(bvxi_shorts m)
 {
-#if !BVXI_SIMD_SHORTS
+#if !BVXI_SIMD_HALVES
     uint32_t bits = 0;
     for (int i = 0; i < 8; i++) bits |= (uint32_t)(m.v[i] & 1) << i;
     return bits;

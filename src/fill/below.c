@@ -98,7 +98,7 @@ static bvx_status fill_turned(bvx_context *ctx, const char *function, below_job 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, words * 8, "the grid along another axis", &turned->words));
     job->grid = turned;
     BVXI_TRY(fill_columns(ctx, job, report));
-    return bvxi_turn_back(ctx, turned, axis, BVXI_TURN_SET, 0.9, solid, NULL);
+    return bvxi_turn_back(ctx, turned, axis, 0.9, solid, NULL);
 }
 
 bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *second_job,

@@ -81,8 +81,7 @@ static bvx_status find_blocked(bvx_context *ctx, const char *function, const bvx
         turned.words = axis == 0 ? own.words : turned_words;
         BVXI_TRY(bvxi_solid_fill(bvxi_solid_step(ctx, &job, axis / 3.0, (axis + 1) / 3.0), &job, &turned,
                                  axis, BVX_FILL_PARITY, &unused));
-        if (axis != 0)
-            BVXI_TRY(bvxi_turn_back(ctx, &turned, axis, BVXI_TURN_SET, (axis + 1) / 3.0, &own, NULL));
+        if (axis != 0) BVXI_TRY(bvxi_turn_back(ctx, &turned, axis, (axis + 1) / 3.0, &own, NULL));
     }
     bvxi_drop(ctx, turned_words);
     bvxi_solid_close(ctx, &job);

@@ -64,8 +64,8 @@ static bvx_status vote_along(bvxi_call step, bvxi_solid_job *job, vote_work *w, 
     BVXI_TRY(bvxi_solid_fill(step, job, &turned, axis, BVX_FILL_PARITY, report));
 
     /* Along x the solid is already in place; y sets what is sure, and z brings both together. */
-    if (axis == 1) return bvxi_turn_back(step.ctx, &turned, 1, BVXI_TURN_SET, step.to, &sure, NULL);
-    if (axis == 2) return bvxi_turn_back(step.ctx, &turned, 2, BVXI_TURN_AGREE, step.to, w->solid, w->sure);
+    if (axis == 1) return bvxi_turn_back(step.ctx, &turned, 1, step.to, &sure, NULL);
+    if (axis == 2) return bvxi_turn_back(step.ctx, &turned, 2, step.to, w->solid, w->sure);
     return BVX_OK;
 }
 

@@ -32,15 +32,10 @@ static inline void bvxi_turn_shape(const bvx_grid *grid, int32_t axis, bvx_grid 
     turned->words_per_row = bvxi_row_words(turned->size[0]);
 }
 
-/* What becomes of the words that come back; w: 64 voxels of the turned grid, in x order. */
-enum {
-    BVXI_TURN_SET = 0,  /* grid = w */
-    BVXI_TURN_AGREE = 1 /* second = where grid, second and w agree; grid stays */
-};
-
-/* Turn the bits of a turned grid (axis 1 or 2) and put them to the words of grid; second: words of its shape,
- * or NULL. A stage of progress that says nothing of its own: work is called at `progress`. */
-bvx_status bvxi_turn_back(bvx_context *ctx, const bvx_grid *turned, int32_t axis, int32_t use,
-                          double progress, bvx_grid *grid, uint64_t *second);
+/* Turn the bits of a turned grid (axis 1 or 2) and put them to the words of grid; with second, words of its shape,
+ * grid stays, and second becomes where it, grid and the turned bits agree. A stage of progress that says nothing of
+ * its own: work is called at `progress`. */
+bvx_status bvxi_turn_back(bvx_context *ctx, const bvx_grid *turned, int32_t axis, double progress,
+                          bvx_grid *grid, uint64_t *second);
 
 #endif

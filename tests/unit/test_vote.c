@@ -91,8 +91,7 @@ static void assert_axes_are_oracle(const bvx_lattice *l, const bvx_window *windo
         job.odd_rows = maker_grow(NULL, (size_t)bvxi_grid_rows(&turned));
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_solid_fill(bvxi_solid_step(ctx, &job, 0, 1), &job, &turned, axis,
                                                         BVX_FILL_PARITY, &r));
-        if (axis != 0)
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_turn_back(ctx, &turned, axis, BVXI_TURN_SET, 1, &g, NULL));
+        if (axis != 0) TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_turn_back(ctx, &turned, axis, 1, &g, NULL));
         for (int32_t z = 0; z < g.size[2]; z++)
             for (int32_t y = 0; y < g.size[1]; y++)
                 for (int32_t x = 0; x < g.words_per_row * 64; x++) {
