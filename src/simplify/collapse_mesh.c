@@ -139,6 +139,16 @@ static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, d
     if (undone != 0 && met) BVXI_TRY(collapse_edges(c, target, last, to, to));
     if (c->options.given.topology != BVX_TOPOLOGY_KEEP) BVXI_TRY(close_small(c, target, last, to));
     bvxi_collapse_end_careful(c);
+
+    if (!last) return BVX_OK;
+
+    /* No edge comes apart after this: what crosses goes back. */
+    c->judged = !bvxi_any_marked(c->fresh, c->mesh.vertices);
+    memset(c->fresh, 0, (size_t)c->mesh.vertices);
+    BVXI_TRY(bvxi_collapse_pack(c));
+    BVXI_TRY(bvxi_collapse_settle(c));
+    if (bvxi_any_marked(c->waits, c->mesh.vertices)) BVXI_TRY(bvxi_collapse_judge(c, to, to, &undone));
+    bvxi_collapse_end_careful(c);
     return BVX_OK;
 }
 
