@@ -138,6 +138,16 @@ static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, d
     if (undone != 0 && met) BVXI_TRY(collapse_edges(c, target, last, to, to));
     if (c->options.given.topology != BVX_TOPOLOGY_KEEP) BVXI_TRY(close_small(c, target, last, to));
     bvxi_collapse_end_careful(c);
+
+    if (!last) return BVX_OK;
+
+    /* No edge comes apart after this: what crosses goes back. */
+    c->judged = !bvxi_any_marked(c->fresh, c->mesh.vertices);
+    memset(c->fresh, 0, (size_t)c->mesh.vertices);
+    BVXI_TRY(bvxi_collapse_pack(c));
+    BVXI_TRY(bvxi_collapse_settle(c));
+    if (bvxi_any_marked(c->settled, c->mesh.vertices)) BVXI_TRY(bvxi_collapse_judge(c, to, to, &undone));
+    bvxi_collapse_end_careful(c);
     return BVX_OK;
 }
 
@@ -584,7 +594,7 @@ static bvx_status open_arrays(bvxi_collapse *c)
 
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * sizeof *c->undo, "what undoes collapses", &c->undo));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 16, "the vertices' edges", &c->least));
-    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, 3 * n, "the vertices' kinds", &c->kind));
+    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, 4 * n, "the vertices' kinds", &c->kind));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 4, "the mesh's vertices", &c->first_source));
     c->first_triangles = m->triangles;
     c->first_vertices = n;
@@ -592,7 +602,8 @@ static bvx_status open_arrays(bvxi_collapse *c)
     c->edge = (int32_t *)(void *)(c->least + n);
     c->any = c->edge + n;
     c->last = (uint32_t *)(void *)(c->any + n);
-    c->fresh = c->kind + n;
+    c->settled = c->kind + n;
+    c->fresh = c->settled + n;
     c->stale = c->fresh + n;
 
     memset(c->last, 0xff, (size_t)n * sizeof *c->last);

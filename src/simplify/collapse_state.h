@@ -78,11 +78,12 @@ typedef struct bvxi_collapse {
         *from; /* of each triangle: that of the sheets << 2 | the corner that became its first; or NULL */
     bvxi_attributes attributes;
 
-    float *least;   /* of each vertex: the cost of its cheapest edge */
-    int32_t *edge;  /* the corner from which that edge leads to the next vertex, -1, or COLLAPSE_GONE */
-    int32_t *any;   /* a corner of the vertex */
-    uint8_t *kind;  /* VERTEX_... */
-    uint8_t *fresh; /* 1: it has changed since the level was judged */
+    float *least;     /* of each vertex: the cost of its cheapest edge */
+    int32_t *edge;    /* the corner from which that edge leads to the next vertex, -1, or COLLAPSE_GONE */
+    int32_t *any;     /* a corner of the vertex */
+    uint8_t *kind;    /* VERTEX_... */
+    uint8_t *settled; /* not 0: it has moved by itself and is not judged yet */
+    uint8_t *fresh;   /* 1: it has changed since the level was judged */
     uint8_t
         *stale; /* 1: an edge of it has another cost than bvxi_edges_evaluate finds, at both of its ends */
     collapse_undo *undo; /* of vertices that are gone */
@@ -180,6 +181,11 @@ bvx_status bvxi_collapse_close_small(bvxi_collapse *c, double longest, uint64_t 
 uint32_t bvxi_collapse_undo(bvxi_collapse *c, uint32_t v);
 /* A vertex moves with its quadric. */
 void bvxi_collapse_move_quadric(bvxi_collapse *c, uint32_t u, const double p[3]);
+/* settle_level.c: move vertices to where the level's triangles lie nearest to the mesh; what they were is at undo, and
+ * settled marks them until the level has been judged. */
+bvx_status bvxi_collapse_settle(bvxi_collapse *c);
+/* One of them goes back. */
+void bvxi_collapse_unsettle(bvxi_collapse *c, uint32_t v);
 /* Undo all collapses from an order on. */
 void bvxi_collapse_undo_since(bvxi_collapse *c, uint32_t order);
 

@@ -385,6 +385,7 @@ typedef struct judge_found {
     uint32_t *pair;
     uint64_t count, capacity;
     uint32_t triangle; /* whose partners are being listed */
+    int settled;       /* 1: vertices have moved that go back first */
     bvx_status status;
 } judge_found;
 
@@ -423,7 +424,8 @@ static void look_around(judge_found *list, uint32_t v, int boxes)
         } else if (first) {
             const double *const p[3] = {m->at[w[0]].p, m->at[w[1]].p, m->at[w[2]].p};
             /* Of two that no collapse has changed none can be undone. */
-            int const still = (c->last[w[0]] & c->last[w[1]] & c->last[w[2]]) == BVXI_VERTEX_NONE;
+            int const still = !list->settled &&
+                              (c->last[w[0]] & c->last[w[1]] & c->last[w[2]]) == BVXI_VERTEX_NONE;
 
             list->triangle = t;
             bvxi_crossing_tree_visit(&c->tree, p, graph, BVXI_VERTEX_NONE,
@@ -463,6 +465,20 @@ static uint32_t latest_of(const bvxi_collapse *c, const uint32_t *a, const uint3
     return latest;
 }
 
+/* The corners of a triangle that have settled go back; returns how many. */
+static uint64_t unsettle(bvxi_collapse *c, const uint32_t *v)
+{
+    uint64_t count = 0;
+
+    for (int k = 0; k < 3; k++) {
+        if (!c->settled[v[k]]) continue;
+        bvxi_collapse_unsettle(c, v[k]);
+        c->fresh[v[k]] = 1;
+        count++;
+    }
+    return count;
+}
+
 /* Undo until none of the pairs crosses that has not come with the mesh. */
 static bvx_status undo_pairs(judge_found *list, uint64_t *undone)
 {
@@ -476,6 +492,16 @@ static bvx_status undo_pairs(judge_found *list, uint64_t *undone)
             continue;
         if (bvxi_collapse_has_come(c, s) && bvxi_collapse_has_come(c, t)) continue;
         if (!bvxi_crossing_pair(&c->tree, s, t)) continue;
+        if (list->settled) {
+            /* Where none has settled both were that way before. */
+            uint64_t const back = unsettle(c, c->mesh.triangle[s].vertex) +
+                                  unsettle(c, c->mesh.triangle[t].vertex);
+
+            list->triangle = s;
+            if (back != 0) add_pair(list, t);
+            *undone += back;
+            continue;
+        }
         latest = latest_of(c, c->mesh.triangle[s].vertex, c->mesh.triangle[t].vertex);
         if (latest == BVXI_VERTEX_NONE) continue;
 
@@ -492,7 +518,7 @@ static bvx_status undo_pairs(judge_found *list, uint64_t *undone)
 
 bvx_status bvxi_collapse_judge(bvxi_collapse *c, double from, double to, uint64_t *undone)
 {
-    judge_found list = {.c = c};
+    judge_found list = {.c = c, .settled = bvxi_any_marked(c->settled, c->mesh.vertices)};
     int fresh = 0;
 
     *undone = 0;
@@ -510,6 +536,7 @@ bvx_status bvxi_collapse_judge(bvxi_collapse *c, double from, double to, uint64_
         if (*undone != 0) BVXI_TRY(look_at_undone(&list));
     }
     for (uint64_t v = 0; v < c->mesh.vertices; v++) c->fresh[v] = c->fresh[v] != 0;
+    memset(c->settled, 0, (size_t)c->mesh.vertices);
     c->counts.refused += *undone;
     c->judged = 1;
     bvxi_drop(c->ctx, list.pair);

@@ -32,10 +32,11 @@ typedef struct bvxi_collapse_options {
      * vertex_count of the mesh that bvxi_levels_make takes]. */
     bvx_collapse given;
     double even; /* pull of every vertex towards the line along its normal: even triangles where it is flat */
-    int32_t simple;  /* 1: the mesh is known to be welded, closed, manifold and oriented */
-    int32_t borders; /* BVXI_BORDERS_...: what becomes of a mesh that is not closed */
-    int32_t counted; /* 1: crossings are, those that were there before too */
-    int32_t sheets;  /* 1: no edge comes to be that joins two locked vertices, and no triangle of three */
+    int32_t simple;   /* 1: the mesh is known to be welded, closed, manifold and oriented */
+    int32_t borders;  /* BVXI_BORDERS_...: what becomes of a mesh that is not closed */
+    int32_t counted;  /* 1: crossings are, those that were there before too */
+    int32_t farthest; /* 1: the farthest distance decides, so none is made longer for the mean's sake */
+    int32_t sheets;   /* 1: no edge comes to be that joins two locked vertices, and no triangle of three */
 } bvxi_collapse_options;
 
 /* Handles that were cut and holes that were filled, and the way around the longest of them. */
@@ -69,6 +70,7 @@ static inline void bvxi_chain_take(bvxi_level_chain *chain, const bvx_mesh_view 
     chain->halve_from = original->triangle_count;
     chain->collapse.even = targets->even;
     chain->collapse.given = *collapse;
+    chain->collapse.farthest = targets->errors != NULL && targets->error_kind == BVX_ERROR_MAX;
     if (collapse->position_type == BVX_POSITION_AUTO)
         chain->collapse.given.position_type = (int32_t)bvxi_view_type(original);
 }
