@@ -67,7 +67,7 @@ typedef struct labels_job {
 enum { IS_VOLUME = 1 << CLI_FIRST_FACT, HAS_TWO = 2 << CLI_FIRST_FACT /* %s */ };
 
 static const cli_rule labels_rules[] = {
-    {.unless = IS_VOLUME, .message = "labels are of volumes (.nrrd .nhdr .npy .vti .raw), which %i is not"},
+    {.unless = IS_VOLUME, .message = "labels are of volumes (.nrrd .nhdr .npy .vti .raw), which %i is not%w"},
     {.given = "--triangles", .beside = "--error", .message = "%o and %b exclude each other"},
     {.given = "--triangles --error", .beside = "--staircase", .message = "%o and %b exclude each other"},
     {.also = cli_to_mesh_rules},
@@ -82,7 +82,8 @@ static int check_labels_line(cli_run *run, bvx_window *window)
     uint32_t facts = cli_may_be_volume(cli_input_format(run, o->input[0])) ? IS_VOLUME : 0;
 
     if (place != NULL && strstr(place + 2, "%s") != NULL) facts |= HAS_TWO;
-    CLI_TRY(cli_check_rules(run, labels_rules, facts, NULL));
+    CLI_TRY(
+        cli_check_rules(run, labels_rules, facts, cli_way_around(cli_input_name(run->options->input[0]), 0)));
     return cli_window_option(run, window);
 }
 

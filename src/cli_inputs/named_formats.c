@@ -107,10 +107,13 @@ const char *cli_way_around(const char *path, int written)
                  {".schematic ", {"; FileToVox makes .vox of it", "; ObjToSchematic makes it of .obj"}},
                  {".schem .litematic ", {"", "; ObjToSchematic makes it of .obj"}},
                  {".amf .dxf .dcm ", {"; the Python package reads it", ""}},
-                 {".vtp .nii .mha ", {"; the Python package reads it", "; the Python package writes it"}}};
-    const char *const dot = strrchr(path, '.');
+                 {".vtp ", {"; the Python package reads it", "; the Python package writes it"}},
+                 {".nii .nii.gz .mha ",
+                  {"; the Python package makes .nrrd of it", "; the Python package makes it of .nrrd"}}};
+    const char *dot = strrchr(path, '.');
     char ending[16] = "";
 
+    if (dot != NULL && dot - path > 4 && cli_same_name(dot, ".gz") && dot[-4] == '.') dot -= 4;
     for (size_t i = 0; dot != NULL && strlen(dot) < sizeof ending - 1 && dot[i] != 0; i++)
         ending[i] = (char)(dot[i] >= 'A' && dot[i] <= 'Z' ? dot[i] + ('a' - 'A') : dot[i]);
     if (ending[0] != 0) ending[strlen(ending)] = ' ';

@@ -310,7 +310,6 @@ static void link_cell(label_scan *s, const int32_t c[3], uint32_t pattern, uint3
                       const bvxi_cell_split *split)
 {
     const label_work *const w = s->w;
-    uint32_t *const links = w->net.links;
 
     for (int32_t a = 0; a < 3; a++) {
         size_t const at = cell_index(w, c[0] - (a == 0), c[1] - (a == 1));
@@ -328,10 +327,10 @@ static void link_cell(label_scan *s, const int32_t c[3], uint32_t pattern, uint3
                            beyond_new = first_other + other->of[other_edge];
 
             /* Flaps take the new vertex beyond a low side, the old one beyond a high side, so that they agree. */
-            links[6 * (size_t)own_new + 2 * (size_t)a] = beyond_new;
-            links[6 * (size_t)beyond_new + 2 * (size_t)a + 1] = own;
-            links[6 * (size_t)own + 2 * (size_t)a] = beyond;
-            links[6 * (size_t)beyond + 2 * (size_t)a + 1] = own;
+            *bvxi_net_link(&w->net, own_new, 2 * a) = beyond_new;
+            *bvxi_net_link(&w->net, beyond_new, 2 * a + 1) = own;
+            *bvxi_net_link(&w->net, own, 2 * a) = beyond;
+            *bvxi_net_link(&w->net, beyond, 2 * a + 1) = own;
         }
     }
 }
@@ -369,8 +368,8 @@ static void close_flaps(const label_work *w)
 {
     for (uint64_t f = w->net.flaps; f < w->made->face_count; f++) {
         uint32_t *const t = w->made->mesh.triangles + 6 * (size_t)f;
-        t[1] = w->net.links[6 * (size_t)t[0] + t[1]];
-        t[5] = w->net.links[6 * (size_t)t[0] + t[5]];
+        t[1] = *bvxi_net_link(&w->net, t[0], (int32_t)t[1]);
+        t[5] = *bvxi_net_link(&w->net, t[0], (int32_t)t[5]);
     }
 }
 
@@ -400,7 +399,7 @@ static void put_vertices(label_scan *s, int32_t j, int32_t k, int own)
             }
             for (uint32_t f = 0; own && f < split->flaps; f++)
                 open_flap(w, c, next, split, &split->flap[f], w->net.flaps + flap++);
-            if (w->net.links != NULL && own) link_cell(s, c, pattern_at(edge, bit), next, split);
+            if (own && w->net.offset != NULL) link_cell(s, c, pattern_at(edge, bit), next, split);
             next += split->count;
         }
     }
@@ -570,8 +569,10 @@ static bvx_status open_complex(label_work *w, uint64_t vertices, uint64_t faces)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, vertices, "the junctions", &c->junctions));
     if (w->options.staircase) return BVX_OK;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * 6, "the vertices' offsets", &w->net.offset));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * 24, "the vertices' links", &w->net.links));
-    memset(w->net.links, 0xff, (size_t)vertices * 24);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * 12, "the vertices' links", &w->net.links[1]));
+    /* Positions are written last. */
+    w->net.links[0] = c->mesh.positions;
+    for (int n = 0; n < 2; n++) memset(w->net.links[n], 0xff, (size_t)vertices * 12);
     return BVX_OK;
 }
 

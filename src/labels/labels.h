@@ -76,9 +76,15 @@ typedef struct bvxi_net {
     bvx_complex *complex;
     int16_t *offset; /* from the cell's centre [Size: vertices * 3] [Units: BVXI_NET_UNITS of a voxel] */
     uint64_t flaps;  /* index of the first one; they are the last faces */
-    uint32_t *links; /* the vertex beyond each side of the cell, or UINT32_MAX [Size: vertices * 6] */
+    uint32_t *links
+        [2]; /* the vertex beyond each low side of the cell, high side, or UINT32_MAX [Size: vertices * 3] */
     double origin[3], spacing[3]; /* of positions: origin 0 in a local frame */
 } bvxi_net;
+
+static inline uint32_t *bvxi_net_link(const bvxi_net *net, uint64_t vertex, int32_t side)
+{
+    return &net->links[side & 1][3 * vertex + (uint64_t)(side >> 1)];
+}
 
 static inline double bvxi_net_offset(const bvxi_net *net, uint64_t vertex, int32_t axis)
 {
@@ -94,7 +100,7 @@ typedef struct bvxi_face {
 void bvxi_read_face(const bvxi_net *net, uint32_t face, bvxi_face *f); /* smooth.c */
 /* smooth.c: write the position of a vertex; without offsets it is at its cell's centre. */
 void bvxi_net_put(const bvxi_net *net, uint64_t vertex);
-/* Move the offsets, in the place of positions too; the links are freed. Memory: 8 bytes a face, label and pair. */
+/* Move the offsets; the links are freed. Memory: 6 bytes a vertex; 8 a face, label and pair. */
 bvx_status bvxi_net_smooth(bvx_context *ctx, bvxi_net *net);
 /* untangle.c: move offsets back until no two triangles cross, and write their positions; the others are written.
  * Memory: 5 bytes a vertex, 1 a face, and what bvx_mesh_crossings takes of those near a face that leaves its

@@ -4,7 +4,7 @@
  * cell). Golub, Varga. Chebyshev Semi-iterative Methods. 1961 (weights with which few steps do the work of many).
  *
  * Steps go from one buffer to another, so no order of vertices shows; each goes on from the last two. On a junction
- * only neighbours along it count. Offsets are 16 bits a coordinate, and the second buffer is where positions will be.
+ * only neighbours along it count. Offsets are 16 bits a coordinate; links and area vectors are where positions will be.
  * What the faces between two labels have swept since the staircase is then undone: their free vertices move along
  * normals. A label's volume is that of its voxels and what all its faces have swept, since the walls that edges
  * sweep cancel; so it comes back without a system of equations over labels. */
@@ -34,7 +34,7 @@ typedef struct net_work {
     const int16_t *from;               /* offsets before a step */
     int16_t *to;                       /* those of the step before, then after this one */
     float of_last, of_own, of_mean[7]; /* weights of a step; of a sum by how many it has */
-    float *areas;                      /* vectors of vertices; in the place of positions, too */
+    float *areas;                      /* vectors of vertices; in the place of positions */
     uint32_t *pairs;                   /* where each pair's faces begin */
     uint32_t *faces;                   /* in the order of pairs */
     uint64_t pair_count;
@@ -59,15 +59,15 @@ static void relax_range(void *user, uint64_t begin, uint64_t end)
     const bvxi_net *const net = w->net;
 
     for (uint64_t v = begin; v < end; v++) {
-        const uint32_t *const link = net->links + 6 * v;
         const int16_t *const own = w->from + 3 * v;
         int16_t *const to = w->to + 3 * v;
         uint32_t const junction = net->complex->junctions[v], mask = junction != 0 ? junction : 63;
         int32_t sum[3] = {0, 0, 0}, count = 0;
 
         for (int32_t side = 0; side < 6; side++) {
-            if ((mask >> side & 1) == 0 || link[side] == UINT32_MAX) continue;
-            const int16_t *const o = w->from + 3 * (size_t)link[side];
+            uint32_t const link = *bvxi_net_link(net, v, side);
+            if ((mask >> side & 1) == 0 || link == UINT32_MAX) continue;
+            const int16_t *const o = w->from + 3 * (size_t)link;
             for (int a = 0; a < 3; a++) sum[a] += o[a];
             sum[side >> 1] += (side & 1) != 0 ? BVXI_NET_UNITS : -BVXI_NET_UNITS;
             count++;
@@ -295,11 +295,10 @@ bvx_status bvxi_net_smooth(bvx_context *ctx, bvxi_net *net)
     uint64_t const vertices = net->complex->mesh.vertex_count;
     net_work w = {.net = net};
     float weight = 1.0F;
+    int16_t *second;
 
-    memset(net->complex->mesh.positions, 0, (size_t)vertices * 6);
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, vertices * 6, "the moved offsets", &second));
     for (int32_t i = 0; i < STEPS; i++) {
-        int16_t *const second = net->complex->mesh.positions;
-
         w.from = i % 2 == 0 ? net->offset : second;
         w.to = i % 2 == 0 ? second : net->offset;
         w.of_last = 1.0F - weight;
@@ -310,7 +309,8 @@ bvx_status bvxi_net_smooth(bvx_context *ctx, bvxi_net *net)
                                  0.7 * (double)(i + 1) / (double)STEPS,
                                  bvxi_piece_count(vertices, VERTEX_GRAIN), vertices, relax_range, &w));
     }
-    bvxi_drop(ctx, net->links);
+    bvxi_drop(ctx, second);
+    bvxi_drop(ctx, net->links[1]);
 
     BVXI_TRY(bvxi_for(ctx, "faces", net->flaps, VERTEX_GRAIN, split_faces, &w));
     BVXI_TRY(sort_faces(ctx, &w));

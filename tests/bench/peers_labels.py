@@ -1,9 +1,12 @@
 """peers_labels.py OUT PROGRAM - surfaces of 100 Voronoi labels by bitvox labels and by other libraries; prints Markdown.
 
-Every face lies between two seeds, so its true plane is known. One thread; ours are the stages "surfaces" and "body" of the program's report,
-theirs processor time, the least of three runs. What the surfaces are is judged on 256^3: distances of the corners of inner faces from the
-true cells, angles of the faces' normals, and each label as a body by trimesh and manifold3d.
+Every face lies between two seeds, so its true plane is known. One thread; processor time, the least of three runs; ours is the share of the
+stages "surfaces" and "body" in the program's. Memory is what is held at most beside the samples, the result with it, for each side of a voxel
+where labels differ: ours of the report, theirs by which the process grows. What the surfaces are is judged on 256^3: distances of the vertices of
+inner faces from the true cells, angles of the faces' normals, and each label as a body by trimesh and manifold3d. Fewer triangles: a tenth, ours of all
+labels together, by meshoptimizer of each body of ours alone.
 """
+import ctypes
 import json
 import os
 import subprocess
@@ -31,23 +34,48 @@ def voronoi(side):
     return name
 
 
+def voxel_faces(side):
+    """Sides of voxels with different labels, those of the volume's box included."""
+    samples = np.load(voronoi(side))
+    return 6 * side**2 + sum(int(np.count_nonzero(np.take(samples, range(1, side), a) != np.take(samples, range(side - 1), a))) for a in range(3))
+
+
+def growth(job):
+    """Bytes by which a process of its own grows by the job at most."""
+    def status(name):
+        return next(int(line.split()[1]) << 10 for line in open("/proc/self/status") if line.startswith(name))
+
+    ctypes.CDLL(None).malloc_trim(0)  # what is free already would not show
+    ends = os.pipe()
+    child = os.fork()
+    if child == 0:
+        before = status("VmRSS")
+        made = job()  # held until it is measured
+        os.write(ends[1], str(status("VmHWM") - before).encode())
+        os._exit(made is None)
+    os.waitpid(child, 0)
+    return int(os.read(ends[0], 32))
+
+
 def least(job, runs=3):
-    times = []
+    times, grown = [], growth(job)
     for _ in range(runs):
         start = time.process_time()
         made = job()
         times.append(time.process_time() - start)
-    return min(times), made
+    return min(times), grown, made
 
 
 def bitvox(side, options):
-    """Seconds, and the body of each label."""
+    """Seconds, bytes, and the body of each label."""
     times = []
     for _ in range(3):
         words = [program, "labels", voronoi(side), "-o", f"{out}/voronoi_%s.ply", "--threads", "1", "--json", *options]
+        before = sum(os.times()[2:4])
         report = json.loads(subprocess.run(words, capture_output=True, check=True).stdout)
-        times.append(sum(one["seconds"] for one in report["stages"] if one["name"] in ("surfaces", "body")))
-    return min(times), lambda: {n: read_ply(f"{out}/voronoi_{n}.ply") for n in range(1, LABELS + 1)}
+        own = sum(one["seconds"] for one in report["stages"] if one["name"] in ("surfaces", "body"))
+        times.append((sum(os.times()[2:4]) - before) * own / sum(one["seconds"] for one in report["stages"]))
+    return min(times), report["peak_bytes"] - side**3, lambda: {n: read_ply(f"{out}/voronoi_{n}.ply") for n in range(1, LABELS + 1)}
 
 
 def read_ply(name):
@@ -80,7 +108,7 @@ def vtk_nets(side, smooth):
         nets.Update()
         return nets.GetOutput()
 
-    seconds, made = least(job)
+    seconds, grown, made = least(job)
 
     def bodies():
         at = vtk_to_numpy(made.GetPoints().GetData())
@@ -88,7 +116,7 @@ def vtk_nets(side, smooth):
         sides = vtk_to_numpy(made.GetCellData().GetArray("BoundaryLabels"))
         return {n: (at, np.concatenate([faces[sides[:, 0] == n], faces[sides[:, 1] == n][:, ::-1]])) for n in range(1, LABELS + 1)}
 
-    return seconds, bodies
+    return seconds, grown, bodies
 
 
 def zmesh(side):
@@ -101,8 +129,34 @@ def zmesh(side):
         mesher.mesh(samples)
         return {n: mesher.get(n, normals=False, reduction_factor=0) for n in mesher.ids()}
 
-    seconds, made = least(job, 1)
-    return seconds, lambda: {n: (one.vertices - 0.5, one.faces) for n, one in made.items()}
+    seconds, grown, made = least(job, 1)
+    return seconds, grown, lambda: {n: (one.vertices - 0.5, one.faces) for n, one in made.items()}
+
+
+def fewer(side):
+    """A tenth of the triangles, faces shared."""
+    bodies = bitvox(side, [])[2]()
+    return bitvox(side, ["--triangles", str(sum(len(faces) for _, faces in bodies.values()) // 20)])
+
+
+def each_fewer(side):
+    """A tenth of each body's triangles."""
+    import meshoptimizer
+
+    seconds, _, bodies = bitvox(side, [])
+    whole = bodies()
+
+    def job():
+        made = {}
+        for n, (at, faces) in whole.items():
+            out_indices = np.zeros(faces.size, np.uint32)
+            count = meshoptimizer.simplify(out_indices, np.ascontiguousarray(faces.ravel()), np.ascontiguousarray(at, np.float32), target_index_count=faces.size // 30 * 3,
+                                           target_error=1.0)
+            made[n] = at, out_indices[:count].reshape(-1, 3)
+        return made
+
+    spent, grown, made = least(job, 1)
+    return seconds + spent, grown, lambda: made
 
 
 def judge(side, bodies):
@@ -118,7 +172,7 @@ def judge(side, bodies):
         ways = np.delete(at, n - 1, axis=0) - at[n - 1]
         ways /= np.linalg.norm(ways, axis=1)[:, None]
         ends = ((np.delete(at, n - 1, axis=0) + at[n - 1]) / 2 * ways).sum(axis=1)
-        distances.append(np.abs((corners[inner].reshape(-1, 3) @ ways.T - ends).max(axis=1)))
+        distances.append(np.abs((vertices[np.unique(faces[inner])].astype(np.float64) @ ways.T - ends).max(axis=1)))
         way = ways[(corners[inner].mean(axis=1) @ ways.T - ends).argmax(axis=1)]
         normal = np.cross(corners[inner][:, 1] - corners[inner][:, 0], corners[inner][:, 2] - corners[inner][:, 0])
         area = np.linalg.norm(normal, axis=1)
@@ -134,16 +188,19 @@ def judge(side, bodies):
 
 JOBS = (("bitvox labels", lambda side: bitvox(side, [])), ("bitvox labels --staircase", lambda side: bitvox(side, ["--staircase"])),
         ("vtkSurfaceNets3D", lambda side: vtk_nets(side, True)), ("vtkSurfaceNets3D, not smoothed", lambda side: vtk_nets(side, False)),
-        ("zmesh", zmesh))
+        ("zmesh", zmesh), ("bitvox labels --triangles, a tenth", fewer), ("meshoptimizer, each body of bitvox labels alone, a tenth", each_fewer))
 
-print("| 100 Voronoi labels | side | s | mean distance [voxels] | largest | normals [degrees] | watertight of 100 | taken by manifold3d |")
-print("|---|--:|--:|--:|--:|--:|--:|--:|")
+print("| 100 Voronoi labels | side | s | bytes a face | mean distance [voxels] | largest | normals [degrees] | watertight of 100 | taken by manifold3d |")
+print("|---|--:|--:|--:|--:|--:|--:|--:|--:|")
 for edge in [int(n) for n in os.environ.get("BENCH_LABELS", "256,512").split(",")]:
+    sides = voxel_faces(edge)
     for title, job_of in JOBS:
+        if edge > 256 and "tenth" in title:
+            continue
         try:
-            spent, made_bodies = job_of(edge)
+            spent, held, made_bodies = job_of(edge)
             found = judge(edge, made_bodies()) if edge <= 256 else " | | | |"
         except ImportError as why:
-            print(f"| {title} | {edge} | missing: {why} | | | | | |")
+            print(f"| {title} | {edge} | missing: {why} | | | | | | |")
             continue
-        print(f"| {title} | {edge} | {spent:.2f} | {found} |", flush=True)
+        print(f"| {title} | {edge} | {spent:.2f} | {held / sides:.0f} | {found} |", flush=True)

@@ -81,6 +81,7 @@ refuses 2 'the name has two %s' labels "$labels" -o x_%s_%s.ply
 refuses 1 "there is no label '3'; the first is 1, the last 7" labels "$labels" -o x_%s.ply --only 1,3
 refuses 1 "there is no label ''" labels "$labels" -o x_%s.ply --only 1,
 refuses 2 'labels are of volumes' labels "$knot" -o x_%s.ply
+refuses 2 'which atlas.nii.gz is not; the Python package makes .nrrd of it' labels atlas.nii.gz -o x_%s.ply
 refuses 2 'does not end in a mesh format' labels "$labels" -o x_%s.bvx
 refuses 2 '.stl has the normals of triangles only' labels "$labels" -o x_%s.stl --normals
 refuses 2 'lacks -o' labels "$labels"
