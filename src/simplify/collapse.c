@@ -26,7 +26,10 @@ enum {
     RANGE_VERTICES = 4096,  /* of a range, at least */
     RANGE_MOST = 20,        /* ranges: more have more edges that reach into others */
     RANGE_COLLAPSES = 4096, /* fewer are not worth ranges */
-    SWEEP_AHEAD = 8,        /* vertices */
+    BLOCK_VERTICES = 512,   /* at least */
+    COST_GRAIN = 8192,      /* vertices whose costs are counted in one piece, at least */
+    COST_PIECES = 4,
+    SWEEP_AHEAD = 8, /* vertices */
     THRESHOLD_WANTED = 16384,
     THRESHOLD_VERTICES = 8192, /* more are wanted: about so many are looked at, else four times as many */
     THRESHOLD_FEW = 64,        /* the share of those wanted that are the cheapest */
@@ -106,7 +109,8 @@ typedef struct collapse_sweep {
     collapse_range *range;
     float threshold;
     uint32_t *waiting;   /* vertices, those of each range from its first on */
-    uint64_t size;       /* vertices of a range; 0: one range has all */
+    uint8_t *cheap;      /* of blocks in place of ranges, 1: a vertex has an edge that cheap */
+    uint64_t size;       /* vertices of a range, or of a block */
     uint64_t target;     /* triangles */
     uint64_t left;       /* triangles as the sweep begins */
     uint64_t candidates; /* vertices with an edge that cheap */
@@ -352,14 +356,54 @@ static void try_vertex(const collapse_sweep *s, collapse_range *r, int64_t range
 
 /* ---- Sweeps ---- */
 
-enum { COST_BUCKETS = 1 << 12 };
-
 static uint32_t cost_bits(float cost)
 {
     uint32_t bits;
 
     memcpy(&bits, &cost, sizeof bits);
     return bits;
+}
+
+/* Vertices by the bits of their costs: the upper twelve, or the next twelve of those that begin with high. */
+typedef struct cost_counts {
+    const bvxi_collapse *c;
+    uint64_t step; /* vertices to one that is looked at */
+    uint32_t high; /* COST_BUCKETS: none */
+} cost_counts;
+
+uint64_t bvxi_collapse_cost_pieces(const bvxi_collapse *c)
+{
+    int32_t const pieces = bvxi_piece_count(c->mesh.vertices, COST_GRAIN), threads = bvxi_threads(c->ctx);
+    int32_t const most = threads < COST_PIECES ? threads : COST_PIECES;
+
+    return (uint64_t)(pieces < most ? pieces : most);
+}
+
+static void costs_of_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
+{
+    const cost_counts *const k = user;
+    const float *const least = k->c->least;
+    uint32_t *const count = k->c->costs + (uint64_t)piece * COST_BUCKETS;
+
+    memset(count, 0, COST_BUCKETS * sizeof *count);
+    for (uint64_t i = begin; i < end; i++) {
+        uint32_t const bits = cost_bits(least[i * k->step]);
+
+        if (k->high == COST_BUCKETS) count[bits >> 20]++;
+        else if (bits >> 20 == k->high && least[i * k->step] < COLLAPSE_NEVER)
+            count[bits >> 8 & (COST_BUCKETS - 1)]++;
+    }
+}
+
+/* The counts of all pieces go to those of the first. */
+static void count_costs(cost_counts *k)
+{
+    uint64_t const looked = (k->c->mesh.vertices + k->step - 1) / k->step;
+    uint64_t const pieces = looked < COST_GRAIN ? 1 : bvxi_collapse_cost_pieces(k->c);
+
+    bvxi_ranges(k->c->ctx, (int32_t)pieces, looked, costs_of_piece, k);
+    for (uint64_t i = COST_BUCKETS; i < pieces * COST_BUCKETS; i++)
+        k->c->costs[i & (COST_BUCKETS - 1)] += k->c->costs[i];
 }
 
 /* Set the cost that about so many vertices have no cheaper edge than; bits of positive floats are in the order
@@ -369,15 +413,16 @@ static void choose_threshold(collapse_sweep *s, uint64_t wanted, int idle)
     const bvxi_collapse *const c = s->c;
     uint64_t const looked = wanted > THRESHOLD_WANTED ? THRESHOLD_VERTICES : 4 * THRESHOLD_VERTICES;
     uint64_t const step = idle == 0 || wanted > THRESHOLD_WANTED ? 1 + c->mesh.vertices / looked : 1;
-    uint32_t count[COST_BUCKETS], high = COST_BUCKETS - 1, low = COST_BUCKETS, bits;
+    cost_counts counts = {.c = c, .step = step, .high = COST_BUCKETS};
+    const uint32_t *const count = c->costs;
+    uint32_t high = COST_BUCKETS - 1, low = COST_BUCKETS, bits;
     uint64_t const enough = (wanted + step - 1) / step, few = enough / THRESHOLD_FEW + 1;
     uint64_t before = 0;
     double dearer = DEARER;
     float most;
 
     /* The upper twelve bits first, then the next twelve of those that are in the same bucket. */
-    memset(count, 0, sizeof count);
-    for (uint64_t v = 0; v < c->mesh.vertices; v += step) count[cost_bits(c->least[v]) >> 20]++;
+    count_costs(&counts);
     for (uint32_t i = 0; i < COST_BUCKETS; i++) {
         if (before + count[i] >= few && low == COST_BUCKETS) low = i;
         if (before + count[i] >= enough) {
@@ -398,11 +443,8 @@ static void choose_threshold(collapse_sweep *s, uint64_t wanted, int idle)
         before = 0;
         for (uint32_t i = 0; i < high; i++) before += count[i];
     }
-    memset(count, 0, sizeof count);
-    for (uint64_t v = 0; v < c->mesh.vertices; v += step) {
-        bits = cost_bits(c->least[v]);
-        if (bits >> 20 == high && c->least[v] < COLLAPSE_NEVER) count[bits >> 8 & (COST_BUCKETS - 1)]++;
-    }
+    counts.high = high;
+    count_costs(&counts);
     bits = high << 20 | 0xfffff;
     for (uint32_t i = 0; i < COST_BUCKETS; i++) {
         before += count[i];
@@ -504,22 +546,58 @@ static int any_of_eight(const float *least, float threshold)
     return cheap;
 }
 
-/* All vertices one by one. */
-static void sweep_all(const collapse_sweep *s)
+static void block_piece(void *user, int32_t block)
+{
+    const collapse_sweep *const s = user;
+    uint64_t const begin = (uint64_t)block * s->size;
+    uint64_t const end = begin + s->size < s->c->mesh.vertices ? begin + s->size : s->c->mesh.vertices;
+    uint64_t v = begin;
+
+    while (v + 8 <= end && !any_of_eight(s->c->least + v, s->threshold)) v += 8;
+    while (v < end && !(s->c->least[v] <= s->threshold)) v++;
+    s->cheap[block] = v < end;
+}
+
+/* The vertices of one block, in their order; a collapse may make edges of others cheap. */
+static void sweep_block(const collapse_sweep *s, uint64_t block, collapse_range *r)
 {
     bvxi_collapse *const c = s->c;
-    collapse_range r = {.order = c->order};
+    uint64_t const begin = block * s->size;
+    uint64_t const end = begin + s->size < c->mesh.vertices ? begin + s->size : c->mesh.vertices;
 
-    for (uint64_t v = 0, n = c->mesh.vertices; v < n; v++) {
+    for (uint64_t v = begin; v < end; v++) {
+        uint64_t const collapsed = r->collapsed;
+
         /* Few are that cheap: eight are looked at at once. */
-        if (v + 8 <= n && !any_of_eight(c->least + v, s->threshold)) {
+        if (v + 8 <= end && !any_of_eight(c->least + v, s->threshold)) {
             v += 7;
             continue;
         }
         if (!(c->least[v] <= s->threshold)) continue;
-        if (c->mesh.left <= s->target + r.triangles) break;
-        try_vertex(s, &r, RANGE_ALL, (uint32_t)v);
+        if (c->mesh.left <= s->target + r->triangles) return;
+        try_vertex(s, r, RANGE_ALL, (uint32_t)v);
+        if (r->collapsed == collapsed) continue;
+        s->cheap[bvxi_corner_vertex_of(&c->mesh, r->star.corner[0]) / s->size] = 1;
+        for (int32_t i = 0; i < r->star.count; i++)
+            if (r->star.link[i] != BVXI_VERTEX_GHOST) s->cheap[r->star.link[i] / s->size] = 1;
     }
+}
+
+/* All vertices one by one, but for blocks without a cheap edge. */
+static void sweep_blocks(collapse_sweep *s)
+{
+    bvxi_collapse *const c = s->c;
+    uint8_t cheap[BVXI_MOST_PIECES];
+    collapse_range r = {.order = c->order};
+    uint64_t blocks;
+
+    s->cheap = cheap;
+    s->size = c->mesh.vertices / BVXI_MOST_PIECES + 1;
+    if (s->size < BLOCK_VERTICES) s->size = BLOCK_VERTICES;
+    blocks = (c->mesh.vertices + s->size - 1) / s->size;
+    bvxi_tasks(c->ctx, (int32_t)blocks, block_piece, s);
+    for (uint64_t i = 0; i < blocks; i++)
+        if (cheap[i]) sweep_block(s, i, &r);
     c->order = r.order;
     take_range(c, &r);
 }
@@ -545,7 +623,7 @@ bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint
     if (s.candidates == 0) return BVX_OK;
     if (c->tree.node[0] == NULL && s.needed >= RANGE_COLLAPSES && c->mesh.vertices >= 2 * RANGE_VERTICES)
         BVXI_TRY(sweep_ranges(&s));
-    else sweep_all(&s);
+    else sweep_blocks(&s);
     *done = c->counts.collapsed - begun;
     return BVX_OK;
 }

@@ -13,6 +13,7 @@
 
 enum {
     COLLAPSE_CURVE_BITS = 21, /* of the order in space along each axis */
+    COLLAPSE_BUCKET = 32,     /* triangles that are ordered by insertion */
     COLLAPSE_GRAIN = 4096,    /* vertices of a task */
     COLLAPSE_AHEAD = 16,      /* vertices or triangles */
     COLLAPSE_IDLE = 8,        /* sweeps without a collapse until all edges are looked at anew */
@@ -193,8 +194,8 @@ typedef struct collapse_order {
     /* of each vertex of the view: UINT32_MAX where no triangle uses it, else 0 until take_mesh writes its
      * number in the new order */
     uint32_t *rank;
-    double scale;
-    double low[BVXI_MOST_PIECES][3], high[BVXI_MOST_PIECES][3]; /* of the vertices in each piece */
+    uint32_t *begin; /* of each vertex's triangles: where the next one goes [Size: vertices] */
+    double low[3], scale;
     uint64_t used[BVXI_MOST_PIECES]; /* vertices of the view in each piece; then where their keys begin */
 } collapse_order;
 
@@ -212,8 +213,7 @@ static void keys_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
         bvxi_view_position(o->view, v, p);
 
         /* Bits of the three coordinates by turns: neighbours in the order are neighbours in space. */
-        for (int a = 0; a < 3; a++)
-            key |= bvxi_curve_spread((uint64_t)((p[a] - o->c->low[a]) * o->scale)) << a;
+        for (int a = 0; a < 3; a++) key |= bvxi_curve_spread((uint64_t)((p[a] - o->low[a]) * o->scale)) << a;
         o->key[n] = key;
         o->index[n++] = (uint32_t)v;
     }
@@ -256,40 +256,92 @@ static int ranked_triangle(const collapse_order *o, uint64_t t, uint32_t to[3])
     return first;
 }
 
-/* The corners of some triangles, and where these come from; to be ordered by the last of them. */
-static void ranks_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
+/* Triangles that begin with one vertex by the one after it, where a vertex has very many. */
+static bvx_status order_crowd(collapse_order *o, uint64_t begin, uint64_t end)
 {
-    const collapse_order *const o = user;
+    bvxi_corner_triangle *const t = o->c->mesh.triangle;
 
-    (void)piece;
-    for (uint64_t t = begin; t < end; t++) {
-        uint32_t *const v = o->c->origin + 3 * t;
+    for (uint64_t i = begin; i < end; i++) {
+        o->key[i - begin] = (uint64_t)t[i].vertex[1] << 32 | t[i].vertex[2];
+        o->index[i - begin] = (uint32_t)t[i].left[0];
+    }
+    BVXI_TRY(bvxi_radix_sort(o->c->ctx, o->key, o->index, end - begin));
+    for (uint64_t i = begin; i < end; i++) {
+        t[i].vertex[1] = (uint32_t)(o->key[i - begin] >> 32);
+        t[i].vertex[2] = (uint32_t)o->key[i - begin];
+        t[i].left[0] = (int32_t)o->index[i - begin];
+    }
+    return BVX_OK;
+}
 
-        o->index[t] = (uint32_t)(t << 2) | (uint32_t)ranked_triangle(o, t, v);
-        o->key[t] = v[2];
+/* The same of few. */
+static void order_bucket(bvxi_corner_triangle *t, uint64_t begin, uint64_t end)
+{
+    for (uint64_t i = begin + 1; i < end; i++) {
+        bvxi_corner_triangle const moving = t[i];
+        uint64_t j = i;
+
+        for (;
+             j > begin && (t[j - 1].vertex[1] > moving.vertex[1] ||
+                           (t[j - 1].vertex[1] == moving.vertex[1] && t[j - 1].vertex[2] > moving.vertex[2]));
+             j--)
+            t[j] = t[j - 1];
+        t[j] = moving;
     }
 }
 
-/* Then by the other two. */
-static void pairs_of_ranks_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
+/* Each vertex's triangles end where its next one would go, which is where those of the vertex before end. */
+static void buckets_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     const collapse_order *const o = user;
 
     (void)piece;
     for (uint64_t i = begin; i < end; i++) {
-        const uint32_t *const v = o->c->origin + 3 * (uint64_t)(o->index[i] >> 2);
+        uint64_t const from = i == 0 ? 0 : o->begin[i - 1];
 
-        o->key[i] = (uint64_t)v[0] << 32 | v[1];
+        if (o->begin[i] - from <= COLLAPSE_BUCKET) order_bucket(o->c->mesh.triangle, from, o->begin[i]);
     }
 }
 
-static void triangles_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
+/* The corners of some triangles, and where these come from. */
+static void ranks_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     const collapse_order *const o = user;
 
     (void)piece;
-    for (uint64_t i = begin; i < end; i++)
-        memcpy(o->c->mesh.triangle[i].vertex, o->c->origin + 3 * (uint64_t)(o->index[i] >> 2), 12);
+    for (uint64_t t = begin; t < end; t++)
+        o->index[t] = (uint32_t)(t << 2) | (uint32_t)ranked_triangle(o, t, o->c->origin + 3 * t);
+}
+
+/* Triangles whose first vertex is one from first on go side by side, each vertex's in their order. */
+static void scatter_piece(void *user, int32_t piece, uint64_t first, uint64_t end)
+{
+    const collapse_order *const o = user;
+    const uint32_t *const origin = o->c->origin;
+    uint64_t const n = o->view->triangle_count, size = end - first;
+    uint32_t sum = 0; /* triangles of the vertices before */
+
+    (void)piece;
+    memset(o->begin + first, 0, (size_t)size * sizeof *o->begin);
+    for (uint64_t t = 0; t < n; t++) {
+        sum += origin[3 * t] < first;
+        if (origin[3 * t] - first < size) o->begin[origin[3 * t]]++;
+    }
+    for (uint64_t v = first; v < end; v++) {
+        uint32_t const own = o->begin[v];
+
+        o->begin[v] = sum;
+        sum += own;
+    }
+    for (uint64_t t = 0; t < n; t++) {
+        bvxi_corner_triangle *to;
+
+        if (origin[3 * t] - first >= size) continue;
+        to = &o->c->mesh.triangle[o->begin[origin[3 * t]]++];
+        memcpy(to->vertex, origin + 3 * t, sizeof to->vertex);
+        /* Where it comes from waits in a field that is not set yet. */
+        to->left[0] = (int32_t)o->index[t];
+    }
 }
 
 /* Triangles by their least vertex, which comes first, and the ones after it: the order depends on the mesh
@@ -297,18 +349,22 @@ static void triangles_piece(void *user, int32_t piece, uint64_t begin, uint64_t 
 static bvx_status order_triangles(bvxi_collapse *c, collapse_order *o)
 {
     uint64_t const n = o->view->triangle_count;
-    int32_t const pieces = bvxi_piece_count(n, COLLAPSE_GRAIN);
+    uint64_t const vertices = c->mesh.vertices;
 
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, vertices * 4, "the triangles' vertices", &o->begin));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 12, "the mesh's corners", &c->origin));
-    bvxi_ranges(c->ctx, pieces, n, ranks_piece, o);
-    bvxi_drop(c->ctx, o->rank);
-    BVXI_TRY(bvxi_radix_sort(c->ctx, o->key, o->index, n));
-    bvxi_ranges(c->ctx, pieces, n, pairs_of_ranks_piece, o);
-    BVXI_TRY(bvxi_radix_sort(c->ctx, o->key, o->index, n));
-    bvxi_ranges(c->ctx, pieces, n, triangles_piece, o);
+    bvxi_ranges(c->ctx, bvxi_piece_count(n, COLLAPSE_GRAIN), n, ranks_piece, o);
+    bvxi_ranges(c->ctx, bvxi_looking_pieces(c->ctx), vertices, scatter_piece, o);
+    bvxi_ranges(c->ctx, bvxi_piece_count(vertices, COLLAPSE_GRAIN), vertices, buckets_piece, o);
+    for (uint64_t i = 0; i < vertices; i++) {
+        uint64_t const from = i == 0 ? 0 : o->begin[i - 1];
+
+        if (o->begin[i] - from > COLLAPSE_BUCKET) BVXI_TRY(order_crowd(o, from, o->begin[i]));
+    }
+    bvxi_drop(c->ctx, o->begin);
     if (!bvxi_collapse_needs_sources(c->given, &c->options)) return BVX_OK;
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 4, "the triangles' sources", &c->from));
-    memcpy(c->from, o->index, (size_t)n * sizeof *c->from);
+    for (uint64_t t = 0; t < n; t++) c->from[t] = (uint32_t)c->mesh.triangle[t].left[0];
     return BVX_OK;
 }
 
@@ -344,77 +400,48 @@ static bvx_status take_mesh(bvxi_collapse *c, collapse_order *o)
     return order_triangles(c, o);
 }
 
-static void widen(double *low, double *high, int first, const double *less, const double *more)
-{
-    for (int a = 0; a < 3; a++) {
-        low[a] = first || less[a] < low[a] ? less[a] : low[a];
-        high[a] = first || more[a] > high[a] ? more[a] : high[a];
-    }
-}
-
 /* Mark the vertices that triangles use by a rank of 0, and count them. */
 static void used_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     collapse_order *const o = user;
+    uint64_t used = 0;
 
     memset(o->rank + begin, 0xff, (size_t)(end - begin) * sizeof *o->rank);
     for (uint64_t t = 0; t < o->view->triangle_count; t++) {
         uint32_t v[3];
 
         bvxi_view_triangle(o->view, t, v);
-        for (int k = 0; k < 3; k++)
-            if (v[k] - begin < end - begin) o->rank[v[k]] = 0;
+        for (int k = 0; k < 3; k++) {
+            if (v[k] - begin >= end - begin) continue;
+            /* Counted once: after the first triangle the mark is 0. */
+            used += o->rank[v[k]] != 0;
+            o->rank[v[k]] = 0;
+        }
     }
-    o->used[piece] = 0;
-    for (uint64_t v = begin; v < end; v++) {
-        double p[3];
-
-        if (o->rank[v] == UINT32_MAX) continue;
-        bvxi_view_position(o->view, v, p);
-        widen(o->low[piece], o->high[piece], o->used[piece]++ == 0, p, p);
-    }
+    o->used[piece] = used;
 }
 
-/* Those that are used span a box, which the order and the costs are in units of. */
-static bvx_status take_bounds(bvxi_collapse *c, collapse_order *o, int32_t pieces)
-{
-    double low[3] = {0, 0, 0}, high[3] = {0, 0, 0}, size = 0;
-
-    for (int32_t i = 0; i < pieces; i++)
-        if (o->used[i] != 0) widen(low, high, c->mesh.vertices++ == 0, o->low[i], o->high[i]);
-    for (int a = 0; a < 3; a++) {
-        c->low[a] = low[a] + 0.0; /* turns -0 into 0 */
-        if (high[a] - low[a] > size) size = high[a] - low[a];
-    }
-
-    if (size > 0 && !(size >= COLLAPSE_NARROWEST && size <= COLLAPSE_WIDEST))
-        return bvxi_fail_for(c->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
-                             "%s: the mesh spans %g; edges collapse between spans of %g and %g: scale it",
-                             c->function, size, COLLAPSE_NARROWEST, COLLAPSE_WIDEST);
-
-    /* The longest side decides: steps are the same along all axes. */
-    c->scale = size > 0 ? 1 / size : 1;
-    o->scale = size > 0 ? ((1 << COLLAPSE_CURVE_BITS) - 1) / size : 0;
-    return BVX_OK;
-}
-
-static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh)
+static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const double low[3], double size)
 {
     uint64_t const items = mesh->vertex_count > mesh->triangle_count ? mesh->vertex_count
                                                                      : mesh->triangle_count;
+    uint64_t const bytes = items * 12 + mesh->vertex_count * 4; /* a bucket may have all triangles */
     int32_t const pieces = bvxi_looking_pieces(c->ctx);
-    collapse_order o = {.c = c, .view = mesh, .packed = c->sheets->corner};
+    collapse_order o = {.c = c,
+                        .view = mesh,
+                        .packed = c->sheets->corner,
+                        .scale = size > 0 ? ((1 << COLLAPSE_CURVE_BITS) - 1) / size : 0};
     unsigned char *block;
 
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, items * 12, "the order of the triangles", &block));
-    BVXI_TRY(BVXI_ARRAY(c->ctx, mesh->vertex_count, "the vertices' ranks", o.rank));
+    memcpy(o.low, low, sizeof o.low);
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, bytes, "the order of the triangles", &block));
 
     /* One block, the widest type first, so that each part is aligned. */
     o.key = (uint64_t *)(void *)block;
     o.index = (uint32_t *)(void *)(o.key + items);
+    o.rank = o.index + items;
 
     bvxi_ranges(c->ctx, pieces, mesh->vertex_count, used_piece, &o);
-    BVXI_TRY(take_bounds(c, &o, pieces));
     c->mesh.vertices = c->mesh.vertex_room = bvxi_place_counts(o.used, (uint64_t)pieces);
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * sizeof *c->mesh.at, "the vertices",
                         &c->mesh.at));
@@ -587,14 +614,42 @@ static void mark_lines(bvxi_collapse *c)
 
 /* ---- Opening, results ---- */
 
+/* Corners as they are opened, costs that are not known yet, and the area of some triangles. */
+typedef struct collapse_costs {
+    bvxi_collapse *c;
+    double area[BVXI_MOST_PIECES];
+} collapse_costs;
+
+static void costs_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
+{
+    collapse_costs *const s = user;
+    bvxi_collapse *const c = s->c;
+
+    s->area[piece] = 0;
+    for (uint64_t t = begin; t < end; t++) {
+        bvxi_corner_triangle *const at = &c->mesh.triangle[t];
+        double length = 0;
+
+        if (t < c->mesh.triangles) {
+            memcpy(c->origin + 3 * t, at->vertex, sizeof at->vertex);
+            memcpy(&length, at->cost, sizeof length);
+        }
+        s->area[piece] += 0.5 * length * c->scale * c->scale;
+        for (int k = 0; k < 3; k++) at->cost[k] = COLLAPSE_NEVER;
+    }
+}
+
 static bvx_status open_arrays(bvxi_collapse *c)
 {
     bvxi_corners *const m = &c->mesh;
-    uint64_t const n = m->vertices;
+    uint64_t const n = m->vertices, all = m->triangles + m->ghosts;
+    int32_t const pieces = bvxi_piece_count(all, COLLAPSE_GRAIN);
+    collapse_costs s = {.c = c};
 
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * sizeof *c->undo, "what undoes collapses", &c->undo));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 16, "the vertices' edges", &c->least));
     BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, 4 * n, "the vertices' kinds", &c->kind));
+    BVXI_TRY(BVXI_ARRAY(c->ctx, bvxi_collapse_cost_pieces(c) * COST_BUCKETS, "counts of costs", c->costs));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 4, "the mesh's vertices", &c->first_source));
     c->first_triangles = m->triangles;
     c->first_vertices = n;
@@ -608,16 +663,8 @@ static bvx_status open_arrays(bvxi_collapse *c)
 
     memset(c->last, 0xff, (size_t)n * sizeof *c->last);
     memset(c->stale, 1, (size_t)n);
-    for (uint64_t t = 0; t < m->triangles + m->ghosts; t++) {
-        double length = 0;
-
-        if (t < m->triangles) {
-            memcpy(c->origin + 3 * t, m->triangle[t].vertex, 12);
-            memcpy(&length, m->triangle[t].cost, sizeof length);
-        }
-        c->area += 0.5 * length * c->scale * c->scale;
-        for (int k = 0; k < 3; k++) m->triangle[t].cost[k] = COLLAPSE_NEVER;
-    }
+    bvxi_ranges(c->ctx, pieces, all, costs_piece, &s);
+    for (int32_t i = 0; i < pieces; i++) c->area += s.area[i];
     bvxi_collapse_index(c);
     c->alive = n;
     c->crumpled = CRUMPLED_MOST;
@@ -629,14 +676,28 @@ static bvx_status open_arrays(bvxi_collapse *c)
 
 static bvx_status open_steps(bvxi_collapse *c, const bvx_mesh_view *mesh)
 {
-    if (mesh->triangle_count == 0)
-        return bvxi_fail(c->ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", c->function);
+    double low[3], high[3], size = 0;
+
+    BVXI_TRY(bvxi_view_bounds(c->ctx, c->function, mesh, low, high));
+    for (int a = 0; a < 3; a++) {
+        c->low[a] = low[a];
+        if (high[a] - low[a] > size) size = high[a] - low[a];
+    }
+
+    if (size > 0 && !(size >= COLLAPSE_NARROWEST && size <= COLLAPSE_WIDEST))
+        return bvxi_fail_for(c->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                             "%s: the mesh spans %g; edges collapse between spans of %g and %g: scale it",
+                             c->function, size, COLLAPSE_NARROWEST, COLLAPSE_WIDEST);
+
+    /* The longest side decides: steps are the same along all axes. */
+    c->scale = size > 0 ? 1 / size : 1;
+
     c->mesh.triangle_room = c->mesh.triangles = mesh->triangle_count;
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.triangle_room * sizeof *c->mesh.triangle,
                         "the triangles", &c->mesh.triangle));
 
     /* Ordered before it is connected, so that neighbours are written close to each other. */
-    BVXI_TRY(order_mesh(c, mesh));
+    BVXI_TRY(order_mesh(c, mesh, low, size));
     BVXI_TRY(bvxi_progress(c->ctx, "collapse", 0.03));
     BVXI_TRY(bvxi_corners_connect(c->ctx, c->function, &c->mesh, c->options.borders));
     c->counts.split = c->mesh.split;

@@ -9,7 +9,8 @@
 
 enum {
     COLLAPSE_GONE = -2, /* in place of a vertex's edge */
-    COLLAPSE_STAR = 96  /* triangles around either end; a vertex of more stays, its neighbours do not */
+    COST_BUCKETS = 1 << 12,
+    COLLAPSE_STAR = 96 /* triangles around either end; a vertex of more stays, its neighbours do not */
 };
 
 /* How a vertex may move: bits. */
@@ -103,6 +104,7 @@ typedef struct bvxi_collapse {
     uint64_t crossings;
     int judged; /* 1: they are those of the mesh as it is, unless something is fresh */
 
+    uint32_t *costs; /* counts of costs [Size: bvxi_collapse_cost_pieces() * COST_BUCKETS] */
     float reached;   /* cost of the dearest edges that were tried */
     double crumpled; /* mean edges that a vertex may lie from the planes that it stands for */
     double scale;    /* quadrics measure lengths in units of 1 / scale, the mesh's size */
@@ -172,6 +174,7 @@ int bvxi_star_close(collapse_star *star);
 /* Take a triangle out from between its two other edges, which become one; corner is opposite to the
  * collapsing edge. Returns 1 unless it is a ghost. */
 int bvxi_collapse_drop_triangle(bvxi_corners *m, int32_t corner);
+uint64_t bvxi_collapse_cost_pieces(const bvxi_collapse *c);
 /* One round of collapses, the cheapest edges of all vertices; *done counts them. idle: sweeps without one. */
 bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint64_t *done);
 /* Cut handles and fill holes at most so long around, the smallest first, once a level has been judged; what was

@@ -10,7 +10,8 @@
 /* ---- Connecting ---- */
 
 enum {
-    EDGE_CROWD = 48 /* triangles around a vertex whose list would be too long */
+    EDGE_CROWD = 48,     /* triangles around a vertex whose list would be too long */
+    CORNER_GRAIN = 4096, /* triangles of a task */
 };
 
 /* A corner whose edge waits at one of its ends for its second side. */
@@ -31,7 +32,8 @@ typedef struct edge_job {
     edge_lists *lists;
     int32_t borders;
     int32_t failed[BVXI_MOST_PIECES]; /* of each piece: the first corner that it refused, or that after all */
-    uint64_t counted[BVXI_MOST_PIECES]; /* edges that wait; then corners that walks around vertices reach */
+    uint64_t
+        count[BVXI_MOST_PIECES]; /* of each piece: borders, or corners that the walks around vertices reach */
 } edge_job;
 
 /* Across the edge of the first corner that waited at an edge whose sides are all borders. */
@@ -70,7 +72,7 @@ static void cut_both_sides(bvxi_corners *m, int32_t waiting)
 /* Join a corner, whose edge runs from u to v, with the one that waits across it, or let it wait, where its list is of
  * vertex begin or one of `count` from there on; 0 when the edge has too many sides, or two that run the same way. */
 BVXI_VECTOR_INLINE int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c, uint32_t u, uint32_t v,
-                                   int borders, uint64_t begin, uint64_t count, uint64_t *waiting)
+                                   int borders, uint64_t begin, uint64_t count)
 {
     /* The lower end has the list, or that of fewer triangles where the lower one has very many. */
     uint32_t const low = u < v ? u : v, high = u < v ? v : u;
@@ -91,7 +93,6 @@ BVXI_VECTOR_INLINE int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c
         e = wait->corner;
         if (bvxi_corner_vertex_of(m, bvxi_corner_next(e)) == v && across_edge(m, e) == -1) {
             bvxi_corners_join(m, c, e);
-            --*waiting;
             return 1;
         }
 
@@ -106,11 +107,10 @@ BVXI_VECTOR_INLINE int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c
     wait->corner = c;
     wait->next = lists->first[end];
     lists->first[end] = own;
-    ++*waiting;
     return u != v;
 }
 
-/* Empty lists, and the triangles around each of some vertices; those that begin with one are open. */
+/* Empty lists, and the triangles around each of some vertices. */
 static void lists_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     const edge_job *const job = user;
@@ -119,13 +119,12 @@ static void lists_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
     (void)piece;
     memset(lists->first + begin, 0xff, (size_t)(end - begin) * sizeof *lists->first); /* -1 */
     memset(lists->around + begin, 0, (size_t)(end - begin) * sizeof *lists->around);
-    for (uint64_t t = 0; t < job->m->triangles; t++) {
-        bvxi_corner_triangle *const at = &job->m->triangle[t];
+    for (uint64_t t = 0; t < job->m->triangles; t++)
+        for (int k = 0; k < 3; k++) {
+            uint32_t const v = job->m->triangle[t].vertex[k];
 
-        if (at->vertex[0] - begin < end - begin) memset(at->left, 0xff, sizeof at->left); /* -1 */
-        for (int k = 0; k < 3; k++)
-            if (at->vertex[k] - begin < end - begin) lists->around[at->vertex[k]]++;
-    }
+            if (v - begin < end - begin) lists->around[v]++;
+        }
 }
 
 /* Corners of all triangles in their order: edges have one list each, so no two tasks write the same. */
@@ -135,7 +134,6 @@ static void edges_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
     bvxi_corners *const m = job->m;
     int32_t const last = (int32_t)(4 * m->triangles);
     uint64_t const count = end - begin;
-    uint64_t waiting = 0;
     for (int32_t c = 0; c < last; c += 4) {
         const bvxi_corner_triangle *const t = &m->triangle[c >> 2];
         uint32_t const u = t->vertex[0], v = t->vertex[1], w = t->vertex[2];
@@ -143,14 +141,13 @@ static void edges_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 
         if (!((u - begin < count) | (v - begin < count) | (w - begin < count))) continue;
         *failed = c;
-        if (!pair_corner(m, job->lists, c, v, w, job->borders, begin, count, &waiting)) return;
+        if (!pair_corner(m, job->lists, c, v, w, job->borders, begin, count)) return;
         *failed = c + 1;
-        if (!pair_corner(m, job->lists, c + 1, w, u, job->borders, begin, count, &waiting)) return;
+        if (!pair_corner(m, job->lists, c + 1, w, u, job->borders, begin, count)) return;
         *failed = c + 2;
-        if (!pair_corner(m, job->lists, c + 2, u, v, job->borders, begin, count, &waiting)) return;
+        if (!pair_corner(m, job->lists, c + 2, u, v, job->borders, begin, count)) return;
     }
     job->failed[index] = last;
-    job->counted[index] = waiting;
 }
 
 static int is_border(const bvxi_corners *m, int32_t c)
@@ -190,33 +187,64 @@ static void lengthen_cut(bvxi_corners *m, int32_t c)
     cut_both_sides(m, bvxi_corner_previous(at));
 }
 
+static void open_triangles_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
+{
+    const edge_job *const job = user;
+
+    (void)piece;
+    for (uint64_t t = begin; t < end; t++)
+        for (int k = 0; k < 3; k++) job->m->triangle[t].left[k] = -1;
+}
+
+/* What still waits is a border. */
+static void borders_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
+{
+    edge_job *const job = user;
+    uint64_t count = 0;
+
+    job->failed[piece] = (int32_t)(4 * job->m->triangles);
+    for (int32_t c = (int32_t)(4 * end); c > (int32_t)(4 * begin);) {
+        c -= (c & 3) == 0 ? 2 : 1;
+        if (across_edge(job->m, c) >= 0) continue;
+        job->failed[piece] = c;
+        count++;
+    }
+    job->count[piece] = count;
+}
+
+/* The first corner that a piece refused. */
+static int32_t first_failed(const edge_job *job, int32_t pieces)
+{
+    int32_t failed = job->failed[0];
+
+    for (int32_t i = 1; i < pieces; i++) failed = job->failed[i] < failed ? job->failed[i] : failed;
+    return failed;
+}
+
 /* Join all corners across their edges, and count borders as ghosts. A refusal names the two ends of the first
  * edge that has one side, three or more, or two that run the same way. */
 static bvx_status pair_corners(bvx_context *ctx, const char *function, bvxi_corners *m, edge_lists *lists,
                                int borders)
 {
-    int32_t const end = (int32_t)(4 * m->triangles), pieces = bvxi_looking_pieces(ctx);
+    int32_t const end = (int32_t)(4 * m->triangles), looking = bvxi_looking_pieces(ctx);
+    int32_t const pieces = bvxi_piece_count(m->triangles, CORNER_GRAIN);
     edge_job job = {.m = m, .lists = lists, .borders = borders};
-    int32_t failed = end;
+    int32_t failed;
 
-    bvxi_ranges(ctx, pieces, m->vertices, lists_piece, &job);
-    bvxi_ranges(ctx, pieces, m->vertices, edges_piece, &job);
-    for (int32_t i = 0; i < pieces; i++) failed = job.failed[i] < failed ? job.failed[i] : failed;
+    bvxi_ranges(ctx, looking, m->vertices, lists_piece, &job);
+    bvxi_ranges(ctx, pieces, m->triangles, open_triangles_piece, &job);
+    bvxi_ranges(ctx, looking, m->vertices, edges_piece, &job);
+    failed = first_failed(&job, looking);
     if (failed < end) return fail_edge(ctx, function, m, failed);
 
     /* Corners are numbered by fours: the fourth is left out. */
     for (int32_t c = 0; c < end && borders == BVXI_BORDERS_CUT; c += (c & 3) == 2 ? 2 : 1)
         if (is_border(m, c)) lengthen_cut(m, c);
 
-    /* What still waits is a border; where edges were cut, so are their sides. */
-    m->ghosts = borders == BVXI_BORDERS_CUT ? 0 : bvxi_place_counts(job.counted, (uint64_t)pieces);
-    if (m->ghosts == 0 && borders != BVXI_BORDERS_CUT) return BVX_OK;
-    for (int32_t c = 0; c < end && borders != BVXI_BORDERS_KEPT; c += (c & 3) == 2 ? 2 : 1) {
-        if (across_edge(m, c) >= 0) continue;
-        if (borders == BVXI_BORDERS_REFUSED) return fail_edge(ctx, function, m, c);
-        m->ghosts++;
-    }
-    return BVX_OK;
+    bvxi_ranges(ctx, pieces, m->triangles, borders_piece, &job);
+    m->ghosts = bvxi_place_counts(job.count, (uint64_t)pieces);
+    if (m->ghosts == 0 || borders != BVXI_BORDERS_REFUSED) return BVX_OK;
+    return fail_edge(ctx, function, m, first_failed(&job, pieces));
 }
 
 static void walk_fans_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
@@ -234,7 +262,7 @@ static void walk_fans_piece(void *user, int32_t piece, uint64_t begin, uint64_t 
             c = bvxi_corner_turn_left(job->m, c);
         } while (c != any[v]);
     }
-    job->counted[piece] = reached;
+    job->count[piece] = reached;
 }
 
 /* 1: the corners of every vertex are one fan, which is walked from any of them. */
@@ -244,7 +272,7 @@ static int has_one_fan_each(bvx_context *ctx, bvxi_corners *m, edge_lists *lists
     edge_job job = {.m = m, .lists = lists};
 
     bvxi_ranges(ctx, pieces, m->vertices, walk_fans_piece, &job);
-    return bvxi_place_counts(job.counted, (uint64_t)pieces) == 3 * m->triangles + 2 * m->ghosts;
+    return bvxi_place_counts(job.count, (uint64_t)pieces) == 3 * m->triangles + 2 * m->ghosts;
 }
 
 /* ---- Borders ---- */

@@ -276,10 +276,19 @@ static void least_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
             bvxi_edge_find_least(c, (uint32_t)v);
 }
 
+static void index_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
+{
+    const bvxi_collapse *const c = user;
+    const bvxi_corners *const m = &c->mesh;
+
+    (void)piece;
+    memset(c->edge + begin, 0xff, (size_t)(end - begin) * sizeof *c->edge); /* -1 */
+    bvxi_corners_any(m, begin, end, c->any);
+}
+
 void bvxi_collapse_index(bvxi_collapse *c)
 {
-    memset(c->edge, 0xff, (size_t)c->mesh.vertices * sizeof *c->edge); /* -1 */
-    bvxi_corners_any(&c->mesh, 0, c->mesh.vertices, c->any);
+    bvxi_ranges(c->ctx, bvxi_looking_pieces(c->ctx), c->mesh.vertices, index_piece, c);
 }
 
 void bvxi_collapse_find_least(bvxi_collapse *c)

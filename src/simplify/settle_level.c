@@ -42,8 +42,8 @@ typedef struct settle_level {
 } settle_level;
 
 /* Look for nearer triangles around a vertex; returns the corner nearest to the point of the one that was found. */
-static uint32_t look_around(const bvxi_collapse *c, uint32_t u, const double p[3], settle_asked *a,
-                            settle_near *near)
+static uint32_t look_near(const bvxi_collapse *c, uint32_t u, const double p[3], settle_asked *a,
+                          settle_near *near)
 {
     const bvxi_corners *const m = &c->mesh;
     uint32_t best = BVXI_VERTEX_NONE;
@@ -90,7 +90,7 @@ static void ask_triangle(const bvxi_collapse *c, uint64_t t, settle_asked *a)
     a->triangle = -1;
     for (int i = 0; i < SETTLE_LOOKS && next != u; i++) {
         u = next;
-        next = look_around(c, u, middle, a, &near);
+        next = look_near(c, u, middle, a, &near);
     }
     bvxi_area_normal(p[0], p[1], p[2], own);
     bvxi_area_normal(near.corner[0], near.corner[1], near.corner[2], a->n);
@@ -110,7 +110,7 @@ static void ask_triangle(const bvxi_collapse *c, uint64_t t, settle_asked *a)
     }
 }
 
-static void ask_piece(void *user, int32_t piece)
+static void settle_piece(void *user, int32_t piece)
 {
     const settle_level *const l = user;
     uint64_t begin, end;
@@ -129,7 +129,7 @@ static bvx_status sum_asked(const bvxi_collapse *c, uint64_t step, bvxi_quadric 
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, SETTLE_BATCH * sizeof *l.asked, "what is asked", &l.asked));
     for (; l.first < total; l.first += l.count) {
         l.count = total - l.first < SETTLE_BATCH ? total - l.first : SETTLE_BATCH;
-        bvxi_tasks(c->ctx, bvxi_piece_count(l.count, SETTLE_GRAIN), ask_piece, &l);
+        bvxi_tasks(c->ctx, bvxi_piece_count(l.count, SETTLE_GRAIN), settle_piece, &l);
         for (const settle_asked *a = l.asked; a < l.asked + l.count; a++)
             for (int k = 0; k < 3 && a->triangle >= 0; k++) {
                 bvxi_quadric *const q = &sum[c->mesh.triangle[a->triangle].vertex[k]];

@@ -17,6 +17,8 @@
 /* Bits of an angle that rounding may change: equal angles are equal without them. */
 enum { ANGLE_ROUNDING = 20, FEW_PAIRS = 16, SHEET_GRAIN = 4096 };
 
+enum { COPY_NONE, COPY_TURNED, COPY_DROPPED };
+
 /* Of what remains around an edge, whatever its patch. */
 #define NO_PATCH UINT32_MAX
 
@@ -60,60 +62,67 @@ static int runs_up(const sheet_work *w, uint32_t half)
 
 /* ---- Welded triangles ---- */
 
-static void move_triangles(const sheet_work *w, uint64_t to, uint64_t from, uint64_t count)
+static int has_equal_corners(const uint32_t *v)
 {
-    if (to == from) return;
-    memmove(w->corner + 3 * to, w->corner + 3 * from, (size_t)count * 12);
-    if (w->source != NULL) memmove(w->source + 3 * to, w->source + 3 * from, (size_t)count * 12);
+    return (v[0] == v[1]) | (v[1] == v[2]) | (v[2] == v[0]);
 }
 
-/* Triangles of the mesh by welded vertices, those of each piece side by side without those of equal corners. */
-typedef struct sheet_weld {
-    sheet_work *w;
-    const bvx_mesh_view *mesh;
-    uint32_t *representative;
-    uint64_t kept[BVXI_MOST_PIECES];
-} sheet_weld;
-
-static void weld_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
+/* Close the gaps of copies that are dropped, or with copy NULL of triangles with equal corners; returns what is left. */
+static uint64_t drop_where(const sheet_work *w, uint64_t triangles, const uint8_t *copy)
 {
-    sheet_weld *const s = user;
-    uint64_t kept = begin;
+    uint64_t kept = 0;
 
-    for (uint64_t t = begin; t < end; t++) {
-        uint32_t v[3];
-
-        bvxi_view_triangle(s->mesh, t, v);
-        for (int k = 0; k < 3; k++) v[k] = s->representative[v[k]];
-        if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;
-        memcpy(s->w->corner + 3 * kept, v, sizeof v);
-        for (uint64_t k = 0; k < 3 && s->w->source != NULL; k++)
-            s->w->source[3 * kept + k] = (uint32_t)(3 * t + k);
+    for (uint64_t t = 0; t < triangles; t++) {
+        if (copy != NULL ? copy[t] == COPY_DROPPED : has_equal_corners(w->corner + 3 * t)) continue;
+        memmove(w->corner + 3 * kept, w->corner + 3 * t, 12);
+        if (w->source != NULL) memmove(w->source + 3 * kept, w->source + 3 * t, 12);
         kept++;
     }
-    s->kept[piece] = kept - begin;
+    return kept;
+}
+
+/* Triangles of the mesh by welded vertices. */
+typedef struct sheet_weld {
+    const bvx_mesh_view *mesh;
+    uint32_t *representative, *corner, *source;
+    uint8_t dropped[BVXI_MOST_PIECES]; /* 1: some have equal corners */
+} sheet_weld;
+
+static void weld_triangles(void *user, int32_t piece, uint64_t begin, uint64_t end)
+{
+    sheet_weld *const s = user;
+    int dropped = 0;
+
+    for (uint64_t t = begin; t < end; t++) {
+        uint32_t *const to = s->corner + 3 * t;
+
+        bvxi_view_triangle(s->mesh, t, to);
+        for (int k = 0; k < 3; k++) to[k] = s->representative[to[k]];
+        for (uint64_t k = 3 * t; k < 3 * t + 3 && s->source != NULL; k++) s->source[k] = (uint32_t)k;
+        dropped |= has_equal_corners(to);
+    }
+    s->dropped[piece] = (uint8_t)dropped;
 }
 
 static bvx_status weld(sheet_work *w, const bvx_mesh_view *mesh, int sources)
 {
     uint64_t const bytes = mesh->triangle_count * (sources ? 24 : 12);
     int32_t const pieces = bvxi_piece_count(mesh->triangle_count, SHEET_GRAIN);
-    sheet_weld s = {.w = w, .mesh = mesh};
-    uint64_t different, kept = 0;
+    sheet_weld s = {.mesh = mesh};
+    uint64_t different, kept = mesh->triangle_count;
+    int dropped = 0;
 
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, bytes, "the welded triangles", &w->corner));
     if (sources) w->source = w->corner + 3 * mesh->triangle_count;
-    BVXI_TRY(BVXI_ARRAY(w->ctx, mesh->vertex_count, "the vertices' positions", s.representative));
+    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, mesh->vertex_count * 4, "the vertices' positions",
+                        &s.representative));
     BVXI_TRY(bvxi_weld(w->ctx, mesh, s.representative, &different));
-    bvxi_ranges(w->ctx, pieces, mesh->triangle_count, weld_piece, &s);
-    for (int32_t i = 0; i < pieces; i++) {
-        uint64_t begin, end;
-
-        bvxi_piece(mesh->triangle_count, pieces, i, &begin, &end);
-        move_triangles(w, kept, begin, s.kept[i]);
-        kept += s.kept[i];
-    }
+    s.corner = w->corner;
+    s.source = w->source;
+    bvxi_ranges(w->ctx, pieces, mesh->triangle_count, weld_triangles, &s);
     bvxi_drop(w->ctx, s.representative);
+    for (int32_t i = 0; i < pieces; i++) dropped |= s.dropped[i];
+    if (dropped) kept = drop_where(w, mesh->triangle_count, NULL);
     w->report->collapsed = mesh->triangle_count - kept;
     w->triangles = kept;
 
@@ -171,8 +180,6 @@ static void report_cut(sheet_work *w, uint64_t i)
 
 /* ---- Copies ---- */
 
-enum { COPY_NONE, COPY_TURNED, COPY_DROPPED };
-
 /* The corners of a triangle in their order; returns 1 where that order runs the other way. */
 static int order_by_index(const uint32_t *corner, uint32_t *sorted)
 {
@@ -220,18 +227,6 @@ static bvx_status mark_copies(const sheet_work *w, uint8_t *copy)
     return BVX_OK;
 }
 
-static void drop_marked(sheet_work *w, const uint8_t *copy)
-{
-    uint64_t kept = 0;
-
-    for (uint64_t t = 0; t < w->triangles; t++) {
-        if (copy[t] == COPY_DROPPED) continue;
-        move_triangles(w, kept++, t, 1);
-    }
-    w->report->doubles += w->triangles - kept;
-    w->triangles = kept;
-}
-
 /* A turned copy is the other side of a sheet where its edges have as many triangles either way; else it is one too
  * many. */
 static bvx_status drop_sheet_copies(sheet_work *w)
@@ -253,7 +248,8 @@ static bvx_status drop_sheet_copies(sheet_work *w)
         for (uint64_t j = i; j < i + n && 2 * up != all; j++)
             if (copy[w->half[j] / 3] == COPY_TURNED) copy[w->half[j] / 3] = COPY_DROPPED;
     }
-    drop_marked(w, copy);
+    w->triangles = drop_where(w, before, copy);
+    w->report->doubles += before - w->triangles;
     bvxi_drop(w->ctx, copy);
     return w->triangles != before ? list_edges(w) : BVX_OK;
 }
