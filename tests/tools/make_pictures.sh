@@ -145,7 +145,7 @@ warning SHELLS repair sheet.off -o shell.ply --resolution 24
 pair shells sheet.off shell.ply
 warning LIDS repair bowl.off -o lid.ply --resolution 48
 pair lids bowl.off lid.ply
-warning LEVEL_VOLUME lod balls.off -o level_%d.ply --triangles 40 --samples 0
+warning LEVEL_VOLUME lod balls.off -o level_%d.ply --triangles 14 --samples 0
 pair level balls.off level_0.ply
 warning TURNED repair room.off -o block.ply --resolution 32
 pair turned room.off block.ply
