@@ -88,6 +88,8 @@ static bvx_status collapse_crumpling(bvxi_collapse *c, uint64_t target, double f
         if (c->mesh.left <= target) return BVX_OK;
         if (c->crumpled == CRUMPLED_MOST) break;
     }
+    /* Closed meshes have an even number of triangles. */
+    if (c->mesh.left == target + target % 2) return BVX_OK;
     bvxi_collapse_undo_since(c, order);
     memset(c->stale, 1, (size_t)c->mesh.vertices);
     c->reached = reached;
@@ -134,7 +136,7 @@ static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, d
     memset(c->fresh, 0, (size_t)c->mesh.vertices);
     BVXI_TRY(bvxi_collapse_pack(c));
     BVXI_TRY(collapse_edges(c, target, last, from, middle));
-    met = c->mesh.left <= target;
+    met = c->mesh.left <= target + target % 2;
     BVXI_TRY(bvxi_collapse_judge(c, middle, to, &undone));
     if (undone != 0 && met) BVXI_TRY(collapse_edges(c, target, last, to, to));
     if (c->options.given.topology != BVX_TOPOLOGY_KEEP) BVXI_TRY(close_small(c, target, last, to));
