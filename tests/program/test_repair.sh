@@ -222,10 +222,10 @@ P
     run repair rings.off -o result.ply --resolution 64 --measure
     [ $status = 0 ] && ! grep -q handles err
     result 'no handles, no word of them' $?
-    run simplify ring.off -o result.ply --triangles 260 --samples 0
+    run simplify ring.off -o result.ply --triangles 80 --samples 0
     [ $status = 0 ] && grep -q 'a volume of .*BVX_WARN_LEVEL_VOLUME' err
     result 'a level that loses over 2 % of the volume is told' $?
-    run simplify ring.off -o result.ply --triangles 400 --samples 0
+    run simplify ring.off -o result.ply --triangles 120 --samples 0
     [ $status = 0 ] && ! grep -q warning err
     result 'one that loses less is not' $?
 else
