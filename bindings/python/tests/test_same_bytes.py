@@ -130,10 +130,10 @@ def fill(at):
 
 
 def components(at):
-    at.run("components", at / "other.bvx", "-o", at / "k.bvx", "--keep-largest", 2, "--fill-cavities", "--labels", at / "n.npy")
+    at.run("components", at / "other.bvx", "-o", at / "k.bvx", "--keep-largest", 2, "--fill-cavities")
     kept = bitvox.read(at / "other.bvx").keep(largest=2).fill_cavities()
     at.same(kept, "k.bvx")
-    assert (bitvox.read_volume(at / "n.npy").array == kept.label()).all() and kept.count > 0
+    assert kept.count > 0
 
 
 def compare(at):
