@@ -37,7 +37,7 @@ const modules = [moduleOf('bitvox', 'bitvox', true), moduleOf('scalar', 'bitvox'
 // speed, all others for size.
 const HOT = new Set(
     `nearest_cell nearest_eight nearest_build nearest_pairs crossing_pairs closest closest_build
-    point_triangle check radix collapse edge_costs sheet field_cuts crossings triangle_rows thin`.split(/\s+/),
+    point_triangle check radix collapse edge_costs sheet field_cuts crossings triangle_rows`.split(/\s+/),
 );
 
 // Contraction would change results. With 128-bit instructions repairs take four fifths of the time. The stack lies
