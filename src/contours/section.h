@@ -230,7 +230,7 @@ void bvxi_stack_take_grid(bvxi_stack *stack, const bvxi_section_grid *grid);
 bvx_status bvxi_sections_check(bvx_context *ctx, const char *function, const bvx_sections *given);
 /* Refuse a result that is NULL or in use, which would be lost. */
 bvx_status bvxi_sections_check_result(bvx_context *ctx, const char *function, const bvx_sections *result);
-/* Arrays cut to what they hold become the result's, whose own are freed; normal_room: normals that there is room for. */
+/* The arrays of made, cut to what they hold, replace those of to. normal_room: capacity of made's normals. */
 bvx_status bvxi_sections_give(bvx_context *ctx, bvx_sections *made, uint64_t normal_room, bvx_sections *to);
 /* sections.c: options out of their limits are refused; so are contours so far off or so small that
  * volumes are infinite or 0. */

@@ -1,4 +1,5 @@
-/* simd_shorts.h - vectors of 8 whole numbers of 16 bits: of SSE2, which every x86-64 has, NEON, WebAssembly's simd128, or arrays, which say what the operations are. Not installed.
+/* simd_shorts.h - vectors of 8 whole numbers of 16 bits: of SSE2, NEON or WebAssembly's simd128, or arrays. Not
+ * installed.
  *
  * Nothing is chosen at run time, so there is one set of names. Of a comparison each lane is -1 or 0.
  * Guarantee: the same numbers in all of them. -DBVX_SIMD_ARRAYS takes the arrays. */
