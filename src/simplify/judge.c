@@ -187,7 +187,7 @@ static bvx_status search_level(bvxi_collapse *c, const uint8_t *fresh, double fr
     BVXI_TRY(open_tree(c, live, count));
     c->tree.graph = l.graph;
     c->tree.fresh = fresh;
-    BVXI_TRY(bvxi_crossings_find(c->ctx, &c->tree, from, to, &c->pairs, &c->crossings));
+    BVXI_TRY(bvxi_crossings_find(c->ctx, &c->tree, from, to, UINT64_MAX, &c->pairs, &c->crossings));
     bvxi_collapse_end_careful(c);
     c->tree.graph = c->tree.fresh = NULL;
     bvxi_drop(c->ctx, live);
@@ -326,7 +326,7 @@ static bvx_status mark_origin(bvxi_collapse *c, double at)
     }
     bvxi_ranges(c->ctx, bvxi_piece_count(c->first_vertices, JUDGE_GRAIN), c->first_vertices, near_piece, &o);
     BVXI_TRY(gather_origin(c, &o));
-    BVXI_TRY(bvxi_crossings_find(c->ctx, &o.tree, at, at, &pairs, &count));
+    BVXI_TRY(bvxi_crossings_find(c->ctx, &o.tree, at, at, UINT64_MAX, &pairs, &count));
     for (uint64_t i = 0; i < 6 * count; i++) c->came[o.part[o.triangle[pairs[i / 3]][i % 3]]] = 1;
     bvxi_drop(c->ctx, pairs);
     bvxi_drop(c->ctx, o.tree.node[0]);
