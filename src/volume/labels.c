@@ -84,7 +84,6 @@ static uint64_t number_of_label(label_table *t, uint64_t value)
     return t->slots[slot] - 1;
 }
 
-/* The entry of a value, a new one where there is none yet. */
 static bvx_status find_label(label_table *t, uint64_t value, uint64_t *entry)
 {
     if (t->count == t->room) BVXI_TRY(grow_labels(t));
