@@ -212,11 +212,6 @@ static bvx_status list_by_plane(slice_work *w)
 
 /* ---- one plane ---- */
 
-static uint64_t edge_key(uint32_t a, uint32_t b)
-{
-    return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
-}
-
 static void edge_place(const slice_work *w, uint64_t key, double position, double p[3])
 {
     uint32_t const a = (uint32_t)(key >> 32), b = (uint32_t)key;
@@ -254,8 +249,8 @@ static uint64_t gather_pieces(slice_work *w, uint64_t plane)
             uint32_t const a = c[k], b = c[(k + 1) % 3];
             int const up = w->height[a] < z && w->height[b] >= z;
             int const down = w->height[a] >= z && w->height[b] < z;
-            if (up) w->to[n] = edge_key(a, b);
-            if (down) w->from[n] = edge_key(a, b);
+            if (up) w->to[n] = bvxi_edge_key(a, b);
+            if (down) w->from[n] = bvxi_edge_key(a, b);
         }
         w->order[n] = (uint32_t)n;
         n++;
