@@ -258,16 +258,6 @@ static uint64_t gather_pieces(slice_work *w, uint64_t plane)
     return n;
 }
 
-static void add_slice_point(bvx_sections *s, bvx_section_loop *l, const double p[3])
-{
-    if (l->point_count > 0) { /* else the stack may have no point at all */
-        const double *const last = s->points + 3 * (s->point_count - 1);
-        if (bvxi_vec_is_same(last, p)) return;
-    }
-    memcpy(s->points + 3 * s->point_count++, p, 24);
-    l->point_count++;
-}
-
 /* 1 when a loop is so narrow that it encloses no area: twice the area is the width times the way round. */
 static int encloses_none(const slice_work *w, const double *p, uint64_t count)
 {
@@ -323,7 +313,10 @@ static bvx_status follow_pieces(slice_work *w, uint64_t plane, uint64_t n)
             double p[3];
             w->used[i] = 1;
             edge_place(w, key, z, p);
-            add_slice_point(s, &l, p);
+            if (l.point_count == 0 || !bvxi_vec_is_same(s->points + 3 * (s->point_count - 1), p)) {
+                memcpy(s->points + 3 * s->point_count++, p, 24);
+                l.point_count++;
+            }
             if (key == first) break;
             i = find_piece(w, w->from, n, key);
             if (i == n) return open_contour(w, z, key);
