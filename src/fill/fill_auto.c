@@ -60,12 +60,6 @@ static bvx_status try_parity(bvx_context *ctx, auto_work *w, const bvx_grid *sol
     return BVX_OK;
 }
 
-static int is_whole_lattice(const bvx_grid *g)
-{
-    return g->size[0] == g->lattice.dims[0] && g->size[1] == g->lattice.dims[1] &&
-           g->size[2] == g->lattice.dims[2];
-}
-
 /* ---- Edge by edge ---- */
 
 /* The triangles as patches->turn has them. */
@@ -120,14 +114,6 @@ static bvx_status look_at_edges(bvx_context *ctx, auto_work *w, int copies)
 }
 
 /* ---- Closed meshes whose rows are deeper ---- */
-
-static uint64_t count_parts(const bvxi_patches *p)
-{
-    /* A part is named after its least triangle. */
-    uint64_t n = 0;
-    for (uint64_t t = 0; t < p->triangles; t++) n += p->part[t] == t;
-    return n;
-}
 
 /* By part, at its least triangle: the volume that it encloses, 0 where it is open; counts those that are
  * inside out. */
@@ -279,7 +265,9 @@ static bvx_status choose_by_depths(bvx_context *ctx, auto_work *w, int32_t depth
     if (w->representative == NULL) BVXI_TRY(look_at_edges(ctx, w, 0));
 
     /* A closed surface of one part that crosses itself nowhere is one deep: nothing need be searched. */
-    if (count_parts(&w->patches) == 1) return choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP);
+    uint64_t parts = 0; /* each is named after its least triangle */
+    for (uint64_t t = 0; t < w->patches.triangles; t++) parts += w->patches.part[t] == t;
+    if (parts == 1) return choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP);
 
     bvxi_welded const welded = welded_choice(w);
     uint64_t pair_count;
@@ -308,12 +296,6 @@ static bvx_status choose_by_patches(bvx_context *ctx, auto_work *w, const bvx_la
     }
     BVXI_TRY(look_for_depths(ctx, w, lattice, &depths));
     return choose_by_depths(ctx, w, depths);
-}
-
-static bvx_status choose_unbalanced(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice)
-{
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, AUTO_EDGES, look_at_edges(ctx, w, 1)));
-    return BVXI_SHARE(ctx, AUTO_EDGES, 1.0, choose_by_patches(ctx, w, lattice));
 }
 
 /* Edges balance. Where no row is ever inside, each triangle may be there
@@ -349,11 +331,16 @@ static bvx_status choose_or_fill(bvx_context *ctx, auto_work *w, bvx_grid *solid
         BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.2, cover_each_other(ctx, w, &w->cracked)));
         balanced = w->cracked;
     }
-    if (!balanced) return BVXI_SHARE(ctx, 0.2, AUTO_CHOSEN, choose_unbalanced(ctx, w, &solid->lattice));
+    if (!balanced) {
+        BVXI_TRY(BVXI_SHARE(ctx, 0.2, 0.2 + (AUTO_CHOSEN - 0.2) * AUTO_EDGES, look_at_edges(ctx, w, 1)));
+        return BVXI_SHARE(ctx, 0.2 + (AUTO_CHOSEN - 0.2) * AUTO_EDGES, AUTO_CHOSEN,
+                          choose_by_patches(ctx, w, &solid->lattice));
+    }
 
     /* Filling by parity also says how deep rows are, so a sound mesh is done when it has been examined. */
     BVXI_TRY(choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND));
-    if (is_whole_lattice(solid) && !has_more_rows(&solid->lattice) && !reach_around(w, &around))
+    if (memcmp(solid->size, solid->lattice.dims, sizeof solid->size) == 0 &&
+        !has_more_rows(&solid->lattice) && !reach_around(w, &around))
         BVXI_TRY(BVXI_SHARE(ctx, 0.2, 0.4, try_parity(ctx, w, solid, report, filled)));
     return *filled ? BVX_OK : BVXI_SHARE(ctx, 0.4, AUTO_CHOSEN, choose_balanced(ctx, w, &solid->lattice));
 }
