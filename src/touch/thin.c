@@ -28,8 +28,9 @@ typedef struct thin_lines {
     uint32_t triangle;
     /* voxels along the line that the tile holds; lines across: centres in the triangle's range */
     int32_t low[3], high[3];
-    int32_t ready;  /* 1: divider is set up */
-    int32_t facing; /* 1: places are summed, as no other axis is nearer to the triangle's normal */
+    uint64_t bits[3]; /* of the solid, from centre to centre along each */
+    int32_t ready;    /* 1: divider is set up */
+    int32_t facing;   /* 1: places are summed, as no other axis is nearer to the triangle's normal */
     bvxi_triangle t;
     bvxi_divider divider;
 } thin_lines;
@@ -67,15 +68,12 @@ static inline int32_t line_crossing(thin_lines *l, int32_t u, int32_t v, double 
     return bvxi_cross(&l->t, &l->divider, f, (double)u * step + half, (double)v * step + half, u, v) - 1;
 }
 
-static int is_solid_on_line(const thin_lines *l, int32_t w, int32_t u, int32_t v)
+static inline int is_solid_on_line(const thin_lines *l, int32_t w, int32_t u, int32_t v)
 {
     const bvx_grid *const solid = l->tile->job->solid;
-    int32_t at[3];
-    if (w < 0 || w >= solid->size[l->axis[0]]) return 0;
-    at[l->axis[0]] = w;
-    at[l->axis[1]] = u;
-    at[l->axis[2]] = v;
-    return (int)(bvxi_surface_words(l->tile->job, solid, at[1], at[2])[at[0] >> 6] >> (at[0] & 63) & 1);
+    uint64_t const bit = (uint64_t)w * l->bits[0] + (uint64_t)u * l->bits[1] + (uint64_t)v * l->bits[2];
+
+    return w >= 0 && w < solid->size[l->axis[0]] && (solid->words[bit >> 6] >> (bit & 63) & 1) != 0;
 }
 
 /* The voxel that holds the crossing between centres w and w + 1: the crossing again, exactly, of the triangle
@@ -187,7 +185,7 @@ static int facing_axis(const bvxi_touch_batch *b, uint32_t i)
 
 /* By the bits of one line alone: of any two neighbours from first to last + 1 the solid has one, so it shows
  * what crosses between these. Long ways are not worth a look. */
-static int is_shown(const thin_lines *l, int32_t first, int32_t last)
+static inline int is_shown(const thin_lines *l, int32_t first, int32_t last)
 {
     int32_t const u = l->low[1], v = l->low[2];
     int shown = last - first < THIN_FEW, below = shown && is_solid_on_line(l, first, u, v);
@@ -258,6 +256,8 @@ static inline void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *
                                int *facing, const int32_t low[3], const int32_t high[3])
 {
     const bvxi_surface_job *const job = tile->job;
+    uint64_t const row = (uint64_t)job->grid->words_per_row * 64,
+                   bits[3] = {1, row, row * (uint64_t)job->size[1]};
     int const u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
     /* Along the line the whole tile counts; across it, only centres in the triangle's range. */
     int32_t const low_u = b->low[u][i] < low[u] ? low[u] : b->low[u][i];
@@ -278,6 +278,7 @@ static inline void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *
                     .triangle = b->triangle[i],
                     .low = {low[axis], low_u, low_v},
                     .high = {high[axis], high_u, high_v},
+                    .bits = {bits[axis], bits[u], bits[v]},
                     .facing = job->summed && *facing == axis};
     /* Before the triangle is made ready: nearly all that face another axis. */
     if (single && job->solid != NULL && !l.facing && is_shown(&l, b->low[axis][i] - 1, b->high[axis][i]))
