@@ -100,6 +100,8 @@ bvx_status bvxi_walls_list(bvxi_walls *t)
 /* Of four neighbours around a lattice edge, those outside where they meet diagonally. */
 static void mark_diagonals(const uint64_t *in, uint64_t *out, size_t a, size_t b, size_t c, size_t d)
 {
+    /* Where a row is as one beside it nothing meets diagonally: nearly everywhere. */
+    if (((in[a] ^ in[b]) & (in[a] ^ in[c])) == 0) return;
     uint64_t const p = in[a] & in[d] & ~in[b] & ~in[c], q = in[b] & in[c] & ~in[a] & ~in[d];
     out[b] |= p;
     out[c] |= p;
@@ -113,6 +115,7 @@ static void mark_row_diagonals(const uint64_t *in, uint64_t *out, size_t row, si
     for (int32_t k = 0; k < words; k++) {
         size_t const i = row + (size_t)k, j = beside + (size_t)k;
         uint64_t const a = in[i], c = in[j];
+        if (a == c) continue;
         uint64_t const b = a >> 1 | (k + 1 < words ? in[i + 1] << 63 : 0);
         uint64_t const d = c >> 1 | (k + 1 < words ? in[j + 1] << 63 : 0);
         uint64_t const p = a & d & ~b & ~c, q = b & c & ~a & ~d;
@@ -155,7 +158,8 @@ static void mark_slice_diagonals(void *user, int32_t index)
 bvx_status bvxi_walls_mark(bvxi_walls *t)
 {
     diagonal_job job = {t->solid, t->places.words, 0};
-    BVXI_TRY(bvxi_lost_surface(t->ctx, t->function, t->mesh, t->solid, &t->places, t->beyond));
+    BVXI_TRY(bvxi_lost_surface(t->ctx, t->function, t->mesh, t->solid, &t->places,
+                               t->unsummed ? NULL : t->beyond));
     for (; job.first < 2; job.first++)
         BVXI_TRY(bvxi_each(t->ctx, "thin", 0.1, 0.1, (t->solid->size[2] + 1 - job.first) / 2,
                            mark_slice_diagonals, &job));

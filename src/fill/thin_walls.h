@@ -26,7 +26,7 @@ typedef struct bvxi_wall {
     int32_t sheet;
 } bvxi_wall;
 
-/* A search for them. The first nine are the caller's, the rest 0 before the first call. */
+/* A search for them. The first ten are the caller's, the rest 0 before the first call. */
 typedef struct bvxi_walls {
     bvx_context *ctx;
     const char *function;
@@ -36,6 +36,7 @@ typedef struct bvxi_walls {
     int32_t open;              /* BVXI_WALLS_... */
     int32_t beside;            /* 1: centres around the places are looked at too */
     int32_t parts;             /* 1: walls may stand on faces of other parts, which go on in them */
+    int32_t unsummed;          /* 1: beyond is not wanted */
 
     double unit;      /* the largest spacing */
     double beyond[3]; /* of bvxi_lost_surface [Units: voxels] */

@@ -132,7 +132,7 @@ static bvx_status check_every_position(bvx_context *ctx, const char *function, c
     return BVX_OK;
 }
 
-void bvxi_view_used_bounds(const bvx_mesh_view *v, double low[3], double high[3])
+static void bounds_by_triangle(const bvx_mesh_view *v, double low[3], double high[3])
 {
     uint32_t c[3];
     double p[3];
@@ -309,6 +309,11 @@ static int bounds_packed(const bvx_mesh_view *v, double low[3], double high[3])
     return triangles_mention(v, want, &within) && within;
 }
 
+void bvxi_view_used_bounds(const bvx_mesh_view *v, double low[3], double high[3])
+{
+    if (!bounds_packed(v, low, high)) bounds_by_triangle(v, low, high);
+}
+
 bvx_status bvxi_view_bounds(bvx_context *ctx, const char *function, const bvx_mesh_view *view, double low[3],
                             double high[3])
 {
@@ -320,7 +325,7 @@ bvx_status bvxi_view_bounds(bvx_context *ctx, const char *function, const bvx_me
     if (!bounds_packed(view, lo, hi)) {
         BVXI_TRY(check_every_index(ctx, function, view));
         BVXI_TRY(check_every_position(ctx, function, view));
-        bvxi_view_used_bounds(view, lo, hi);
+        bounds_by_triangle(view, lo, hi);
     }
     for (int a = 0; a < 3; a++) {
         low[a] = lo[a] + 0.0; /* turns -0 into 0, so that the order of vertices does not show */

@@ -38,10 +38,10 @@ static bvx_status thicken(repair_walls *t)
 {
     bvxi_repair_job *const job = t->job;
     const double *const h = job->lattice.spacing;
-    uint64_t voxels;
+    uint64_t voxels = 0;
 
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.4, bvxi_walls_gather(&t->walls)));
-    BVXI_TRY(bvx_grid_count(job->ctx, &job->inside, &voxels));
+    if (!t->walls.unsummed) BVXI_TRY(bvx_grid_count(job->ctx, &job->inside, &voxels));
     job->report.crossing_volume = bvxi_volume_by_crossings(&t->walls, (double)voxels * h[0] * h[1] * h[2]);
     if (t->walls.count == 0) return BVX_OK;
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.4, 0.6, bvxi_walls_ask(&t->walls, 1.0)));
@@ -69,6 +69,7 @@ bvx_status bvxi_repair_thicken(bvxi_repair_job *job)
     t.walls.mesh = &job->body;
     t.walls.solid = &job->inside;
     t.walls.parts = job->options->thin == BVX_THIN_KEEP && job->report.before.components > 1;
+    t.walls.unsummed = job->options->report == NULL;
     t.walls.unoriented = job->fill == BVX_FILL_VOTE;
     t.walls.open = job->holes.loops != 0 ? BVXI_WALLS_HOLES : BVXI_WALLS_CLOSED;
 

@@ -149,6 +149,7 @@ static bvx_status mend_all(thin_job *t, uint64_t *near, int *mended)
     uint32_t *corner;
     int more = 1;
 
+    t->walls->unsummed = 1; /* of the solid as it was beyond is known */
     /* What a centre of near may lose is half a voxel off it: no other triangle can mark it. */
     BVXI_TRY(
         bvxi_triangles_near(t->walls->ctx, mesh, &t->walls->places, t->walls->unit, 0, &beside, &corner));

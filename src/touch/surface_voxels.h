@@ -33,6 +33,7 @@ typedef struct bvxi_surface_job {
     bvxi_tiles tiles; /* of the window's rows */
     bvxi_bins bins;
     int32_t fraction_bits, mode, cpu, task;
+    int32_t summed;          /* thin, with solid: beyond is wanted */
     int32_t pieces;          /* of the triangles, for a single tile */
     uint32_t first;          /* triangle of the present piece */
     int32_t size[3], low[3]; /* of the window [Units: voxels] */
@@ -123,7 +124,7 @@ static inline void bvxi_touch_voxel(bvxi_surface_job *job, int32_t i, int32_t j,
  * beyond: by axis, the voxels by which solid would grow if it ended where lines of centres leave the mesh,
  * not half way between two centres. Each crossing counts along the axis that its triangle faces most. What
  * solid does not show, and what it closes without a surface, is not in it. The same bits for any order of
- * triangles and corners. */
+ * triangles and corners. NULL: not wanted, and triangles whose crossings solid shows are left sooner. */
 bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                              const bvx_grid *solid, bvx_grid *lost, double beyond[3]);
 /* The conservative surface of a mesh over the window of solid, in scratch words. */

@@ -28,8 +28,9 @@ typedef struct thin_lines {
     uint32_t triangle;
     /* voxels along the line that the tile holds; lines across: centres in the triangle's range */
     int32_t low[3], high[3];
-    int32_t ready;  /* 1: divider is set up */
-    int32_t facing; /* 1: no other axis is nearer to the triangle's normal; of several the first */
+    uint64_t bits[3]; /* of the solid, from centre to centre along each */
+    int32_t ready;    /* 1: divider is set up */
+    int32_t facing;   /* 1: places are summed, as no other axis is nearer to the triangle's normal */
     bvxi_triangle t;
     bvxi_divider divider;
 } thin_lines;
@@ -67,15 +68,12 @@ static inline int32_t line_crossing(thin_lines *l, int32_t u, int32_t v, double 
     return bvxi_cross(&l->t, &l->divider, f, (double)u * step + half, (double)v * step + half, u, v) - 1;
 }
 
-static int is_solid_on_line(const thin_lines *l, int32_t w, int32_t u, int32_t v)
+static inline int is_solid_on_line(const thin_lines *l, int32_t w, int32_t u, int32_t v)
 {
     const bvx_grid *const solid = l->tile->job->solid;
-    int32_t at[3];
-    if (w < 0 || w >= solid->size[l->axis[0]]) return 0;
-    at[l->axis[0]] = w;
-    at[l->axis[1]] = u;
-    at[l->axis[2]] = v;
-    return (int)(bvxi_surface_words(l->tile->job, solid, at[1], at[2])[at[0] >> 6] >> (at[0] & 63) & 1);
+    uint64_t const bit = (uint64_t)w * l->bits[0] + (uint64_t)u * l->bits[1] + (uint64_t)v * l->bits[2];
+
+    return w >= 0 && w < solid->size[l->axis[0]] && (solid->words[bit >> 6] >> (bit & 63) & 1) != 0;
 }
 
 /* The voxel that holds the crossing between centres w and w + 1: the crossing again, exactly, of the triangle
@@ -166,12 +164,53 @@ static void cut_lines(thin_lines *l)
     }
 }
 
-/* Coordinates in the order of thin_axes. */
-static int is_facing(const bvxi_triangle *t, int axis)
+/* The axis that a triangle's normal is nearest to; of several the first. */
+static int facing_axis(const bvxi_touch_batch *b, uint32_t i)
 {
-    int64_t const u = t->n[1] < 0 ? -t->n[1] : t->n[1], v = t->n[2] < 0 ? -t->n[2] : t->n[2];
-    /* the one of x and y is before the axis z, x is before y */
-    return t->n[0] >= u + (axis >= 1) && t->n[0] >= v + (axis == 2);
+    int64_t u[3], v[3], most = -1;
+    int facing = 0;
+
+    for (int a = 0; a < 3; a++) {
+        u[a] = (int64_t)b->p[1][a][i] - b->p[0][a][i];
+        v[a] = (int64_t)b->p[2][a][i] - b->p[0][a][i];
+    }
+    for (int a = 0; a < 3; a++) {
+        int const y = a == 2 ? 0 : a + 1, z = a == 0 ? 2 : a - 1;
+        int64_t const n = u[y] * v[z] - u[z] * v[y], size = n < 0 ? -n : n;
+        if (size > most) facing = a;
+        if (size > most) most = size;
+    }
+    return facing;
+}
+
+/* By the bits of one line alone: of any two neighbours from first to last + 1 the solid has one, so it shows
+ * what crosses between these. Long ways are not worth a look. */
+static inline int is_shown(const thin_lines *l, int32_t first, int32_t last)
+{
+    int32_t const u = l->low[1], v = l->low[2];
+    int shown = last - first < THIN_FEW, below = shown && is_solid_on_line(l, first, u, v);
+
+    for (int32_t w = first + 1; shown && w <= last + 1; w++) {
+        int const above = is_solid_on_line(l, w, u, v);
+        shown = below | above;
+        below = above;
+    }
+    return shown;
+}
+
+/* Line (j, k) by three edges: 1 where the triangle covers it, -1 where not, 0 where ties decide. Differences
+ * have 31 bits, products 62. */
+static inline int covers_line(const bvxi_touch_batch *b, uint32_t i, int u, int v, int32_t f, int32_t j,
+                              int32_t k)
+{
+    int64_t const step = (int64_t)1 << f, at_u = j * step + (step >> 1), at_v = k * step + (step >> 1);
+    int64_t const au = b->p[0][u][i] - at_u, av = b->p[0][v][i] - at_v;
+    int64_t const bu = b->p[1][u][i] - at_u, bv = b->p[1][v][i] - at_v;
+    int64_t const cu = b->p[2][u][i] - at_u, cv = b->p[2][v][i] - at_v;
+    int64_t const ab = au * bv - av * bu, bc = bu * cv - bv * cu, ca = cu * av - cv * au;
+
+    if ((ab | bc | ca) < 0 && (-ab | -bc | -ca) < 0) return -1;
+    return ab != 0 && bc != 0 && ca != 0;
 }
 
 /* By the first coordinate that differs; no two corners of a triangle with area are equal. */
@@ -186,37 +225,65 @@ static int least_corner(const int32_t q[3][3])
     return least;
 }
 
-/* Triangle i of the batch along an axis; low and high: the voxels of the tile by axis. */
-static void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *b, uint32_t i, int axis,
-                        const int32_t low[3], const int32_t high[3])
+/* Lines that the triangle may cover; alone: it covers the only one. */
+static void cross_lines(thin_lines *l, const bvxi_touch_batch *b, uint32_t i, int axis, int alone)
 {
+    const bvxi_surface_job *const job = l->tile->job;
     /* Half a voxel along the line turns "the last centre before" into "the voxel that holds it". Not beside a
      * solid: there cross_line asks the two centres first. */
-    int32_t const shift = tile->job->solid != NULL ? 0 : 1 << tile->job->fraction_bits >> 1;
+    int32_t const shift = job->solid != NULL ? 0 : 1 << job->fraction_bits >> 1;
     int32_t q[3][3];
-    thin_lines l;
 
-    l.tile = tile;
-    l.axis = thin_axes[axis];
-    l.triangle = b->triangle[i];
-    l.ready = 0;
-    /* Along the line the whole tile counts; across it, only centres in the triangle's range. */
-    for (int a = 0; a < 3; a++) {
-        int const from = l.axis[a];
-        l.low[a] = a == 0 || b->low[from][i] < low[from] ? low[from] : b->low[from][i];
-        l.high[a] = a == 0 || b->high[from][i] > high[from] ? high[from] : b->high[from][i];
-        if (l.low[a] > l.high[a]) return;
-        for (int c = 0; c < 3; c++) q[c][a] = b->p[c][from][i] + (a == 0 ? shift : 0);
+    for (int c = 0; c < 3; c++) {
+        q[c][0] = b->p[c][l->axis[0]][i] + shift;
+        q[c][1] = b->p[c][l->axis[1]][i];
+        q[c][2] = b->p[c][l->axis[2]][i];
     }
-    /* Beside a solid places are summed: from the least corner on they have the same bits for any order of
-     * corners. */
-    int const first = tile->job->solid != NULL ? least_corner((const int32_t(*)[3])q) : 0;
-    if (!bvxi_triangle_setup(q[first], q[(first + 1) % 3], q[(first + 2) % 3], &l.t)) return;
-    bvxi_triangle_walk(&l.t, axis);
-    l.facing = is_facing(&l.t, axis);
+    /* Places that are summed have the same bits for any order of corners from the least corner on. */
+    int const first = l->facing ? least_corner((const int32_t(*)[3])q) : 0;
+    if (!bvxi_triangle_setup(q[first], q[(first + 1) % 3], q[(first + 2) % 3], &l->t)) return;
+    bvxi_triangle_walk(&l->t, axis);
+    l->ready = 0;
     /* A few lines are tried by additions; the ranges of many are divided out. */
-    if (l.high[1] - l.low[1] < THIN_FEW) try_lines(&l);
-    else cut_lines(&l);
+    if (alone) cross_line(l, l->low[1], l->low[2]);
+    else if (l->high[1] - l->low[1] < THIN_FEW) try_lines(l);
+    else cut_lines(l);
+}
+
+/* Triangle i of the batch along an axis, which u and v cross; low and high: the voxels of the tile by axis.
+ * *facing: the axis along which its places are summed, -1: not known yet. */
+static inline void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *b, uint32_t i, int axis,
+                               int *facing, const int32_t low[3], const int32_t high[3])
+{
+    const bvxi_surface_job *const job = tile->job;
+    uint64_t const row = (uint64_t)job->grid->words_per_row * 64,
+                   bits[3] = {1, row, row * (uint64_t)job->size[1]};
+    int const u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+    /* Along the line the whole tile counts; across it, only centres in the triangle's range. */
+    int32_t const low_u = b->low[u][i] < low[u] ? low[u] : b->low[u][i];
+    int32_t const low_v = b->low[v][i] < low[v] ? low[v] : b->low[v][i];
+    int32_t const high_u = b->high[u][i] > high[u] ? high[u] : b->high[u][i];
+    int32_t const high_v = b->high[v][i] > high[v] ? high[v] : b->high[v][i];
+    int const single = low_u == high_u && low_v == high_v;
+    int covers = 0;
+
+    if (low_u > high_u || low_v > high_v) return;
+    /* Of fine meshes most triangles have one line at most, beside them. */
+    if (single) covers = covers_line(b, i, u, v, job->fraction_bits, low_u, low_v);
+    if (covers < 0) return;
+
+    if (job->summed && *facing < 0) *facing = facing_axis(b, i);
+    thin_lines l = {.tile = tile,
+                    .axis = thin_axes[axis],
+                    .triangle = b->triangle[i],
+                    .low = {low[axis], low_u, low_v},
+                    .high = {high[axis], high_u, high_v},
+                    .bits = {bits[axis], bits[u], bits[v]},
+                    .facing = job->summed && *facing == axis};
+    /* Before the triangle is made ready: nearly all that face another axis. */
+    if (single && job->solid != NULL && !l.facing && is_shown(&l, b->low[axis][i] - 1, b->high[axis][i]))
+        return;
+    cross_lines(&l, b, i, axis, covers);
 }
 
 void bvxi_touch_thin(bvxi_surface_tile *tile, const uint32_t *id, uint64_t count)
@@ -238,9 +305,10 @@ void bvxi_touch_thin(bvxi_surface_tile *tile, const uint32_t *id, uint64_t count
             int const x = b.low[0][i] <= b.high[0][i];
             int const y = b.low[1][i] <= b.high[1][i];
             int const z = b.low[2][i] <= b.high[2][i];
-            if (y & z) cross_along(tile, &b, i, 0, low, high);
-            if (x & z) cross_along(tile, &b, i, 1, low, high);
-            if (x & y) cross_along(tile, &b, i, 2, low, high);
+            int facing = -1;
+            if (y & z) cross_along(tile, &b, i, 0, &facing, low, high);
+            if (x & z) cross_along(tile, &b, i, 1, &facing, low, high);
+            if (x & y) cross_along(tile, &b, i, 2, &facing, low, high);
         }
     }
 }

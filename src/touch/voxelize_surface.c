@@ -301,8 +301,9 @@ bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_m
     /* A thin surface of what the solid does not show; the grid is the caller's and already open. */
     begin_surface(ctx, mesh, BVX_SURFACE_THIN, 0, lost, &job);
     job.solid = solid;
+    job.summed = beyond != NULL;
     BVXI_TRY(BVXI_SCOPE(ctx, run_surface(ctx, function, &o, &job)));
-    for (int a = 0; a < 3; a++) {
+    for (int a = 0; beyond != NULL && a < 3; a++) {
         int64_t sum = 0;
         for (int32_t t = 0; t < job.tiles.count; t++) sum += job.beyond[t][a];
         beyond[a] = (double)sum / 65536.0;
