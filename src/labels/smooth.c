@@ -238,7 +238,7 @@ static void correct_pairs(void *user, uint64_t first, uint64_t last)
     }
 }
 
-static uint32_t side_of(const bvx_complex *c, uint32_t face, int32_t side)
+static uint32_t rank_of_side(const bvx_complex *c, uint32_t face, int32_t side)
 {
     return c->sides[2 * (size_t)(face & FACE_BITS) + (size_t)side];
 }
@@ -260,14 +260,14 @@ static bvx_status sort_faces(bvx_context *ctx, net_work *w)
         for (uint64_t i = 0; i < faces; i++) {
             uint32_t const f = side == 1 ? (uint32_t)i | bvxi_face_axis(w->net, (uint32_t)i) << AXIS_SHIFT
                                          : w->pairs[i];
-            (side == 1 ? w->pairs : w->faces)[count[side_of(c, f, side)]++] = f;
+            (side == 1 ? w->pairs : w->faces)[count[rank_of_side(c, f, side)]++] = f;
         }
     }
     bvxi_drop(ctx, count);
 
     for (uint64_t i = 0; i < faces; i++)
-        if (i == 0 || side_of(c, w->faces[i - 1], 0) != side_of(c, w->faces[i], 0) ||
-            side_of(c, w->faces[i - 1], 1) != side_of(c, w->faces[i], 1))
+        if (i == 0 || rank_of_side(c, w->faces[i - 1], 0) != rank_of_side(c, w->faces[i], 0) ||
+            rank_of_side(c, w->faces[i - 1], 1) != rank_of_side(c, w->faces[i], 1))
             w->pairs[w->pair_count++] = (uint32_t)i;
     w->pairs[w->pair_count] = (uint32_t)faces;
     return BVX_OK;
