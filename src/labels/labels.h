@@ -102,7 +102,7 @@ static inline void bvxi_net_set_link(const bvxi_net *net, uint32_t vertex, int32
  * each other differ by a step along either other axis. */
 enum { BVXI_NET_FLAP = 3 };
 
-static inline uint32_t bvxi_face_axis(const bvxi_net *net, uint32_t face)
+static inline uint32_t bvxi_net_axis(const bvxi_net *net, uint32_t face)
 {
     const uint64_t *const cells = net->complex->cells;
     const uint32_t *const t = net->complex->mesh.triangles + 6 * (size_t)face;

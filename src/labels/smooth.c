@@ -105,7 +105,7 @@ static void split_faces(void *user, uint64_t begin, uint64_t end)
         uint32_t *const t = w->net->complex->mesh.triangles + 6 * (size_t)i;
         bvxi_face f;
 
-        bvxi_read_face(w->net, (uint32_t)i, bvxi_face_axis(w->net, (uint32_t)i), &f);
+        bvxi_read_face(w->net, (uint32_t)i, bvxi_net_axis(w->net, (uint32_t)i), &f);
         if (face_diagonal(&f, 1) >= face_diagonal(&f, 0)) continue;
         t[0] = t[3] = f.vertex[1];
         t[1] = f.vertex[2];
@@ -258,7 +258,7 @@ static bvx_status sort_faces(bvx_context *ctx, net_work *w)
         for (uint64_t f = 0; f < faces; f++) count[c->sides[2 * f + (uint64_t)side]]++;
         (void)bvxi_place_counts(count, labels);
         for (uint64_t i = 0; i < faces; i++) {
-            uint32_t const f = side == 1 ? (uint32_t)i | bvxi_face_axis(w->net, (uint32_t)i) << AXIS_SHIFT
+            uint32_t const f = side == 1 ? (uint32_t)i | bvxi_net_axis(w->net, (uint32_t)i) << AXIS_SHIFT
                                          : w->pairs[i];
             (side == 1 ? w->pairs : w->faces)[count[rank_of_side(c, f, side)]++] = f;
         }

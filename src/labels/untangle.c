@@ -54,7 +54,7 @@ static double cross_flat(const double a[3], const double b[3], int32_t u, int32_
 static int is_in_envelope(const tangle *t, uint32_t face)
 {
     const bvx_complex *const c = t->net->complex;
-    int32_t const axis = (int32_t)bvxi_face_axis(t->net, face);
+    int32_t const axis = (int32_t)bvxi_net_axis(t->net, face);
     double at[4][3];
     bvxi_face f;
 
