@@ -251,17 +251,10 @@ static void origin_piece(void *user, int32_t piece, uint64_t begin, uint64_t end
 static bvx_status list_origin(bvxi_collapse *c, judge_origin *o)
 {
     int32_t const pieces = bvxi_piece_count(c->first_triangles, JUDGE_GRAIN);
-    uint64_t sum = 0;
 
     bvxi_ranges(c->ctx, pieces, c->first_triangles, origin_piece, o);
-    for (int32_t i = 0; i < pieces; i++) {
-        uint64_t const count = o->begin[i];
-
-        o->begin[i] = sum;
-        sum += count;
-    }
-    o->tree.triangles = sum;
-    BVXI_TRY(BVXI_ARRAY(c->ctx, sum, "triangles beside crossings", o->triangle));
+    o->tree.triangles = bvxi_place_counts(o->begin, (uint64_t)pieces);
+    BVXI_TRY(BVXI_ARRAY(c->ctx, o->tree.triangles, "triangles beside crossings", o->triangle));
     bvxi_ranges(c->ctx, pieces, c->first_triangles, origin_piece, o);
     return BVX_OK;
 }
@@ -310,8 +303,6 @@ static bvx_status mark_origin(bvxi_collapse *c, double at)
     uint32_t *pairs;
     uint64_t count;
 
-    if (c->came == NULL)
-        BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, m->vertices, "marks of crossings", &c->came));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->first_vertices * 5, "vertices that went", &o.small));
     BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, m->vertices, "vertices of crossings", &o.beside));
     o.near = (uint8_t *)(o.small + c->first_vertices);
@@ -328,14 +319,6 @@ static bvx_status mark_origin(bvxi_collapse *c, double at)
     BVXI_TRY(gather_origin(c, &o));
     BVXI_TRY(bvxi_crossings_find(c->ctx, &o.tree, at, at, UINT64_MAX, &pairs, &count));
     for (uint64_t i = 0; i < 6 * count; i++) c->came[o.part[o.triangle[pairs[i / 3]][i % 3]]] = 1;
-    bvxi_drop(c->ctx, pairs);
-    bvxi_drop(c->ctx, o.tree.node[0]);
-    bvxi_drop(c->ctx, o.open);
-    bvxi_drop(c->ctx, o.at);
-    bvxi_drop(c->ctx, o.part);
-    bvxi_drop(c->ctx, o.triangle);
-    bvxi_drop(c->ctx, o.beside);
-    bvxi_drop(c->ctx, o.small);
     return BVX_OK;
 }
 
@@ -526,7 +509,9 @@ bvx_status bvxi_collapse_judge(bvxi_collapse *c, double from, double to, uint64_
     *undone = 0;
     BVXI_TRY(search_level(c, c->options.counted ? NULL : c->fresh, from, to));
     for (uint64_t i = 0; i < c->crossings; i++) fresh |= is_fresh_pair(c, c->pairs + 2 * i);
-    if (fresh) BVXI_TRY(mark_origin(c, to));
+    if (fresh && c->came == NULL)
+        BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, c->mesh.vertices, "marks of crossings", &c->came));
+    if (fresh) BVXI_TRY(BVXI_SCOPE(c->ctx, mark_origin(c, to)));
     for (uint64_t i = 0; i < c->crossings; i++) {
         list.triangle = c->pairs[2 * i];
         if (is_fresh_pair(c, c->pairs + 2 * i)) add_pair(&list, c->pairs[2 * i + 1]);
