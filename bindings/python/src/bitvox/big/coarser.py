@@ -39,7 +39,8 @@ def collapsed(mesh: Mesh, low: Sequence[float], high: Sequence[float], near: Seq
     else:
         made = simplify(mesh, vertices="kept", locked=locked, **wanted)._part(slice(None))
     made = _as_large(mesh, made, low, high, near, limit)
-    return made, compare(mesh, made, samples=SAMPLES, threads=1, memory_limit=limit).max
+    gap: Any = compare(mesh, made, samples=SAMPLES, threads=1, memory_limit=limit)
+    return made, gap.max
 
 
 def _as_large(mesh: Mesh, made: Mesh, low: Sequence[float], high: Sequence[float], near: Sequence[float],
