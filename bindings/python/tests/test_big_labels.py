@@ -64,6 +64,14 @@ def test_same_bytes_from_other_chunks_and_kinds(tmp_path):
     assert 0 in other.labels and 4 not in other.labels
 
 
+def test_chunks_are_halved_where_memory_does_not_suffice(tmp_path):
+    values = np.arange(64**3).reshape(64, 64, 64) // 2**17 + 1
+    values[20:30, 20:30, 20:30] = 7
+    found = big.run(big.Labels(values), tmp_path / "a", levels=2, memory_limit=3_500_000, show=None)
+    assert found.chunks.size == (32, 32, 32) and found.labels == [1, 2, 7]
+    assert found.records == big.run(big.Labels(values, chunks=32), tmp_path / "b", levels=2, show=None).records
+
+
 def test_what_is_refused(tmp_path):
     pieces = big.run(big.Labels(cells(), PLACE, chunks=64), tmp_path / "a", show=None)
     for wrong in (lambda: pieces.merge(), lambda: pieces.save(tmp_path / "a.ply"), lambda: big.Labels(np.ones((4, 4, 4))), lambda: big.Labels(np.ones((4, 4), int)),

@@ -6,7 +6,7 @@ import os
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, killed_once
+from conftest import REPOSITORY, killed_at, killed_once
 
 import bitvox
 
@@ -235,3 +235,52 @@ def test_two_workers_and_one_that_is_killed(tmp_path, monkeypatch, stage):
                                   local_directory=str(tmp_path / "dask")) as cluster, distributed.Client(cluster) as client:
         found = big.run(cut, tmp_path / "two", levels=3, show=None, client=client)
     assert (tmp_path / "killed").exists() and found.records == alone.records
+
+
+def test_chunks_are_halved_where_memory_does_not_suffice(tmp_path):
+    cut, said = volume(100), []
+    found = big.run(cut, tmp_path / "knot", levels=3, memory_limit=3_000_000, show=said.append)
+    halves = big.run(cut.rechunk((45, 47, 32)), tmp_path / "halves", levels=3, show=None)
+    assert found.records == halves.records and found.merge() == big.surface(cut) and found.merge(2).check().closed
+    assert len([line for line in said if "91 x 94 x 41" in line and "again with half the sides" in line]) == 1
+    again = big.run(volume(100), tmp_path / "knot", levels=3, show=said.append)
+    assert "26 pieces, 26 of them there" in said[-5] and again.records == found.records == big.Pieces(again.path).records
+    found.save_regions(tmp_path / "regions", 2)
+    assert len(os.listdir(tmp_path / "regions")) == len(found.records[2])
+    with pytest.raises(MemoryError):
+        big.run(cut, tmp_path / "less", levels=2, memory_limit=500_000, show=None)
+
+
+def test_windows_are_halved_where_memory_does_not_suffice():
+    lattice = bitvox.Lattice.fit(KNOT, resolution=600)
+    whole = bitvox.voxelize(KNOT, lattice=lattice)
+    assert big.voxelize(KNOT, lattice, chunks=600, memory_limit=8_000_000).compute(scheduler="synchronous") == whole
+    with pytest.raises(MemoryError):
+        big.voxelize(KNOT, lattice, chunks=600, memory_limit=1_500_000).compute(scheduler="synchronous")
+
+    cut, asked = volume(500).persist(), []
+    grid = cut.compute()
+    far = np.clip(grid.distance("signed"), -0.3, 0.3)
+    with bitvox.settings(memory_limit=300_000), pytest.raises(MemoryError):
+        grid.distance("signed")
+    with bitvox.settings(memory_limit=300_000):
+        assert np.array_equal(cut.distance(0.3, "signed").compute(scheduler="synchronous"), far)
+
+    def some(part):
+        asked.append(part.shape)
+        if max(part.shape) > 40:
+            raise MemoryError
+        return part.erode(3)
+
+    assert cut.around(some, 3).compute(scheduler="synchronous") == grid.erode(3) and len(asked) > 8
+
+
+def test_a_worker_that_is_always_killed(tmp_path, monkeypatch):
+    distributed = pytest.importorskip("distributed")
+    cut = volume(100)
+    monkeypatch.setattr(big.pieces, "_made", functools.partial(killed_at, big.pieces._made, "two"))
+    with dask.config.set({"distributed.scheduler.allowed-failures": 0}), distributed.LocalCluster(
+            n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None, local_directory=str(tmp_path / "dask")) as cluster:
+        with distributed.Client(cluster) as client:
+            found = big.run(cut, tmp_path / "two", levels=2, show=None, client=client)
+    assert found.chunks.size == (45, 47, 32) and found.merge() == big.surface(cut)

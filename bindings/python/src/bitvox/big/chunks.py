@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from typing import Any, Iterator, Sequence
+from typing import Any, Callable, Iterator, Sequence
 
 from .. import _arrays as arrays
 from .._errors import ArgumentError, LatticeError, need
@@ -108,9 +108,7 @@ class Chunks:
         >>> cut.grown((1, 0, 0), (2, 2, 2))
         Window(low=(6, 0, 0), size=(4, 8, 8))
         """
-        low, size = self.window(index)
-        wide = Window(tuple(a - m for a, m in zip(low, margin)), tuple(n + 2 * m for n, m in zip(size, margin)))  # type: ignore[arg-type]
-        return overlap(wide, self.box)  # type: ignore[return-value]
+        return grown(self.window(index), margin, self.box)
 
     def over(self, window: Window) -> list[Index]:
         """Indices of the chunks that have voxels in a window, x fastest.
@@ -180,11 +178,34 @@ def planes(cut: Chunks, level: int, index: Index) -> tuple[list[float], list[flo
 # ---- windows ----
 
 
+def grown(window: Window, margin: Sequence[int], box: Window) -> Window:
+    """A window with a halo, as far as a box that holds it goes."""
+    wide = Window(tuple(a - m for a, m in zip(window.low, margin)), tuple(n + 2 * m for n, m in zip(window.size, margin)))  # type: ignore[arg-type]
+    return overlap(wide, box)  # type: ignore[return-value]
+
+
 def overlap(a: Window, b: Window) -> Window | None:
     """What two windows share."""
     low = [max(p, q) for p, q in zip(a.low, b.low)]
     size = [min(p + m, q + n) - o for p, m, q, n, o in zip(a.low, a.size, b.low, b.size, low)]
     return Window(tuple(low), tuple(size)) if min(size) > 0 else None  # type: ignore[arg-type]
+
+
+HALVINGS = 6  # of a window, one after another
+
+
+def in_halves(work: Callable[[Window], Any], window: Window, times: int = HALVINGS) -> list[Any]:
+    """What work makes of a window. Where memory does not suffice, of its halves: parts whose bits depend on nothing else."""
+    try:
+        return [work(window)]
+    except MemoryError:
+        axis = max(range(3), key=lambda a: (window.size[a], a))
+        if times == 0 or window.size[axis] < 2:
+            raise
+    (low, size), half = map(list, window), window.size[axis] // 2
+    first = Window(window.low, tuple(half if a == axis else n for a, n in enumerate(size)))  # type: ignore[arg-type]
+    low[axis], size[axis] = low[axis] + half, size[axis] - half
+    return in_halves(work, first, times - 1) + in_halves(work, Window(tuple(low), tuple(size)), times - 1)  # type: ignore[arg-type]
 
 
 def join(lattice: Lattice, window: Window, parts: Sequence[Grid]) -> Grid:

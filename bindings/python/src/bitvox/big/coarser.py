@@ -15,7 +15,8 @@ LEFT = 4  # one triangle of so many is left by a level: that of a lattice with v
 ROUNDS = 3  # of steps along normals, each by what the ones before left
 
 
-def collapsed(mesh: Mesh, low: Sequence[float], high: Sequence[float], near: Sequence[float]) -> tuple[Mesh, float]:
+def collapsed(mesh: Mesh, low: Sequence[float], high: Sequence[float], near: Sequence[float],
+              limit: int | None = None) -> tuple[Mesh, float]:
     """A level of a piece between its cuts, and how far it is from the piece.
 
     Vertices on cuts stay. So do the triangles at low cuts: collapses there could lay triangles into the cut, and the piece beyond it
@@ -26,7 +27,7 @@ def collapsed(mesh: Mesh, low: Sequence[float], high: Sequence[float], near: Seq
     at, faces, (first, last) = np.asarray(mesh.vertices), np.asarray(mesh.faces), mesh.bounds
     locked = np.zeros(len(at), bool)
     locked[faces[(at < np.add(low, near)).any(axis=1)[faces].any(axis=1)]] = True
-    wanted: dict[str, Any] = {"triangles": max(1, mesh.n_faces // LEFT), "lock_border": True, "threads": 1}
+    wanted: dict[str, Any] = {"triangles": max(1, mesh.n_faces // LEFT), "lock_border": True, "threads": 1, "memory_limit": limit}
     least, most = np.minimum(low, first), np.maximum(high, last)
     for _ in range(3):
         made = simplify(mesh, locked=locked, **wanted)
@@ -37,11 +38,13 @@ def collapsed(mesh: Mesh, low: Sequence[float], high: Sequence[float], near: Seq
         locked |= (at < least + 4 * below).any(axis=1) | (at > most - 4 * above).any(axis=1)
     else:
         made = simplify(mesh, vertices="kept", locked=locked, **wanted)._part(slice(None))
-    made = _as_large(mesh, made, low, high, near)
-    return made, compare(mesh, made, samples=SAMPLES, threads=1).max
+    made = _as_large(mesh, made, low, high, near, limit)
+    gap: Any = compare(mesh, made, samples=SAMPLES, threads=1, memory_limit=limit)
+    return made, gap.max
 
 
-def _as_large(mesh: Mesh, made: Mesh, low: Sequence[float], high: Sequence[float], near: Sequence[float]) -> Mesh:
+def _as_large(mesh: Mesh, made: Mesh, low: Sequence[float], high: Sequence[float], near: Sequence[float],
+              limit: int | None = None) -> Mesh:
     """A level that encloses what its mesh does: vertices that are not at cuts move along their normals, all by one distance.
 
     Vertices of a level settle by the middles of the triangles before it, which lie further in than their corners: what is round would
@@ -63,7 +66,7 @@ def _as_large(mesh: Mesh, made: Mesh, low: Sequence[float], high: Sequence[float
             moved = np.where(free[:, None], begin + step * normal, begin).astype(made.vertices.dtype)
             found = Mesh(moved, made.faces)
             bad = ~((moved > inner) & (moved < outer)).all(axis=1)
-            bad[faces[found.crossings(threads=1)]] = True
+            bad[faces[found.crossings(threads=1, memory_limit=limit)]] = True
             if not (bad & free).any():
                 break
             free &= ~bad

@@ -94,6 +94,16 @@ class Labels(Placed):
         """
         return from_dask(self.array == in_range("label", label, -(2**63), 2**64 - 1), self.lattice, chunks=self.chunks.size)
 
+    def rechunk(self, chunks: int | Sequence[int]) -> Labels:
+        """The same labels in other ``chunks``: voxels along each axis, one number or three.
+
+        Examples
+        --------
+        >>> bitvox.big.Labels(np.ones((4, 4, 4), int), chunks=4).rechunk(2).chunks.counts
+        (2, 2, 2)
+        """
+        return Labels(self.array, self.lattice, background=self.background, chunks=chunks)
+
     def _bodies(self, options: dict[str, Any]) -> list[Any]:
         """For each chunk its part of the surface of each label in it."""
         made = need("dask", "big").delayed(_bodies_of, pure=True)

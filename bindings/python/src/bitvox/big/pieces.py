@@ -7,6 +7,7 @@ joins them.
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import time
@@ -33,6 +34,9 @@ from .volume import Volume, surface_parts
 warnings.filterwarnings("ignore", "the target of|a volume of", ResultWarning, "dask")  # of single pieces, in tasks
 
 
+SMALL = 32  # voxels along the side of a chunk that is not halved
+
+
 class Pieces(Placed):
     """A surface in pieces that `run` wrote, read one at a time. Level 0 is the finest: a piece a chunk. A piece of level 1 is one
     of a chunk too; on each level after it they have twice the side.
@@ -57,8 +61,9 @@ class Pieces(Placed):
     ([4, 4, 1], True, True)
     """
 
-    __slots__ = ("path", "chunks", "records")
+    __slots__ = ("path", "chunks", "records", "_own")
     path: str
+    _own: str  # folder of the pieces
     chunks: Chunks
     records: list[dict[Index, Record]]
 
@@ -67,6 +72,7 @@ class Pieces(Placed):
         known = index_of(self.path)
         if known is None or "pieces" not in known:
             raise FormatError(f"{self.path} holds no finished pieces of bitvox.big.run")
+        self._own = _folder(self.path, known)
         self.chunks = Chunks(_lattice_from(*known["lattice"]), known["size"], Window(*map(tuple, known["box"])))
         self.records = [{tuple(map(int, name.split("_"))): Record(*record) for name, record in level.items()} for level in known["pieces"]]  # type: ignore[misc]
 
@@ -132,7 +138,7 @@ class Pieces(Placed):
         """
         if tuple(index) not in self._of(level):
             raise ArgumentError(f"level {level} has no triangles in piece {tuple(index)}")
-        return read_piece(self.path, level, index, label)
+        return read_piece(self._own, level, index, label)
 
     def meshes(self, level: int = 0, box: Sequence[Any] | None = None, label: int | None = None) -> Iterator[Mesh]:
         """The pieces of a level, one after another.
@@ -229,7 +235,7 @@ class Pieces(Placed):
         True
         """
         task = need("dask", "big").delayed(written.region, pure=False)
-        compute([task(self.path, level, index, path_of(folder), format) for index in self._of(level)], client)
+        compute([task(self._own, level, index, path_of(folder), format) for index in self._of(level)], client)
 
     def to_neuroglancer(self, folder: str | os.PathLike[str], *, segment: int = 1, bits: int = 16, sharded: bool = False,
                         nanometers: float = 1.0, client: Any = None) -> None:
@@ -268,11 +274,12 @@ class Pieces(Placed):
 
 
 def run(volume: Volume | Labels, path: str | os.PathLike[str], *, levels: int = 1, face_rule: FaceRule = "separate", dtype: Any = None,
-        overwrite: bool = False, client: Any = None, show: Callable[[str], Any] | None = print) -> Pieces:
+        overwrite: bool = False, memory_limit: int | None = None, client: Any = None, show: Callable[[str], Any] | None = print) -> Pieces:
     """Write the surface of a volume in pieces, and coarser levels of it, each of a fourth of the triangles.
 
     Nothing is gathered here: tasks write pieces, and return what is known of them. A task holds its chunk and the pieces that it joins,
-    so its memory depends on the chunk alone. A run that was stopped continues where it was, with the pieces whose hash is right.
+    so its memory depends on the chunk alone. A run that was stopped continues where it was, with the pieces whose hash is right. Where the
+    memory of a task does not suffice, or a worker is killed again and again, all begins anew in chunks of half the sides.
 
     Parameters
     ----------
@@ -286,6 +293,8 @@ def run(volume: Volume | Labels, path: str | os.PathLike[str], *, levels: int = 
         as for `surface`.
     overwrite
         begin anew where there are pieces of another volume or other options.
+    memory_limit
+        bytes that the library may take for one surface or level of a task.
     client
         of Dask's distributed. Default: the one that is active, or threads here.
     show
@@ -300,6 +309,8 @@ def run(volume: Volume | Labels, path: str | os.PathLike[str], *, levels: int = 
     ------
     FileExistsError
         the folder holds other things.
+    MemoryError
+        for chunks of 32 voxels, too.
 
     Examples
     --------
@@ -307,11 +318,31 @@ def run(volume: Volume | Labels, path: str | os.PathLike[str], *, levels: int = 
     >>> bitvox.big.run(volume, 'knot', levels=2, show=None)
     Pieces(6748, 1682 faces in Chunks(2 x 2 x 1 of 16 x 16 x 13))
     """
-    dask, cut, place = need("dask", "big"), volume.chunks, path_of(path)
-    count = in_range("levels", levels, 1, 24)
+    place, count = path_of(path), in_range("levels", levels, 1, 24)
     options = one_type(volume.lattice, {"face_rule": face_rule, "dtype": dtype})
-    head = {"job": need("dask.base", "big").tokenize(version(), volume, options), "lattice": volume.lattice._key(), "size": cut.size, "box": cut.box}
-    _begin(place, head, overwrite)
+    job = need("dask.base", "big").tokenize(version(), volume, options)
+    head = {"job": job, "lattice": volume.lattice._key(), "size": volume.chunks.size, "box": volume.chunks.box, "halved": 0}
+    head["halved"] = _begin(place, head, overwrite)
+    for halved in itertools.count(head["halved"]):
+        size = [max(min(n, SMALL), n >> halved) for n in volume.chunks.size]
+        cut = volume if halved == 0 else volume.rechunk(size)
+        try:
+            return _run(cut, place, {**head, "size": cut.chunks.size}, count, {**options, "memory_limit": memory_limit}, client, show)
+        except Exception as error:
+            # A worker that ran out of memory is killed by others, and says nothing.
+            if not isinstance(error, MemoryError) and type(error).__name__ != "KilledWorker" or max(size) <= SMALL:
+                raise
+            if show:
+                show(f"{_by(cut.chunks.size)} voxels a chunk are too many for the memory ({error}); again with half the sides")
+            head["halved"] = halved + 1
+            put(place, "index.json", json.dumps(head).encode())
+    raise AssertionError
+
+
+def _run(volume: Volume | Labels, place: str, head: dict[str, Any], count: int, options: dict[str, Any], client: Any, show: Callable[[str], Any] | None) -> Pieces:
+    """Pieces of chunks as they are. Those of larger chunks may still be written by their tasks, into a folder of their own."""
+    dask, cut, top, limit = need("dask", "big"), volume.chunks, place, options["memory_limit"]
+    place = _folder(top, head)
 
     # Pieces that are there and whole, then tasks for the others; coarser ones take the records of those that they join. Of the finest
     # ones a few are made at once, as a sample.
@@ -329,17 +360,18 @@ def run(volume: Volume | Labels, path: str | os.PathLike[str], *, levels: int = 
         _sample(cut, made, client, show)
     for level, index in wanted:
         if (level, index) not in made:
-            made[level, index] = join(place, cut, level, index, [(i, made[level - 1, i]) for i in joins(cut, level, index)])
+            made[level, index] = join(place, cut, level, index, [(i, made[level - 1, i]) for i in joins(cut, level, index)], limit)
 
     begin = time.perf_counter()
     records = dict(zip(wanted, compute([made[at] for at in wanted], client, bar=bool(show))))
     found = [{"_".join(map(str, i)): records[level, i] for level, i in wanted if level == k and records[level, i].triangles} for k in range(count)]
-    put(place, "index.json", json.dumps({**head, "pieces": found}).encode())
-    system, root = files(place)
+    put(top, "index.json", json.dumps({**head, "pieces": found}).encode())
+    system, root = files(top)
+    own = files(place)[1]
     for name in system.find(root):
-        if name.endswith(PART):  # of workers that were killed
+        if name.endswith(PART) or not name.startswith(f"{own}/") and name.endswith(".npz"):  # of workers that were killed, or of larger chunks
             system.rm_file(name)
-    pieces = Pieces(place)
+    pieces = Pieces(top)
     for level in range(count) if show else ():
         show(f"level {level}: {pieces.n_faces(level)} triangles in {len(found[level])} pieces, at most {pieces.error(level):.3g} from the finest")  # type: ignore[misc]
     if show:
@@ -380,13 +412,13 @@ def _made(place: str, index: Index, part: Mesh | Sequence[tuple[int, Mesh]]) -> 
     return write_piece(place, 0, index, {None: part} if isinstance(part, Mesh) else dict(part), 0.0)  # type: ignore[arg-type]
 
 
-def _joined(place: str, cut: Chunks, level: int, index: Index, parts: Sequence[tuple[Index, Record]]) -> Record:
+def _joined(place: str, cut: Chunks, level: int, index: Index, parts: Sequence[tuple[Index, Record]], limit: int | None) -> Record:
     fine: dict[Any, list[Mesh]] = {}
     for i, record in parts:
         for label, mesh in read_bodies(place, level - 1, i)[0].items() if record.triangles else ():
             fine.setdefault(label, []).append(mesh)
     near, ends = [edge / 8 for edge in cut.lattice.spacing], planes(cut, level, index)
-    made = {label: collapsed(beside(fine.pop(label)), *ends, near) for label in sorted(fine)}
+    made = {label: collapsed(beside(fine.pop(label)), *ends, near, limit) for label in sorted(fine)}
     error = max((record.error for _, record in parts), default=0.0) + max((far for _, far in made.values()), default=0.0)
     return write_piece(place, level, index, {label: mesh for label, (mesh, _) in made.items()}, error)
 
@@ -400,8 +432,12 @@ def _known(place: str, level: int, index: Index) -> Record | None:
     return record if not record.triangles or beside(list(bodies.values())).content_hash() == record.hash else None
 
 
-def _begin(place: str, head: dict[str, Any], overwrite: bool) -> None:
-    """A folder for the pieces of this job: an empty one, or that of a run that was stopped."""
+def _folder(place: str, head: dict[str, Any]) -> str:
+    return f"{place}/halved-{head['halved']}" if head["halved"] else place
+
+
+def _begin(place: str, head: dict[str, Any], overwrite: bool) -> int:
+    """A folder for the pieces of this job: an empty one, or that of a run that was stopped. Returns how often chunks were halved there."""
     system, root = files(place)
     known = index_of(place)
     ours = isinstance(known, dict) and "job" in known
@@ -413,6 +449,8 @@ def _begin(place: str, head: dict[str, Any], overwrite: bool) -> None:
         raise FileExistsError(f"{place} holds pieces of another volume, or of other options; overwrite=True replaces them")
     if overwrite or not ours:
         put(place, "index.json", json.dumps(head).encode())
+        return 0
+    return int(known["halved"])
 
 
 def _by(numbers: Sequence[int]) -> str:

@@ -11,7 +11,7 @@ from .._grid import Grid
 from .._lattice import Lattice, Window
 from .._mesh import Mesh
 from .._stages import merge, surface, voxelize
-from .chunks import Chunks, Index, join
+from .chunks import Chunks, Index, in_halves, join
 
 
 @functools.lru_cache(maxsize=1)
@@ -90,7 +90,8 @@ class Task:
 
 def voxelize_window(mesh: Mesh, lattice: Lattice, window: Window, options: dict[str, Any]) -> Grid:
     """A window's voxels, by one thread where the options do not say how many: the engine runs many tasks beside one another."""
-    return voxelize(mesh, lattice=lattice, window=window, **{"threads": 1, **options})
+    parts = in_halves(lambda part: voxelize(mesh, lattice=lattice, window=part, **{"threads": 1, **options}), window)
+    return parts[0] if len(parts) == 1 else join(lattice, window, parts)
 
 
 class Plan:

@@ -16,7 +16,7 @@ from .._mesh import Mesh
 from .._run import settings
 from .._stages import merge
 from .._stages import surface as whole_surface
-from .chunks import Chunks, Index, join, laid_out, overlap, window_of
+from .chunks import Chunks, Index, grown, in_halves, join, laid_out, overlap, window_of
 from .parts import Found, found
 from .plan import check_options, load, one_type, place_chunks, source_of, split_place, voxelize_window
 from .stream import Triangles, by_rows, column, kind_of, sort_triangles
@@ -300,7 +300,7 @@ class Volume(Placed):
         True
         """
         made, halo = need("dask", "big").delayed(_around, pure=True), _margin(margin)
-        return Volume(self.chunks, {i: made(function, arguments, self.lattice, self.chunks.grown(i, halo), self.chunks.window(i),
+        return Volume(self.chunks, {i: made(function, arguments, self.lattice, halo, self.chunks.grown(i, halo), self.chunks.window(i),
                                             _parts(self, self.chunks.grown(i, halo))) for i in self.chunks})
 
     def _morphed(self, name: str, times: int, steps: int, **options: Any) -> Volume:
@@ -402,7 +402,7 @@ class Volume(Placed):
         blocks = {}
         for index in self.chunks:
             wide = self.chunks.grown(index, halo)
-            blocks[index] = made(self.lattice, wide, self.chunks.window(index), _parts(self, wide), limit,
+            blocks[index] = made(self.lattice, halo, wide, self.chunks.window(index), _parts(self, wide), limit,
                                  (side,), {"beyond": beyond, "dtype": dtype})
         return _dask_array(self.chunks, blocks, dtype)
 
@@ -594,9 +594,10 @@ def _dask_array(cut: Chunks, blocks: dict[Index, Any], dtype: Any) -> Any:
 # ---- what tasks do, by one thread each: the engine runs many of them beside one another ----
 
 
-def _around(function: Callable[..., Grid], arguments: Any, lattice: Lattice, wide: Window, window: Window, parts: Sequence[Grid]) -> Grid:
+def _around(function: Callable[..., Grid], arguments: Any, lattice: Lattice, margin: Sequence[int], wide: Window, window: Window, parts: Sequence[Grid]) -> Grid:
     with settings(threads=1):
-        return function(join(lattice, wide, parts), *arguments).crop(window)
+        made = in_halves(lambda part: function(join(lattice, grown(part, margin, wide), parts), *arguments).crop(part), window)
+    return made[0] if len(made) == 1 else join(lattice, window, made)
 
 
 def _morph(grid: Grid, name: str, arguments: Any, options: dict[str, Any]) -> Grid:
@@ -604,13 +605,27 @@ def _morph(grid: Grid, name: str, arguments: Any, options: dict[str, Any]) -> Gr
     return made
 
 
-def _distances(lattice: Lattice, wide: Window, window: Window, parts: Sequence[Grid], limit: float, arguments: Any, options: dict[str, Any]) -> Any:
+def _distances(lattice: Lattice, margin: Sequence[int], wide: Window, window: Window, parts: Sequence[Grid], limit: float, arguments: Any, options: dict[str, Any]) -> Any:
     np = arrays.numpy("bitvox.big")
+
+    def work(part: Window) -> tuple[Window, Any]:
+        around = grown(part, margin, wide)
+        values = join(lattice, around, parts).distance(*arguments, **options)[_within(around, part)]
+        most = values.dtype.type(limit)
+        return part, np.clip(values, -most, most)
+
     with settings(threads=1):
-        values = join(lattice, wide, parts).distance(*arguments, **options)
-    inner = values[tuple(slice(a - b, a - b + n) for a, b, n in zip(window.low, wide.low, window.size))]
-    most = inner.dtype.type(limit)
-    return np.clip(inner, -most, most)
+        made = in_halves(work, window)
+    if len(made) == 1:
+        return made[0][1]
+    whole = np.empty(window.size, made[0][1].dtype)
+    for part, values in made:
+        whole[_within(window, part)] = values
+    return whole
+
+
+def _within(window: Window, part: Window) -> tuple[slice, ...]:
+    return tuple(slice(a - b, a - b + n) for a, b, n in zip(part.low, window.low, part.size))
 
 
 def _kept(grid: Grid, seeds: Any, connectivity: int) -> Grid:

@@ -160,7 +160,7 @@ def neuroglancer(pieces: Pieces, place: str, segment: int, bits: int, sharded: b
     task, every = need("dask", "big").delayed(encode, pure=False), [fragments(pieces, level) for level in range(count)]
     names = [[f"{PARTS}/{level}_{'_'.join(map(str, index))}" for index in one] for level, one in enumerate(every)]
     try:
-        made = compute([[task(pieces.path, pieces.chunks, level, index, every[level][index], place, name, bits, segment) for index, name in zip(every[level], names[level])]
+        made = compute([[task(pieces._own, pieces.chunks, level, index, every[level][index], place, name, bits, segment) for index, name in zip(every[level], names[level])]
                         for level in range(count)], client)
         bodies = _bodies(pieces, labels, every, made, lambda level, k: system.open(f"{root}/{names[level][k]}", "rb"))
         if sharded:
