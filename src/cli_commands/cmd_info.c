@@ -313,9 +313,8 @@ static int info_of_grid(cli_run *run, const cli_input *in, cli_made *made)
 static int info_of_tree(cli_run *run, cli_input *in, cli_made *made)
 {
     const bvx_lattice *const l = &run->report.lattice;
-    cli_tree t;
+    cli_tree t = {0};
 
-    memset(&t, 0, sizeof t);
     int const status = cli_take_tree(run, in->tree, &t);
     /* Taken over, also by a failure: it must not go twice. */
     in->tree = NULL;

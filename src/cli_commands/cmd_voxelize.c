@@ -264,12 +264,12 @@ static void make_room_for_surface(cli_run *run)
 static bvx_status make_surface(const cli_run *run, voxel_job *job, bvx_surface_report *report)
 {
     const cli_voxelize_options *const own = run->own;
-    bvx_surface_options s = {.struct_size = sizeof s};
 
     /* The modes of the program begin with the solid, those of the library do not. */
-    s.mode = own->mode - CLI_MODE_CONSERVATIVE + BVX_SURFACE_CONSERVATIVE;
-    s.window = job->window;
-    s.report = report;
+    bvx_surface_options s = {.struct_size = sizeof s,
+                             .mode = own->mode - CLI_MODE_CONSERVATIVE + BVX_SURFACE_CONSERVATIVE,
+                             .window = job->window,
+                             .report = report};
     return bvx_voxelize_surface(run->context, &job->view, &run->report.lattice, &s, &job->grid);
 }
 
@@ -435,9 +435,8 @@ static int make_all(cli_run *run, voxel_job *job, cli_made *made)
 {
     const cli_voxelize_options *const own = run->own;
     const cli_options *const o = run->options;
-    voxel_reports reports;
+    voxel_reports reports = {0};
 
-    memset(&reports, 0, sizeof reports);
     cli_stage_begin(run, "voxelize");
     int result = choose_lattice(run, job);
     if (result != CLI_DONE) return result;

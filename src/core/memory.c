@@ -276,7 +276,6 @@ void bvxi_drop(bvx_context *ctx, void *block)
     uint32_t const count = ctx->scratch_count;
 
     if (block == NULL) return;
-    /* A larger table goes with its last block. */
     if (count == 0 || ctx->scratch[count - 1].block != block || ctx->scratch != ctx->scratch_first) {
         drop_any(ctx, block);
         return;

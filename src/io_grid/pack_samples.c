@@ -224,9 +224,7 @@ static void unpack_piece(void *user, int32_t piece)
 
 bvx_status bvxi_unpack_grid(bvx_context *ctx, const bvx_grid *grid, uint8_t *bytes)
 {
-    unpack_job job;
-    job.grid = grid;
-    job.bytes = bytes;
+    unpack_job job = {.grid = grid, .bytes = bytes};
     /* A row is the least that a piece holds; grain voxels make a task worth starting. */
     job.pieces = bvxi_piece_count(bvxi_grid_rows(grid), 1 + UNPACK_GRAIN / (uint64_t)grid->size[0]);
     return bvxi_each(ctx, "write", 0, 1, job.pieces, unpack_piece, &job);

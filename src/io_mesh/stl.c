@@ -70,7 +70,6 @@ static bvx_status soup_make_table(stl_soup *s, uint64_t size)
     uint32_t *table, bits[3];
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, size * sizeof *table, "the table of vertices", &table));
-    /* The order is that of the vertices, so the table looks the same however often it grew. */
     for (uint64_t v = 0; v < s->vertex_count; v++) {
         memcpy(bits, s->positions + v * 3, sizeof bits);
         size_t slot = (size_t)(soup_hash(bits) & (size - 1));
@@ -343,12 +342,6 @@ static bvx_status stl_expect(const bvxi_source *s, const char **p, const char *w
     return stl_take(p, s->end, word) ? BVX_OK : bvxi_fail_expected(s, bvxi_skip_space(*p, s->end), expected);
 }
 
-static const char *stl_skip_line(const char *p, const char *end)
-{
-    while (p < end && *p != '\n' && *p != '\r') p++;
-    return p;
-}
-
 /* Three coordinates after the word vertex. */
 static bvx_status stl_take_corner(const bvxi_source *s, const char **p, uint32_t bits[3])
 {
@@ -421,10 +414,10 @@ static bvx_status stl_read_text(stl_soup *soup)
         if (stl_take(&p, s->end, "facet")) {
             BVXI_TRY(stl_take_facet(soup, &p));
         } else if (stl_take(&p, s->end, "endsolid")) {
-            p = stl_skip_line(p, s->end);
+            p = bvxi_line_end(p, s->end);
             inside = 0;
         } else if (!inside && stl_take(&p, s->end, "solid")) {
-            p = stl_skip_line(p, s->end);
+            p = bvxi_line_end(p, s->end);
             inside = 1;
         } else {
             p = bvxi_skip_space(p, s->end);

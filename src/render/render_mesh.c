@@ -414,9 +414,8 @@ static bvx_status run_render_mesh(bvx_context *context, const bvx_mesh_view *mes
                                   const bvx_render_options *options, bvx_image *image)
 {
     static const char *const function = "bvx_render_mesh";
-    mesh_scene s;
+    mesh_scene s = {0};
     double low[3], high[3];
-    memset(&s, 0, sizeof s);
     s.view = mesh;
     BVXI_TRY(bvxi_picture_open(context, function, options, image, &s.picture));
     BVXI_TRY(bvxi_view_check(context, function, mesh));

@@ -61,7 +61,6 @@ static bvx_status grow_labels(label_table *t)
         return bvxi_fail_for(t->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY, "%s: more than 2^30 labels",
                              labels_name);
 
-    /* The table's slots depend on its size, so it is filled anew. */
     free_label_slots(t);
     BVXI_TRY(bvxi_resize(t->ctx, BVXI_SCRATCH, &t->entries, t->room * sizeof *t->entries,
                          room * sizeof *t->entries, "the labels"));
@@ -89,7 +88,6 @@ static bvx_status find_label(label_table *t, uint64_t value, uint64_t *entry)
     if (t->count == t->room) BVXI_TRY(grow_labels(t));
     /* Far more probes than a good hash needs: someone made these values against it. */
     if (t->tree.key == NULL && t->probes > bvxi_probe_limit(t->searches)) {
-        /* The table is not used again: a tree's cost is bound whatever the values are. */
         free_label_slots(t);
         BVXI_TRY(bvxi_key_tree_open(t->ctx, &t->tree, label_key, t, t->room));
         for (uint64_t i = 0; i < t->count; i++) bvxi_key_tree_find(&t->tree, i);
