@@ -355,9 +355,8 @@ static int keeps_file(const cli_run *run)
 static bvx_status read_triangles(files_beside *beside, const cli_bytes *b, int32_t format, bvx_mesh *mesh)
 {
     cli_run *const run = beside->run;
-    bvx_read_options options = {.struct_size = sizeof options};
 
-    options.keep_file = keeps_file(run);
+    bvx_read_options options = {.struct_size = sizeof options, .keep_file = keeps_file(run)};
     options.drop_nonfinite = !options.keep_file &&
                              (run->command->bit &
                               (CLI_REPAIR | CLI_LOD | CLI_VOXELIZE | CLI_BOOLEAN | CLI_INFO | CLI_HULL)) != 0;

@@ -214,12 +214,11 @@ static int take_window(cli_run *run, const char *path, const bvx_window *window,
 static int place_volume(cli_run *run, const char *path, cli_volume *v)
 {
     bvx_volume_view *const w = &v->volume.view;
-    bvx_grid grid = {0};
 
     v->placed = v->volume.placed;
     if (!cli_needs_sidecar(cli_input_format(run, path))) return CLI_DONE;
     /* Side-cars are read for grids: one without voxels carries the lattice through. */
-    grid.lattice = w->lattice;
+    bvx_grid grid = {.lattice = w->lattice};
     memcpy(grid.size, w->size, sizeof grid.size);
     int status = cli_read_sidecar(run, path, &grid, &v->placed);
     w->lattice = grid.lattice;
@@ -230,11 +229,10 @@ static int place_volume(cli_run *run, const char *path, cli_volume *v)
 int cli_take_volume(cli_run *run, const char *path, const bvx_window *window, cli_volume *v)
 {
     int32_t const format = cli_input_format(run, path);
-    bvx_read_volume_options o = {.struct_size = sizeof o};
 
     if (format == BVX_FORMAT_NRRD) CLI_TRY(read_data_files(run, path, v));
 #ifdef BVX_HAVE_ZLIB
-    o.inflate = cli_inflate;
+    bvx_read_volume_options o = {.struct_size = sizeof o, .inflate = cli_inflate};
 #else
     if (v->data.bytes != NULL) o.inflate = cli_inflate; /* plain bytes, as it turns out, or a refusal */
 #endif

@@ -143,12 +143,11 @@ bvx_status bvxi_pack_samples(bvx_context *ctx, const bvxi_samples *samples, cons
                              bvx_grid *grid)
 {
     pack_rule rule;
-    bvxi_sample_walk walk = {0};
 
     rule.size = bvxi_sample_size(samples->kind);
 
     rule.mask = pack_mask(samples, rule.size);
-    walk.first = samples->first;
+    bvxi_sample_walk walk = {.first = samples->first};
     for (int a = 0; a < 3; a++) {
         walk.first += (ptrdiff_t)(part->low[a] * samples->stride[a]);
         walk.stride[a] = samples->stride[a];

@@ -369,9 +369,8 @@ static void bvx_fill_piece(void *user, uint64_t k, uint64_t end)
 bvx_status bvxi_read_bvx(const bvxi_grid_source *source, bvx_grid *grid)
 {
     uint64_t const least = BVXI_BVX_SLICE_HEAD + 1, size = (uint64_t)(source->end - source->begin);
-    bvx_unpacking job = {0};
 
-    job.source = source;
+    bvx_unpacking job = {.source = source};
     BVXI_TRY(bvx_take_head(&job));
 
     /* A slice takes at least its head and a byte, so counts cannot allocate more than the file. */

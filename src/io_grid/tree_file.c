@@ -305,9 +305,7 @@ static void put_tree_level(void *user, int32_t level)
 
 bvx_status bvxi_write_tree(bvx_context *ctx, const bvx_octree *tree, bvx_buffer *file)
 {
-    tree_writing job = {0};
-
-    job.tree = tree;
+    tree_writing job = {.tree = tree};
     job.place[0] = BVXI_BVX_HEAD;
 
     /* Each level's place follows from the lengths of those above it, so levels are written in any order. */

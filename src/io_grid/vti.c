@@ -337,12 +337,11 @@ static bvx_status vti_find_blocks(const vti_file *f, const char *p, int is_text,
 
 bvx_status bvxi_find_vti(const bvxi_grid_source *source, bvxi_dense *dense)
 {
-    vti_file f = {0};
     double corner[3];
     uint64_t dims[3], voxels = 1;
     int fits = 1;
 
-    f.unpacks = source->volume != NULL && source->volume->inflate != NULL;
+    vti_file f = {.unpacks = source->volume != NULL && source->volume->inflate != NULL};
     bvxi_xml_start(&f.xml, source->ctx, "VTI", source->begin, source->end);
     BVXI_TRY(vti_read_head(&f));
     int const is_point = f.array.rank == VTI_POINTS_ACTIVE || f.array.rank == VTI_POINTS_FIRST;

@@ -374,8 +374,7 @@ void bvxi_glb_put_json(const bvxi_glb_file *file, bvxi_output *out)
 
 void bvxi_level_name(const char *before, uint64_t level, char *text)
 {
-    bvxi_output out = {0};
-    out.bytes = (uint8_t *)text;
+    bvxi_output out = {.bytes = (uint8_t *)text};
     bvxi_output_print(&out, "%s: level %u", before, level);
     bvxi_output_add(&out, "", 1);
 }

@@ -108,9 +108,7 @@ static bvx_status ply_take_points(ply_file *f)
 
 static bvx_status read_ply_file(bvxi_source *source, int32_t points, bvx_mesh *mesh)
 {
-    ply_header header = {0};
-
-    header.points = points;
+    ply_header header = {.points = points};
     BVXI_TRY(bvxi_ply_header_read(source, &header));
     ply_file f = {.source = source,
                   .header = &header,

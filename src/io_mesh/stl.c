@@ -84,9 +84,8 @@ static bvx_status soup_make_table(stl_soup *s, uint64_t size)
 
 /* Ready a zeroed soup. count: of all triangles, 0 when it is not known.
  * Freed by soup_free, also after a failure. */
-static bvx_status soup_begin(stl_soup *soup, bvxi_source *source, uint64_t count)
+static bvx_status soup_begin(stl_soup *s, bvxi_source *source, uint64_t count)
 {
-    stl_soup *const s = soup;
     uint64_t size = SOUP_LEAST;
 
     /* With a known count the array of triangles is made once, and becomes the result itself. */
@@ -220,9 +219,8 @@ static bvx_status soup_weld_by_tree(stl_soup *s, uint32_t *out)
 
 /* Number the vertices of the triangles that wait. Vertices at equal
  * coordinates are one, numbered by their first corner. */
-static bvx_status soup_weld(stl_soup *soup)
+static bvx_status soup_weld(stl_soup *s)
 {
-    stl_soup *const s = soup;
     BVXI_TRY(soup_make_triangles(s));
     uint32_t *const out = s->triangles + (size_t)s->triangle_count * 3;
     BVXI_TRY(s->table != NULL ? soup_weld_by_table(s, out) : soup_weld_by_tree(s, out));
@@ -236,9 +234,8 @@ static bvx_status soup_weld(stl_soup *soup)
 }
 
 /* Hand over arrays of exact size when no triangle waits any more. The mesh has one triangle at least. */
-static bvx_status soup_finish(stl_soup *soup, bvx_mesh *mesh)
+static bvx_status soup_finish(stl_soup *s, bvx_mesh *mesh)
 {
-    stl_soup *const s = soup;
     bvx_context *const ctx = s->source->ctx;
 
     bvxi_drop(ctx, s->table);

@@ -184,7 +184,6 @@ bvx_status bvxi_make_label_list(bvx_context *ctx, const bvx_volume_view *volume,
 static bvx_status run_list_labels(bvx_context *context, const bvx_volume_view *volume, bvx_label *labels,
                                   uint64_t capacity, uint64_t *count)
 {
-    label_table t = {0};
     int64_t stride[3];
 
     if (count == NULL) return bvxi_fail_null(context, labels_name, "count");
@@ -192,7 +191,7 @@ static bvx_status run_list_labels(bvx_context *context, const bvx_volume_view *v
     if (volume->sample_type >= BVX_SAMPLE_F32)
         return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: the samples are floats; labels are whole numbers",
                          labels_name);
-    t.ctx = context;
+    label_table t = {.ctx = context};
     BVXI_TRY(list_volume(&t, volume, stride));
     /* The count is given even where the array is too small. */
     *count = t.count;

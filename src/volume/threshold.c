@@ -380,10 +380,9 @@ static void report_range(const bvxi_range_tally *tally, int32_t pieces, bvx_volu
 bvx_status bvxi_threshold(bvxi_call call, const bvx_volume_view *volume, const int64_t stride[3],
                           const bvxi_range *range, bvx_volume_report *report, bvx_grid *grid)
 {
-    bvxi_sample_walk walk = {0};
     bvxi_range_tally *tally = NULL;
 
-    walk.first = volume->samples;
+    bvxi_sample_walk walk = {.first = volume->samples};
     memcpy(walk.stride, stride, sizeof walk.stride);
     walk.run = range_run_for(call.ctx, volume->sample_type);
     walk.columns = report == NULL ? range_columns_for(call.ctx, volume->sample_type) : NULL;
