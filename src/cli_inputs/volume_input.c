@@ -229,10 +229,11 @@ static int place_volume(cli_run *run, const char *path, cli_volume *v)
 int cli_take_volume(cli_run *run, const char *path, const bvx_window *window, cli_volume *v)
 {
     int32_t const format = cli_input_format(run, path);
+    bvx_read_volume_options o = {.struct_size = sizeof o};
 
     if (format == BVX_FORMAT_NRRD) CLI_TRY(read_data_files(run, path, v));
 #ifdef BVX_HAVE_ZLIB
-    bvx_read_volume_options o = {.struct_size = sizeof o, .inflate = cli_inflate};
+    o.inflate = cli_inflate;
 #else
     if (v->data.bytes != NULL) o.inflate = cli_inflate; /* plain bytes, as it turns out, or a refusal */
 #endif
