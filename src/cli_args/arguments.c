@@ -90,16 +90,11 @@ static int find_argument(const cli_argument *const *row, int rows, const char *n
     return -1;
 }
 
-static int is_taken_by(const cli_command *command, const char *name, size_t length)
-{
-    const cli_argument *row[CLI_MAX_OPTIONS];
-    return find_argument(row, cli_list_rows(command, row), name, length) >= 0;
-}
-
 static int is_taken_by_any(const cli_run *run, const char *name, size_t length)
 {
+    const cli_argument *row[CLI_MAX_OPTIONS];
     for (int i = 0; run->commands[i] != NULL; i++)
-        if (is_taken_by(run->commands[i], name, length)) return 1;
+        if (find_argument(row, cli_list_rows(run->commands[i], row), name, length) >= 0) return 1;
     return 0;
 }
 

@@ -66,7 +66,6 @@ static char *path_in_folder(const char *folder, const char *input, const char *n
 static const char *ending_of_outputs(const cli_run *run, const char *input)
 {
     int32_t const bit = run->command->bit;
-    /* Without --format each file keeps its own; voxels of a mesh and levels of a grid need another. */
     if (run->options->format != 0) return cli_format_name(run->options->format);
     if (bit == CLI_LOD && cli_kind_of_input(bvx_format_of_name(input)) != CLI_MESH) return "ply";
     if (bit == CLI_VOXELIZE) return "bvx";

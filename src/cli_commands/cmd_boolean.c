@@ -201,12 +201,9 @@ static int combine_meshes(cli_run *run, boolean_run *b)
 static bvx_status fill_operand(cli_run *run, cli_input *in, const bvx_lattice *lattice,
                                const bvx_window *window, bvx_solid_report *report)
 {
-    bvx_voxelize_options v = {.struct_size = sizeof v};
-
     /* No cli_take_fill: boolean takes the rule alone, none of its companions. */
-    v.fill = run->options->fill;
-    v.window = *window;
-    v.report = report;
+    bvx_voxelize_options v = {
+        .struct_size = sizeof v, .fill = run->options->fill, .window = *window, .report = report};
     bvx_mesh_view const view = cli_view(&in->mesh);
     bvx_status status = bvx_voxelize_solid(run->context, &view, lattice, &v, &in->grid);
     cli_take_warnings(run, (const char *const[]){cli_input_name(in->path), NULL, NULL});
@@ -354,16 +351,12 @@ static int make_boolean(cli_run *run, void *work, cli_made *made)
 {
     boolean_run *const b = work;
     const char *const output = run->options->output;
-    int status = check_boolean_options(run, b);
-
-    if (status == CLI_DONE)
-        status = b->kind == CLI_GRID ? cli_open_grid_output(run, output) : cli_open_output(run, output);
-    for (int i = 0; i < 2 && status == CLI_DONE; i++)
-        status = cli_read_input(run, run->options->input[1 + i], &b->in[i]);
-    if (status == CLI_DONE) status = b->by_mesh ? combine_meshes(run, b) : combine_grids(run, b);
     made->write = write_boolean;
     made->untitled = 1;
-    return status;
+    CLI_TRY(check_boolean_options(run, b));
+    CLI_TRY(b->kind == CLI_GRID ? cli_open_grid_output(run, output) : cli_open_output(run, output));
+    for (int i = 0; i < 2; i++) CLI_TRY(cli_read_input(run, run->options->input[1 + i], &b->in[i]));
+    return b->by_mesh ? combine_meshes(run, b) : combine_grids(run, b);
 }
 
 static const cli_owned boolean_owns[] = {CLI_OWNS(MESH, boolean_run, mesh),

@@ -178,17 +178,16 @@ static int compare_meshes(cli_run *run, const cli_input in[2], cli_made *made)
     uint64_t const samples = cli_samples(run);
     uint64_t const seed = cli_given(run, "--seed") ? (uint64_t)own->seed : CLI_SEED;
     bvx_distance_report d;
-    int status = check_mesh(run, &in[0]);
 
-    if (status == CLI_DONE) status = check_mesh(run, &in[1]);
-    if (status == CLI_DONE && samples != 0) {
+    CLI_TRY(check_mesh(run, &in[0]));
+    CLI_TRY(check_mesh(run, &in[1]));
+    if (samples != 0) {
         bvx_mesh_view const a = cli_view(&in[0].mesh), b = cli_view(&in[1].mesh);
         cli_stage_begin(run, "distance");
         bvx_status const measured = bvx_mesh_distance(run->context, &a, &b, samples, seed, &d);
         cli_stage_end(run);
-        if (measured != BVX_OK) status = cli_fail_status(run, measured, NULL);
+        if (measured != BVX_OK) return cli_fail_status(run, measured, NULL);
     }
-    if (status != CLI_DONE) return status;
     double const diagonal = cli_diagonal(run->report.mesh[0].certificate.box.low,
                                          run->report.mesh[0].certificate.box.high);
     tell_mesh(made, "A", &run->report.mesh[0]);

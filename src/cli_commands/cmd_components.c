@@ -68,12 +68,12 @@ static int keep_components(cli_run *run, components_job *job)
 {
     const components_options *const own = run->own;
     const cli_list *const list = &own->seeds;
-    bvx_keep_options k = {.struct_size = sizeof k};
 
-    k.connectivity = job->connectivity;
-    k.largest = (uint64_t)own->keep_largest;
-    k.at_least = (uint64_t)own->at_least;
-    k.report = &job->kept;
+    bvx_keep_options k = {.struct_size = sizeof k,
+                          .connectivity = job->connectivity,
+                          .largest = (uint64_t)own->keep_largest,
+                          .at_least = (uint64_t)own->at_least,
+                          .report = &job->kept};
     job->seeds = calloc((size_t)list->count + 1, sizeof *job->seeds);
     if (job->seeds == NULL) return cli_fail(run, "no memory for seeds");
     for (int i = 0; i < list->count; i++) job->seeds[i] = (int32_t)list->value[i];
@@ -145,7 +145,6 @@ static void tell_parts(const cli_run *run, const components_job *job, cli_made *
         const bvx_component *const p = &job->parts[i];
         char first[48];
         int32_t v[3];
-        /* One voxel of it, which --seed takes as it is written here. */
         first_of(g, p, v);
         snprintf(first, sizeof first, "%" PRId32 ",%" PRId32 ",%" PRId32, v[0], v[1], v[2]);
         cli_tell(made,

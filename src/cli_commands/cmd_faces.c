@@ -55,13 +55,12 @@ typedef struct faces_job {
 static int make_faces(cli_run *run, void *work, cli_made *made)
 {
     faces_job *const job = work;
-    int status = check_faces_options(run);
-    if (status == CLI_DONE) status = cli_open_output(run, run->options->output);
-    if (status == CLI_DONE) status = cli_read_input(run, run->options->input[0], &job->in);
-    if (status == CLI_DONE && job->in.kind == CLI_MESH) status = cli_fill_input(run, &job->in);
-    if (status == CLI_DONE) status = extract_mesh(run, &job->in, &job->mesh);
     made->mesh = &job->mesh;
-    return status;
+    CLI_TRY(check_faces_options(run));
+    CLI_TRY(cli_open_output(run, run->options->output));
+    CLI_TRY(cli_read_input(run, run->options->input[0], &job->in));
+    if (job->in.kind == CLI_MESH) CLI_TRY(cli_fill_input(run, &job->in));
+    return extract_mesh(run, &job->in, &job->mesh);
 }
 
 static void tell_faces(const cli_run *run, const void *work, cli_made *made)

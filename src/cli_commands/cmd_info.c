@@ -313,9 +313,8 @@ static int info_of_grid(cli_run *run, const cli_input *in, cli_made *made)
 static int info_of_tree(cli_run *run, cli_input *in, cli_made *made)
 {
     const bvx_lattice *const l = &run->report.lattice;
-    cli_tree t;
+    cli_tree t = {0};
 
-    memset(&t, 0, sizeof t);
     int const status = cli_take_tree(run, in->tree, &t);
     /* Taken over, also by a failure: it must not go twice. */
     in->tree = NULL;
@@ -371,10 +370,8 @@ static int read_for_info(cli_run *run, cli_input *in, int *cloud, cli_made *made
         return cli_usage(run, "%s is used with meshes; %s is not a mesh", of_meshes(own),
                          cli_input_name(path));
     /* The same file is read as samples first, then as voxels; standard input cannot be read twice. */
-    if (holds_samples(cli_input_format(run, path)) && strcmp(path, "-") != 0) {
-        status = cli_tell_samples(run, path, made);
-        if (status != CLI_DONE) return status;
-    }
+    if (holds_samples(cli_input_format(run, path)) && strcmp(path, "-") != 0)
+        CLI_TRY(cli_tell_samples(run, path, made));
     return kind == CLI_GRID ? cli_read_grid_or_tree(run, path, NULL, in)
                             : cli_read_mesh_or_cloud(run, path, &in->mesh, cloud);
 }

@@ -290,17 +290,17 @@ static int write_chain(cli_run *run, void *work)
 static int make_chain(cli_run *run, void *work, cli_made *made)
 {
     cli_chain *const c = work;
-    int status = cli_input_kind(run, run->options->input[0], &c->kind);
     made->untitled = 1;
-    if (status == CLI_DONE) status = check_lod_options(run, c);
+    made->write = write_chain;
+    CLI_TRY(cli_input_kind(run, run->options->input[0], &c->kind));
+    CLI_TRY(check_lod_options(run, c));
     /* Known before the first stage, so that the bar knows how many rounds follow. */
     run->progress.rounds = c->asked;
-    if (status == CLI_DONE) status = cli_open_levels(run, c->asked, c->path);
-    if (status == CLI_DONE) status = cli_open_chain(run, c);
-    for (int i = 0; i < c->asked && status == CLI_DONE; i++) status = make_level(run, c, i, made);
-    for (int i = 0; i < c->count && status == CLI_DONE; i++) status = measure_level(run, c, i);
-    made->write = write_chain;
-    return status;
+    CLI_TRY(cli_open_levels(run, c->asked, c->path));
+    CLI_TRY(cli_open_chain(run, c));
+    for (int i = 0; i < c->asked; i++) CLI_TRY(make_level(run, c, i, made));
+    for (int i = 0; i < c->count; i++) CLI_TRY(measure_level(run, c, i));
+    return CLI_DONE;
 }
 
 static void tell_chain(const cli_run *run, const void *work, cli_made *made)

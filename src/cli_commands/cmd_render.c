@@ -79,12 +79,11 @@ static bvx_status fit_lattice(cli_run *run, const cli_input *in, int count, int3
                               bvx_lattice *lattice)
 {
     cli_box box, other;
-    bvx_lattice_options fit = {.struct_size = sizeof fit};
     cli_mesh_box(&in[0].mesh, &box);
     cli_mesh_box(&in[count - 1].mesh, &other);
     cli_join_boxes(&box, &other);
     bvx_mesh_view const corners = cli_corners_of_box(&box);
-    fit.resolution = resolution;
+    bvx_lattice_options fit = {.struct_size = sizeof fit, .resolution = resolution};
     return bvx_lattice_fit_with(run->context, &corners, &fit, lattice);
 }
 
@@ -126,11 +125,6 @@ static int cli_open_scene(cli_run *run, int first, cli_scene *s)
     status = cli_compare_grids(run, &s->input[0], &s->input[1], &s->difference);
     cli_stage_end(run);
     return status;
-}
-
-static void cli_free_scene(cli_run *run, cli_scene *s)
-{
-    for (int i = 0; i < 2; i++) cli_free_input(run, &s->input[i]);
 }
 
 static int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32_t height, bvx_image *image)
@@ -233,7 +227,7 @@ static int render_sheet(cli_run *run, cli_scene *scene, sheet *s)
                 memcpy(corner + (size_t)y * whole, picture.pixels + (size_t)y * line, line);
         }
         bvx_image_free(run->context, &picture);
-        cli_free_scene(run, scene);
+        for (int k = 0; k < 2; k++) cli_free_input(run, &scene->input[k]);
     }
     return status;
 }

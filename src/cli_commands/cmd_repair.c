@@ -168,9 +168,7 @@ static int repair_mesh(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired,
     take_repair_options(run, &o);
     o.report = report;
     bvx_mesh_view const view = cli_view(source);
-    cli_stage_begin(run, "repair");
-    bvx_status status = bvx_repair(run->context, &view, &o, repaired);
-    return cli_stage_check(run, status, cli_first_name(run));
+    return CLI_STAGE(run, "repair", bvx_repair(run->context, &view, &o, repaired), cli_first_name(run));
 }
 
 /* Edges of the result collapse; what was measured of it is measured again. */

@@ -146,7 +146,6 @@ static uint32_t facts_of_sections(const cli_run *run)
     if (cli_has_two_numbers(o->output)) facts |= HAS_NUMBERS;
     if (own->block_model != NULL && bvx_format_of_name(own->block_model) == BVX_FORMAT_CSV)
         facts |= MODEL_IS_CSV;
-    /* One side that is not above 0 spoils all three. */
     for (int k = 0; k < 3; k++)
         if (!(own->block.value[k] > 0.0 && own->block.value[k] < 1e300)) facts &= ~(uint32_t)HAS_BLOCKS;
     return facts;
@@ -235,7 +234,6 @@ static int build_body(cli_run *run, sections_job *job, int32_t label, const char
     cli_stage_begin(run, "sections");
     bvx_status const status = bvx_build_sections(run->context, &job->sections, &s, &job->mesh);
     job->seconds = cli_stage_end(run);
-    /* Two failures have a remedy that an option names. */
     int32_t const reason = status == BVX_OK ? BVX_REASON_NONE : bvx_last_error(run->context)->reason;
     if (reason == BVX_REASON_SEVERAL_BODIES)
         return cli_fail(run, "%s: the sections hold several bodies; choose one by --label, or --label all",
@@ -339,10 +337,8 @@ static int write_body(cli_run *run, void *work)
 {
     const sections_options *const own = run->own;
     const sections_job *const job = work;
-    bvx_buffer text = {0};
     int result = cli_write_mesh_as(run, &job->mesh, 0, run->options->output);
-    text.bytes = (uint8_t *)job->text.bytes;
-    text.size = job->text.size;
+    bvx_buffer text = {.bytes = (uint8_t *)job->text.bytes, .size = job->text.size};
     if (result == CLI_DONE && own->block_model != NULL) result = cli_write_output(run, 1, &text);
     return result == CLI_DONE ? cli_keep_outputs(run) : result;
 }
@@ -359,7 +355,6 @@ static void tell_body(const cli_run *run, const sections_job *job, cli_made *mad
     const sections_options *const own = run->own;
     const bvx_sections_report *const r = &job->report;
     const bvx_certificate *const c = &run->report.mesh[job->n].certificate;
-    /* Planes of any direction have no grid and no levels between sections. */
     int const flat = r->planes == 0;
 
     cli_tell(made, "  sections    %" PRIu64 " with %" PRIu64 " loops (%" PRIu64 " holes), %" PRIu64 " points",
@@ -458,7 +453,6 @@ static void tell_wishes(const cli_run *run, const sections_job *job, cli_made *m
     cli_text *const t = &made->members;
     int const parts = cli_given(run, "--parts"), genus = cli_given(run, "--genus");
 
-    /* Parts and handles are counted of closed bodies only. */
     if (own->body.caps == BVX_CAPS_OPEN) return;
     cli_tell(made, "  topology    %" PRIu64 " part%s, %" PRId64 " handle%s", job->parts,
              job->parts == 1 ? "" : "s", job->genus, job->genus == 1 ? "" : "s");
@@ -568,7 +562,6 @@ static int make_all_labels(cli_run *run, void *work, cli_made *made)
     int32_t *const label = list_labels(&job->sections, &count);
     if (label == NULL) return cli_fail(run, "no memory for labels");
     if (count == 0) result = cli_fail(run, "%s: there are no loops", cli_first_name(run));
-    /* All bodies are kept together or none, so none is made where not all can be. */
     if (count > CLI_MAX_OUTPUTS)
         result = cli_fail(run, "%s: more labels than the %d files of one run; take --label L",
                           cli_first_name(run), CLI_MAX_OUTPUTS);

@@ -23,9 +23,8 @@ static const cli_argument simplify_rows[] = {
 static int simplify_input(cli_run *run, cli_collapse_run *c)
 {
     const cli_options *const o = run->options;
-    bvx_simplify_options s = {.struct_size = sizeof s};
 
-    s.targets = cli_targets(run, c);
+    bvx_simplify_options s = {.struct_size = sizeof s, .targets = cli_targets(run, c)};
     if (cli_given(run, "--attributes")) s.collapse.attribute_weight = cli_or_none(o->attributes);
     s.collapse.lock_border = o->lock_border;
     s.collapse.topology = o->topology;

@@ -42,10 +42,9 @@ static int check_slice_options(cli_run *run)
 
 static int slice_surface(cli_run *run, cli_input *in)
 {
-    bvx_extract_options e = {.struct_size = sizeof e};
     if (in->kind == CLI_MESH) return CLI_DONE;
     /* Contours are doubles: a surface in floats would round them twice. */
-    e.position_type = BVX_F64;
+    bvx_extract_options e = {.struct_size = sizeof e, .position_type = BVX_F64};
     return CLI_STAGE(run, "surface", bvx_extract_surface(run->context, &in->grid, &e, &in->mesh),
                      cli_input_name(in->path));
 }

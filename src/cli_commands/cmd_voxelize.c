@@ -216,12 +216,6 @@ static int choose_box(cli_run *run, voxel_job *job)
     return CLI_DONE;
 }
 
-static bvx_status fit_lattice(cli_run *run, const voxel_job *job, bvx_lattice *l)
-{
-    bvx_mesh_view const corners = cli_corners_of_box(&job->box);
-    return cli_make_lattice(run, job->boxed && !job->cloud ? &corners : &job->view, l);
-}
-
 static int choose_lattice(cli_run *run, voxel_job *job)
 {
     const cli_options *const o = run->options;
@@ -229,7 +223,9 @@ static int choose_lattice(cli_run *run, voxel_job *job)
     int const result = job->cloud ? CLI_DONE : choose_box(run, job);
 
     if (result != CLI_DONE) return result;
-    CLI_TRY(cli_check_call(run, fit_lattice(run, job, l), cli_first_name(run)));
+    bvx_mesh_view const corners = cli_corners_of_box(&job->box);
+    const bvx_mesh_view *const around = job->boxed && !job->cloud ? &corners : &job->view;
+    CLI_TRY(cli_check_call(run, cli_make_lattice(run, around, l), cli_first_name(run)));
     run->report.has_lattice = 1;
     /* With a window only its own voxels take memory. */
     if (job->window.size[0] == 0) CLI_TRY(cli_check_far(run, o->input[0], &job->view, l));
@@ -264,12 +260,12 @@ static void make_room_for_surface(cli_run *run)
 static bvx_status make_surface(const cli_run *run, voxel_job *job, bvx_surface_report *report)
 {
     const cli_voxelize_options *const own = run->own;
-    bvx_surface_options s = {.struct_size = sizeof s};
 
     /* The modes of the program begin with the solid, those of the library do not. */
-    s.mode = own->mode - CLI_MODE_CONSERVATIVE + BVX_SURFACE_CONSERVATIVE;
-    s.window = job->window;
-    s.report = report;
+    bvx_surface_options s = {.struct_size = sizeof s,
+                             .mode = own->mode - CLI_MODE_CONSERVATIVE + BVX_SURFACE_CONSERVATIVE,
+                             .window = job->window,
+                             .report = report};
     return bvx_voxelize_surface(run->context, &job->view, &run->report.lattice, &s, &job->grid);
 }
 
@@ -435,18 +431,16 @@ static int make_all(cli_run *run, voxel_job *job, cli_made *made)
 {
     const cli_voxelize_options *const own = run->own;
     const cli_options *const o = run->options;
-    voxel_reports reports;
+    voxel_reports reports = {0};
 
-    memset(&reports, 0, sizeof reports);
     cli_stage_begin(run, "voxelize");
-    int result = choose_lattice(run, job);
-    if (result != CLI_DONE) return result;
+    CLI_TRY(choose_lattice(run, job));
     bvx_status status = make_voxels(run, job, &reports, made);
     cli_take_warnings(run, (const char *const[]){NULL, NULL, NULL});
     cli_stage_end(run);
     if (status == BVX_OK && made->field == NULL) status = keep_voxels(run, job, made);
     CLI_TRY(cli_check_call(run, status, cli_first_name(run)));
-    if (made->field != NULL || result != CLI_DONE) return result;
+    if (made->field != NULL) return CLI_DONE;
 
     tell_voxels(run, job, &reports, made);
     job->voxels.name = o->input[0];

@@ -75,11 +75,6 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
     if (own->outer_hull) b->parts.least_cavity = UINT64_MAX;
 }
 
-static int is_solid(const lod_collapse *l)
-{
-    return l->report.solid;
-}
-
 static int build_levels(cli_run *run, lod_collapse *l)
 {
     cli_collapse_run *const c = &l->run;
@@ -92,13 +87,13 @@ static int build_levels(cli_run *run, lod_collapse *l)
     CLI_TRY(cli_check_call(run, status, cli_first_name(run)));
 
     c->before = l->report.before;
-    c->surface = is_solid(l) ? l->report.repair.after : l->report.before;
+    c->surface = l->report.solid ? l->report.repair.after : l->report.before;
     c->surface.triangles = l->report.triangles;
     /* the solid's are not in its surface */
     c->surface.components -= l->report.crumbs - l->report.repair.crumbs;
     c->crumbs = l->report.crumbs;
-    c->solid = is_solid(l);
-    if (is_solid(l)) {
+    c->solid = l->report.solid;
+    if (l->report.solid) {
         run->report.lattice = l->report.repair.lattice;
         run->report.has_lattice = 1;
     }
@@ -134,7 +129,7 @@ static void tell_lod_head(const cli_run *run, const lod_collapse *l, cli_made *m
     const bvx_lattice *const b = &r->lattice;
 
     cli_tell_input(run, c->input.triangle_count, &c->before, c->diagonal, made);
-    if (!is_solid(l)) {
+    if (!l->report.solid) {
         cli_tell(made, "levels from %s, %" PRIu64 " piece%s, in %.1f ms\n",
                  c->kind == CLI_GRID ? "the grid's surface" : "the mesh as it is", c->before.components,
                  c->before.components == 1 ? "" : "s", c->seconds * 1e3);
@@ -173,7 +168,8 @@ static void report_levels(const lod_collapse *l, cli_made *made)
 {
     cli_text *const t = &made->members;
 
-    cli_text_add(t, ", \"levels\": {\"method\": \"collapse\", \"solid\": %s", is_solid(l) ? "true" : "false");
+    cli_text_add(t, ", \"levels\": {\"method\": \"collapse\", \"solid\": %s",
+                 l->report.solid ? "true" : "false");
     cli_json_count(t, "input_triangles", l->run.input.triangle_count);
     cli_json_count(t, "input_components", l->report.before.components);
     cli_json_value(t, "input_volume", l->report.before.volume);
@@ -192,21 +188,20 @@ static void report_levels(const lod_collapse *l, cli_made *made)
     cli_json_value(t, "diagonal", l->run.diagonal);
     cli_json_value(t, "milliseconds", l->run.seconds * 1e3);
     cli_text_add(t, "}");
-    if (is_solid(l)) cli_report_repair(t, &l->report.repair, 0);
+    if (l->report.solid) cli_report_repair(t, &l->report.repair, 0);
 }
 
 static int make_collapse(cli_run *run, void *work, cli_made *made)
 {
     lod_collapse *const l = work;
-    int status = cli_input_kind(run, run->options->input[0], &l->run.kind);
     made->untitled = 1;
-    if (status == CLI_DONE) status = check_solid_options(run, l->run.kind);
-    if (status == CLI_DONE) status = cli_check_collapse(run, &l->run);
-    if (status == CLI_DONE) status = cli_open_collapse(run, &l->run);
-    if (status == CLI_DONE) status = build_levels(run, l);
-    if (status == CLI_DONE) status = cli_finish_collapse(run, &l->run);
     made->write = cli_write_collapse;
-    return status;
+    CLI_TRY(cli_input_kind(run, run->options->input[0], &l->run.kind));
+    CLI_TRY(check_solid_options(run, l->run.kind));
+    CLI_TRY(cli_check_collapse(run, &l->run));
+    CLI_TRY(cli_open_collapse(run, &l->run));
+    CLI_TRY(build_levels(run, l));
+    return cli_finish_collapse(run, &l->run);
 }
 
 static void tell_collapse(const cli_run *run, const void *work, cli_made *made)

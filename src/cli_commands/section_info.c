@@ -62,7 +62,6 @@ static int count_labels(cli_run *run, const bvx_sections *s, section_facts *f)
         f->label[i].loops = 1;
         f->label[i].points = s->loops[i].point_count;
     }
-    /* Loops of one label become neighbours, and then one row. */
     qsort(f->label, (size_t)s->loop_count, sizeof *f->label, compare_labels);
     for (uint64_t i = 1; i < s->loop_count; i++) {
         if (f->label[i].label != f->label[kept].label) {
@@ -129,10 +128,9 @@ static void report_sections(const char *path, const bvx_sections *s, const secti
 int cli_tell_sections(cli_run *run, const char *path, cli_made *made)
 {
     bvx_sections sections = {0};
-    section_facts f;
+    section_facts f = {0};
     int status = cli_read_sections(run, path, &sections);
 
-    memset(&f, 0, sizeof f);
     if (status == CLI_DONE) status = measure_positions(run, &sections, &f);
     if (status == CLI_DONE) status = count_labels(run, &sections, &f);
     if (status == CLI_DONE) {

@@ -41,10 +41,9 @@ void cli_json_losses(cli_text *t, const bvx_lattice *lattice, const bvx_solid_re
 
 int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in)
 {
-    bvx_solid_report report;
+    bvx_solid_report report = {0};
     bvx_voxelize_options v = {.struct_size = sizeof v};
 
-    memset(&report, 0, sizeof report);
     cli_take_fill(run, &v);
     v.report = &report;
     bvx_mesh_view const view = cli_view(&in->mesh);

@@ -112,11 +112,10 @@ static void tell_facts(const cli_run *run, const bvx_volume_view *v, const volum
 int cli_tell_samples(cli_run *run, const char *path, cli_made *made)
 {
     cli_volume v;
-    volume_facts f;
+    volume_facts f = {0};
     int const raw = cli_input_format(run, path) == BVX_FORMAT_RAW;
     int status = cli_read_volume(run, path, NULL, &v);
 
-    memset(&f, 0, sizeof f);
     if (status == CLI_DONE) {
         cli_stage_begin(run, "samples");
         walk_samples(&v.view, note_range, &f);

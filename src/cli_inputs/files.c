@@ -208,12 +208,11 @@ static uint64_t guess_unpacked(const cli_bytes *packed)
 static int unpack(cli_run *run, const char *path, cli_bytes *b)
 {
     cli_bytes plain;
-    z_stream z;
+    z_stream z = {0};
     uint64_t const limit = b->limit > b->size ? b->limit - b->size : 1; /* both are held for a while */
     int status = start_bytes(run, path, guess_unpacked(b), limit, &plain);
 
     if (status != CLI_DONE) return status;
-    memset(&z, 0, sizeof z);
     if (inflateInit2(&z, 15 + 16) != Z_OK) { /* the largest window, gzip's head and foot */
         free(plain.bytes);
         return cli_fail(run, "%s: gzip: no memory to unpack it", cli_input_name(path));
@@ -246,10 +245,9 @@ static int is_gzip(const char *path, const cli_bytes *b)
 int cli_read_bytes(cli_run *run, const char *path, uint64_t held, cli_bytes *b)
 {
     int const standard = strcmp(path, "-") == 0;
-    FILE *file;
 
     memset(b, 0, sizeof *b);
-    file = standard ? stdin : cli_open_file(path, "rb");
+    FILE *const file = standard ? stdin : cli_open_file(path, "rb");
     /* while a pipe had no writer */
     if (file == NULL && errno == EINTR && cli_interrupted()) return cli_fail_interrupted(run);
     if (file == NULL) return cli_fail(run, "%s: %s", path, strerror(errno));
@@ -303,11 +301,9 @@ static int32_t open_beside(void *user, const char *name, bvx_file_bytes *file)
     files_beside *const beside = user;
     size_t folder = strlen(beside->path), n = strlen(name);
     cli_bytes *const b = calloc(1, sizeof *b);
-    char *path;
-    FILE *there;
 
     while (folder > 0 && strchr("/\\", beside->path[folder - 1]) == NULL) folder--;
-    path = malloc(folder + n + 1);
+    char *const path = malloc(folder + n + 1);
     if (b == NULL || path == NULL) {
         free(path);
         free(b);
@@ -317,7 +313,7 @@ static int32_t open_beside(void *user, const char *name, bvx_file_bytes *file)
     memcpy(path + folder, name, n + 1);
 
     /* A file that is not there is no failure of the run: the reader knows what it is needed for. */
-    there = cli_open_file(path, "rb");
+    FILE *const there = cli_open_file(path, "rb");
     if (there != NULL && !beside->failed)
         beside->failed = read_bytes(beside->run, path, there, beside->held, b) != CLI_DONE;
     if (there == NULL || beside->failed) {
@@ -359,9 +355,8 @@ static int keeps_file(const cli_run *run)
 static bvx_status read_triangles(files_beside *beside, const cli_bytes *b, int32_t format, bvx_mesh *mesh)
 {
     cli_run *const run = beside->run;
-    bvx_read_options options = {.struct_size = sizeof options};
 
-    options.keep_file = keeps_file(run);
+    bvx_read_options options = {.struct_size = sizeof options, .keep_file = keeps_file(run)};
     options.drop_nonfinite = !options.keep_file &&
                              (run->command->bit &
                               (CLI_REPAIR | CLI_LOD | CLI_VOXELIZE | CLI_BOOLEAN | CLI_INFO | CLI_HULL)) != 0;
@@ -466,7 +461,6 @@ static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_me
 int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh)
 {
     int32_t const format = cli_input_format(run, path);
-    /* Standard input has no name: what is wrong is --format. */
     if (strcmp(path, "-") == 0 && !is_mesh_format(format))
         return cli_usage(run, "--format does not name a mesh format that can be read (" CLI_MESHES_READ ")");
     if (!is_mesh_format(format))

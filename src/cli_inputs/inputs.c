@@ -25,9 +25,8 @@ static int holds_tree(int32_t format, const cli_bytes *b)
 static int unpack_grid(cli_run *run, cli_bytes *b, const bvx_window *window, cli_input *in)
 {
     bvx_volume_report report;
-    cli_volume v = {0};
 
-    v.file = *b;
+    cli_volume v = {.file = *b};
     memset(b, 0, sizeof *b);
     int status = cli_take_volume(run, in->path, window, &v);
     if (status == CLI_DONE)
@@ -162,9 +161,8 @@ int cli_expand_tree(cli_run *run, const bvx_octree *tree, const bvx_window *fine
         CLI_TRY(cli_check_grid_format(run, o->output, &lattice,
                                       window.size[0] != 0 ? window.size : lattice.dims));
     }
-    cli_stage_begin(run, "expand");
-    bvx_status status = bvx_octree_expand(run->context, tree, level, o->states, &window, grid);
-    return cli_stage_check(run, status, path);
+    return CLI_STAGE(run, "expand", bvx_octree_expand(run->context, tree, level, o->states, &window, grid),
+                     path);
 }
 
 /* The word is the input's name. */

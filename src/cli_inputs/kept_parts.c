@@ -42,11 +42,11 @@ bvx_status cli_keep_parts(cli_run *run, const bvx_grid *grid, bvx_grid *kept)
 {
     int const own = !run->progress.named; /* else it is a part of the caller's stage */
     bvx_keep_report report = {0};
-    bvx_keep_options o = {.struct_size = sizeof o};
 
-    o.largest = cli_keep_largest(run);
-    o.at_least = cli_least_part(run);
-    o.report = &report;
+    bvx_keep_options o = {.struct_size = sizeof o,
+                          .largest = cli_keep_largest(run),
+                          .at_least = cli_least_part(run),
+                          .report = &report};
     if (own) cli_stage_begin(run, "keep");
     bvx_status const status = bvx_grid_keep(run->context, grid, &o, kept);
     if (own) cli_stage_end(run);

@@ -94,9 +94,8 @@ static bvx_status lattice_from_origin(cli_run *run, const bvx_mesh_view *view, b
 bvx_status cli_make_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice)
 {
     const cli_options *const o = run->options;
-    bvx_lattice_options fit = {.struct_size = sizeof fit};
     if (o->origin.given) return lattice_from_origin(run, view, lattice);
-    fit.padding = o->padding;
+    bvx_lattice_options fit = {.struct_size = sizeof fit, .padding = o->padding};
     if (o->spacing != 0.0)
         for (int a = 0; a < 3; a++) fit.spacing[a] = o->spacing;
     else if (o->resolution.count == 3)

@@ -37,12 +37,11 @@ int cli_read_sidecar(cli_run *run, const char *path, bvx_grid *grid, int *placed
 {
     char *const name = strcmp(path, "-") == 0 ? NULL : cli_sidecar_name(path);
     cli_bytes b = {NULL, 0, 0, 0};
-    FILE *file;
     int status = CLI_DONE;
 
     *placed = 0;
     if (name == NULL) return strcmp(path, "-") == 0 ? CLI_DONE : cli_fail(run, "no memory for a file's name");
-    file = cli_open_file(name, "rb");
+    FILE *const file = cli_open_file(name, "rb");
     if (file != NULL) {
         fclose(file);
         status = cli_read_file(run, name, &b);

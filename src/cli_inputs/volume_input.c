@@ -214,13 +214,11 @@ static int take_window(cli_run *run, const char *path, const bvx_window *window,
 static int place_volume(cli_run *run, const char *path, cli_volume *v)
 {
     bvx_volume_view *const w = &v->volume.view;
-    bvx_grid grid;
 
     v->placed = v->volume.placed;
     if (!cli_needs_sidecar(cli_input_format(run, path))) return CLI_DONE;
     /* Side-cars are read for grids: one without voxels carries the lattice through. */
-    memset(&grid, 0, sizeof grid);
-    grid.lattice = w->lattice;
+    bvx_grid grid = {.lattice = w->lattice};
     memcpy(grid.size, w->size, sizeof grid.size);
     int status = cli_read_sidecar(run, path, &grid, &v->placed);
     w->lattice = grid.lattice;
@@ -232,7 +230,6 @@ int cli_take_volume(cli_run *run, const char *path, const bvx_window *window, cl
 {
     int32_t const format = cli_input_format(run, path);
     bvx_read_volume_options o = {.struct_size = sizeof o};
-    bvx_status read;
 
     if (format == BVX_FORMAT_NRRD) CLI_TRY(read_data_files(run, path, v));
 #ifdef BVX_HAVE_ZLIB
@@ -255,7 +252,8 @@ int cli_take_volume(cli_run *run, const char *path, const bvx_window *window, cl
     }
 
     cli_stage_begin(run, "parse");
-    read = bvx_read_volume(run->context, v->file.bytes, v->file.size, format, &o, &v->volume);
+    bvx_status const read = bvx_read_volume(run->context, v->file.bytes, v->file.size, format, &o,
+                                            &v->volume);
     cli_end_parse(run, (uint64_t)v->file.size + v->data.size);
 #ifndef BVX_HAVE_ZLIB
     if (read == BVX_ERR_UNSUPPORTED && bvx_last_error(run->context)->reason == BVX_REASON_COMPRESSED)

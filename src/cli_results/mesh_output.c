@@ -359,18 +359,16 @@ static void warn_of_rounding(cli_run *run, const bvx_mesh *placed, const char *p
 
 static bvx_write_options write_options(const cli_run *run, const bvx_mesh *meshes, int count)
 {
-    bvx_write_options o = {.struct_size = sizeof o};
-
-    o.normals = run->options->normals;
-    o.quantize = run->options->quantize;
-    o.turn = cli_turn_of(run);
+    bvx_write_options o = {.struct_size = sizeof o,
+                           .normals = run->options->normals,
+                           .quantize = run->options->quantize,
+                           .turn = cli_turn_of(run)};
     if (run->names != NULL && CLI_HOLDS(run, CLI_TO_GLB)) {
         o.names = run->names;
         o.colours = run->colours;
     }
     /* what rounding spoils was refused or warned of before */
     o.rounding = BVX_ROUNDING_ALLOW;
-    /* Triangles that keep the materials of another mesh, or its vertices, need them in the file. */
     if (run->options->keep_vertices) o.source = run->source;
     for (int i = 0; i < count; i++)
         if (meshes[i].materials != NULL && meshes[i].assets == NULL) o.source = run->source;

@@ -7,8 +7,7 @@
 
 static bvx_octree_level sum_of(const cli_tree *t)
 {
-    bvx_octree_level sum;
-    memset(&sum, 0, sizeof sum);
+    bvx_octree_level sum = {0};
     for (int32_t i = 0; i <= t->levels; i++) {
         sum.voxels += t->level[i].voxels;
         sum.split += t->level[i].split;

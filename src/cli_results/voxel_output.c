@@ -25,10 +25,8 @@ bvx_status cli_measure_source(cli_run *run, const bvx_mesh *source, const bvx_gr
 {
     const bvx_lattice *const l = &solid->lattice;
     double const spacing = fmax(l->spacing[0], fmax(l->spacing[1], l->spacing[2]));
-    bvx_field_options o = {.struct_size = sizeof o};
 
-    o.sign = BVX_FILL_NONE;
-    o.features = 1;
+    bvx_field_options o = {.struct_size = sizeof o, .sign = BVX_FILL_NONE, .features = 1};
     o.half_width = 2.0 + far / spacing; /* both ends of an edge that the wall passes */
     memcpy(o.window.low, solid->low, sizeof o.window.low);
     memcpy(o.window.size, solid->size, sizeof o.window.size);

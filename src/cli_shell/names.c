@@ -105,14 +105,12 @@ int cli_kind_of_name(const char *name)
 {
     wchar_t *const wide = wide_name(name);
     DWORD const what = wide != NULL ? GetFileAttributesW(wide) : INVALID_FILE_ATTRIBUTES;
-    HANDLE file;
-    DWORD type;
     /* A folder is known by its attributes; devices have none, and are known by being opened. */
     free(wide);
     if (what != INVALID_FILE_ATTRIBUTES && (what & FILE_ATTRIBUTE_DIRECTORY) != 0) return CLI_NAME_FOLDER;
-    file = handle_of(name);
+    HANDLE const file = handle_of(name);
     if (file == INVALID_HANDLE_VALUE) return CLI_NAME_NONE;
-    type = GetFileType(file);
+    DWORD const type = GetFileType(file);
     CloseHandle(file);
     return type == FILE_TYPE_DISK ? CLI_NAME_FILE : CLI_NAME_DEVICE;
 }

@@ -128,10 +128,9 @@ static int look_at_output(cli_output *o, unsigned *mode)
 static FILE *create_file(const char *name, unsigned mode)
 {
     int const number = open(name, O_WRONLY | O_CREAT | O_EXCL, mode != 0 ? (mode_t)mode : 0666);
-    FILE *file;
     if (number < 0) return NULL;
     if (mode != 0) (void)!fchmod(number, (mode_t)mode); /* as the file that it will replace */
-    file = fdopen(number, "wb");
+    FILE *const file = fdopen(number, "wb");
     if (file == NULL) close(number);
     return file;
 }

@@ -111,10 +111,9 @@ static void offer_blocks(bvx_context_options *options)
 int cli_make_context(cli_run *run, uint64_t file_bytes)
 {
     uint64_t const memory = run->general->memory_limit != 0 ? run->general->memory_limit : cli_memory_there();
-    bvx_context_options o = {.struct_size = sizeof o};
 
     if (run->context != NULL) return CLI_DONE;
-    o.threads = run->general->threads;
+    bvx_context_options o = {.struct_size = sizeof o, .threads = run->general->threads};
     offer_blocks(&o);
     o.progress.call = cli_progress;
     o.progress.user = run;

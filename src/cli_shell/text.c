@@ -11,7 +11,6 @@
 static int make_room(cli_text *t, size_t more)
 {
     size_t room = t->room != 0 ? t->room : 256;
-    char *bytes;
 
     /* One byte more than the text, for its end; doubling keeps the copies few. */
     while (room - t->size <= more) {
@@ -19,7 +18,7 @@ static int make_room(cli_text *t, size_t more)
         room *= 2;
     }
     if (room == t->room) return 1;
-    bytes = realloc(t->bytes, room);
+    char *const bytes = realloc(t->bytes, room);
     if (bytes == NULL) return 0;
     t->bytes = bytes;
     t->room = room;

@@ -217,12 +217,11 @@ static bvx_status run_grid_compare(bvx_context *context, const bvx_grid *a, cons
 {
     static const char *const function = "bvx_grid_compare";
     compare_work w = {{a, b}, NULL, 0};
-    bvx_grid_difference d;
+    bvx_grid_difference d = {0};
     compare_sums all;
 
     if (difference == NULL) return bvxi_fail_null(context, function, "difference");
     memset(difference, 0, sizeof *difference);
-    memset(&d, 0, sizeof d);
     /* The messages name which of the two grids is wrong. */
     BVXI_TRY(bvxi_grid_check(context, "bvx_grid_compare, grid a", a));
     BVXI_TRY(bvxi_grid_check(context, "bvx_grid_compare, grid b", b));

@@ -86,7 +86,6 @@ static const uint32_t *label_word(uint64_t w, uint64_t last, const uint32_t *lab
         int32_t const begin = bvxi_lowest(w);
         uint64_t const rest = ~(w >> begin); /* 0 when the run fills the word */
         int32_t const end = rest == 0 ? BVXI_WORD_BITS : begin + bvxi_lowest(rest);
-        /* A run that begins in this word has the next label. */
         label += starts >> begin & 1;
         uint32_t const value = label[-1] + 1;
         for (int32_t x = begin; x < end; x++) to[x] = value;

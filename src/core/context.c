@@ -76,12 +76,6 @@ static size_t aligned_size(size_t size)
     return (size + BVXI_ALIGN - 1) / BVXI_ALIGN * BVXI_ALIGN;
 }
 
-static int32_t choose_cpu(int32_t wanted)
-{
-    int32_t const best = bvxi_cpu_detect();
-    return wanted == BVX_CPU_BEST || wanted > best ? best : wanted;
-}
-
 static size_t arena_skip(const void *memory)
 {
     return (BVXI_ALIGN - (uintptr_t)memory % BVXI_ALIGN) % BVXI_ALIGN;
@@ -179,7 +173,8 @@ bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_
     c->error.index = -1;
     c->threads = threads;
     if (size > aligned_size(sizeof *c)) place_pool(c);
-    c->cpu = choose_cpu(o.cpu);
+    int32_t const best = bvxi_cpu_detect();
+    c->cpu = o.cpu == BVX_CPU_BEST || o.cpu > best ? best : o.cpu;
     *context = c;
     return BVX_OK;
 }

@@ -92,7 +92,6 @@ static void decimal_keep_19(decimal_scan *s, int64_t count)
             s->w = s->w * 10 + decimal_digit(*p);
             n++;
         }
-    /* Each digit not taken is a power of ten. */
     s->exponent += count - 19;
     s->truncated = 1;
 }
@@ -111,7 +110,6 @@ static const char *decimal_scan_number(const char *p, const char *end, decimal_s
     if (p < end && *p == '.') {
         const char *const fraction = ++p;
         for (; p < end && (d = decimal_digit(*p)) <= 9; p++) w = w * 10 + d;
-        /* Each digit after the point is a power of ten less. */
         s->exponent = fraction - p;
         count += p - fraction;
     }

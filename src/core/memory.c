@@ -86,11 +86,6 @@ static void arena_free(bvxi_arena *a, void *block)
     pop_scratch(a);
 }
 
-static uint64_t arena_size(const bvxi_arena *a, const void *block)
-{
-    return header_at(a, offset_of(a, block))->used;
-}
-
 /* Scratch since a mark lives on. */
 static void arena_adopt(bvxi_arena *a, uint64_t mark)
 {
@@ -263,7 +258,7 @@ BVXI_COLD static void drop_any(bvx_context *ctx, void *block)
     uint64_t size = 1;
 
     if (ctx->arena.memory != NULL) {
-        size = arena_size(&ctx->arena, block);
+        size = header_at(&ctx->arena, offset_of(&ctx->arena, block))->used;
     } else {
         uint32_t const at = entry_of(ctx, block);
         if (at < ctx->scratch_count) size = ctx->scratch[at].size;
@@ -276,7 +271,6 @@ void bvxi_drop(bvx_context *ctx, void *block)
     uint32_t const count = ctx->scratch_count;
 
     if (block == NULL) return;
-    /* A larger table goes with its last block. */
     if (count == 0 || ctx->scratch[count - 1].block != block || ctx->scratch != ctx->scratch_first) {
         drop_any(ctx, block);
         return;

@@ -148,7 +148,6 @@ bvx_status bvxi_check_options(bvx_context *ctx, const char *function, void *opti
         case BVXI_IS_ABOVE:
         case BVXI_IS_ZERO_OR: BVXI_TRY(check_real_option(ctx, function, row, at)); break;
         case BVXI_IS_RESERVED:
-            /* All bytes, whatever their type: only zeros are allowed. */
             for (size_t k = 0; k < row->size; k++)
                 if (at[k] != 0) return fail_reserved_option(ctx, function, row, k / 8);
             break;

@@ -52,10 +52,8 @@ bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status)
 void bvxi_share_begin(bvx_context *ctx, double from, double to)
 {
     const bvxi_share *const outer = present_share(ctx);
-    bvxi_share share;
     if (ctx->progress == NULL) return;
-    share.low = place_in(outer, from);
-    share.high = place_in(outer, to);
+    bvxi_share share = {.low = place_in(outer, from), .high = place_in(outer, to)};
     if (++ctx->shares < BVXI_SHARES) ctx->share[ctx->shares] = share;
 }
 
@@ -105,7 +103,6 @@ static void run(bvx_context *ctx, int32_t first, int32_t count, bvx_task_fn *tas
 {
     shifted s = {task, user, first};
 
-    /* On the calling thread where nothing is gained by others. */
     if (ctx->threads == 1 || count == 1 || (ctx->parallel == NULL && ctx->pool == NULL)) {
         for (int32_t i = 0; i < count; i++) task(user, first + i, 0);
     } else if (ctx->parallel != NULL) {

@@ -286,7 +286,6 @@ int32_t bvxi_begin_alone(bvxi_worth *w, int32_t count, bvx_task_fn *task, void *
     int64_t now = start;
     int32_t i = 0;
 
-    /* Task by task, until it is worth a wake and a processor is free. */
     while (i < count && (now - start < least || !has_processors(w, now))) {
         task(user, i++, 0);
         now = bvxi_now();

@@ -241,7 +241,6 @@ static void wait_for_helpers(bvxi_pool *pool)
     pthread_mutex_unlock(&pool->lock);
     watch(&pool->inside, 0);
     pthread_mutex_lock(&pool->lock);
-    /* Asleep only after watching was in vain. */
     while (pool->inside > 0) pthread_cond_wait(&pool->ended, &pool->lock);
 
     bvxi_worth_waited(&pool->worth, start, pool->lost);

@@ -400,7 +400,6 @@ static void cast_piece(void *user, uint64_t begin, uint64_t end)
         r.grid = w->grid;
         r.bricks = w->bricks;
         if (!clip_cast_ray(ray, w->t_max, &r, &start)) continue;
-        /* The same walk over bricks first, which skips empty space; the hits are the same. */
         if (r.bricks->words != NULL) walk_cast_rows(&r, BRICK_SHIFT, start, r.end);
         else walk_cast_voxels(&r, start, r.end);
         if (r.voxel[0] >= 0) report_cast_hit(ray, &r, &w->hits[i]);

@@ -70,13 +70,11 @@ static bvx_status move_grid(bvx_context *ctx, const char *function, const bvx_gr
                             const bvx_lattice *lattice, const bvx_window *window, const int32_t from[3],
                             bvx_grid *result)
 {
-    crop_job job;
     bvxi_grid_renew(ctx, lattice, window, result);
     /* Whose words the result has decides who frees them after a failure. */
     int const made_here = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(ctx, function, lattice, window, result));
-    job.grid = grid;
-    job.result = result;
+    crop_job job = {.grid = grid, .result = result};
     memcpy(job.from, from, sizeof job.from);
     return bvxi_grid_made(ctx,
                           bvxi_for(ctx, "crop", bvxi_grid_rows(result),
@@ -92,7 +90,6 @@ static bvx_status run_grid_crop(bvx_context *context, const bvx_grid *grid, cons
     bvx_window w;
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     BVXI_TRY(bvxi_window_take(context, function, &grid->lattice, window, &w));
-    /* Both windows count from the lattice's origin. */
     for (int32_t a = 0; a < 3; a++) from[a] = w.low[a] - grid->low[a];
     return move_grid(context, function, grid, &grid->lattice, &w, from, result);
 }

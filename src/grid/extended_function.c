@@ -31,14 +31,12 @@ static void fill_axis(bvxi_sample_axis *a, int32_t **memory)
     a->first = take_table(memory, a->count);
     a->last = take_table(memory, a->count);
 
-    /* Tables once for each axis, so that the loop over samples has no division. */
     for (int32_t i = 0; i < a->count; i++) {
         int64_t const centre = (2 * (int64_t)i + 1) * n - r; /* >= 0, as n >= r */
         int64_t const low = i * n, up = (i + (int64_t)1) * n;
         /* The voxel whose centre lies at or below the sample, and how far above it, in units of 1/(2r). */
         a->at[i] = (int32_t)(centre / (2 * r));
         a->high_weight[i] = (int32_t)(centre % (2 * r));
-        /* The box's voxels, and the parts of the first and last that lie inside. */
         a->begin[i] = (int32_t)(low / r);
         a->end[i] = (int32_t)((up + r - 1) / r);
         a->first[i] = (int32_t)((a->begin[i] + (int64_t)1) * r - low);

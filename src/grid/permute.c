@@ -183,10 +183,9 @@ static bvx_status run_grid_permute(bvx_context *context, const bvx_grid *grid, c
 {
     static const char *const function = "bvx_grid_permute";
     bvx_lattice lattice;
-    permute_job job;
+    permute_job job = {0};
     bvx_window window;
 
-    memset(&job, 0, sizeof job);
     BVXI_TRY(take_axes(context, function, axes, flips, &job));
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     job.grid = grid;
@@ -198,7 +197,6 @@ static bvx_status run_grid_permute(bvx_context *context, const bvx_grid *grid, c
     BVXI_TRY(bvxi_grid_open(context, function, &lattice, &window, result));
     lay_permute_steps(&job);
     uint64_t const words = bvxi_grid_words(result);
-    /* Rows stay rows: memory is read and written in one order. */
     if (job.x_to == 0) {
         return bvxi_grid_made(context,
                               bvxi_for(context, "permute", bvxi_grid_rows(result),

@@ -192,7 +192,6 @@ static bvx_status run_grid_downsample(bvx_context *context, const bvx_grid *grid
 
     /* After the check of the rule, as it is the index of the table. */
     BVXI_TRY(blocks_open(context, function, grid, factor, what[rule], &job.blocks));
-    /* Made once the blocks are known: their number is the size of the result. */
     bvxi_grid_renew(context, &job.blocks.lattice, &job.blocks.window, result);
     int const mine = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(context, function, &job.blocks.lattice, &job.blocks.window, result));

@@ -149,7 +149,6 @@ static bvx_status lay_resample_tables(bvx_context *ctx, resample_job *job)
             job->source[a - 1][i] = v < g->size[a] ? v : -1;
         }
 
-    /* Voxels of the grid between two centres have the next one's place. */
     for (int32_t i = 0; i < to->size[0]; i++)
         for (int32_t const v = source_voxel(job, 0, i); next <= v; next++) job->first[next] = i;
     for (; next <= g->size[0]; next++) job->first[next] = to->size[0];

@@ -66,11 +66,8 @@ static uint64_t close_file_gaps(const file_job *job)
 bvx_status bvxi_make_file(bvx_context *ctx, const char *what, double from, uint64_t head,
                           const bvxi_file_part *part, int32_t parts, bvx_buffer *file)
 {
-    file_job job = {0};
-
     /* The room is for the greatest length, since the true one is only known when the text is made. */
-    job.part = part;
-    job.parts = parts;
+    file_job job = {.part = part, .parts = parts};
     for (int32_t i = 0; i < parts; i++) job.things += part[i].count;
     uint64_t const most = file_place(&job, job.things);
     job.pieces = bvxi_piece_count(most, FILE_PIECE_BYTES);

@@ -86,6 +86,17 @@ static inline const char *bvxi_skip_word(const char *p, const char *end)
     return p;
 }
 
+static inline int bvxi_line_ends(const char *p, const char *end)
+{
+    return p == end || *p == '\n' || *p == '\r';
+}
+
+static inline const char *bvxi_line_end(const char *p, const char *end)
+{
+    while (!bvxi_line_ends(p, end)) p++;
+    return p;
+}
+
 /* A whole number at *p with an optional sign; very large ones stay very large. 0 when there is none. */
 static inline int bvxi_take_integer(const char **p, const char *end, int64_t *value)
 {

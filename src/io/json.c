@@ -231,7 +231,6 @@ static bvx_status json_run(json_walk *w)
         BVXI_TRY(bvxi_source_at(w->source, w->p));
         if (w->p < w->end && (*w->p == '{' || *w->p == '[')) {
             BVXI_TRY(json_open(w));
-            /* An empty one ends at once, by the same steps as all others. */
             if (w->p == w->end || *w->p != w->close[w->depth - 1]) {
                 BVXI_TRY(json_take_name(w));
                 continue;

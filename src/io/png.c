@@ -100,7 +100,6 @@ static void png_store(png_stored *s, const uint8_t *bytes, size_t n)
             s->p += STORED_HEAD;
         }
 
-        /* A row may cross from one block into the next, so it is copied in parts. */
         size_t const part = n < s->block ? n : s->block;
         memcpy(s->p, bytes, part);
         s->p += part;

@@ -79,7 +79,6 @@ static bvx_status read_table_head(table_reader *r, const char *p, const char *en
         }
     for (int i = 0; i < TABLE_COLUMNS; i++) r->column[i] = -1;
 
-    /* Every column is compared with every name, so their order is free and unknown ones are left alone. */
     for (;; number++) {
         const char *const stop = bvxi_find_byte(p, end, r->between);
         table_word const w = trim_word(p, stop);
@@ -336,17 +335,13 @@ static bvx_status read_table_lines(table_reader *r)
     }
     if (!headed) return BVXI_FILE_FAIL(f, BVX_ERR_EMPTY, "the file has no head line");
 
-    /* The last loop has no line after it that would end it. */
     BVXI_TRY(end_table_loop(r, f->end));
     return refuse_parted_loops(r);
 }
 
 bvx_status bvxi_read_contour_table(bvxi_contour_file *f, double close_gap)
 {
-    table_reader r;
-    memset(&r, 0, sizeof r);
-    r.f = f;
-    r.close_gap = close_gap;
+    table_reader r = {.f = f, .close_gap = close_gap};
     /* The planes of a table are z = position. */
     f->sections.normal[2] = 1.0;
     if (f->end - f->p >= 3 && memcmp(f->p, "\xef\xbb\xbf", 3) == 0) f->p += 3; /* a byte order mark */

@@ -13,7 +13,6 @@ static bvx_status run_read_sections(bvx_context *context, const void *bytes, uin
 {
     static const char *const function = "bvx_read_sections";
     bvx_read_sections_options o;
-    bvxi_contour_file f;
 
     if (bytes == NULL && size != 0) return bvxi_fail_null(context, function, "bytes");
     BVXI_TRY(bvxi_sections_check_result(context, function, sections));
@@ -26,9 +25,7 @@ static bvx_status run_read_sections(bvx_context *context, const void *bytes, uin
         return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: %u bytes are more than this machine addresses", function, size);
 
-    memset(&f, 0, sizeof f);
-    f.ctx = context;
-    f.format = format == BVX_FORMAT_CSL ? "CSL" : "CSV";
+    bvxi_contour_file f = {.ctx = context, .format = format == BVX_FORMAT_CSL ? "CSL" : "CSV"};
     f.begin = f.p = bytes != NULL ? (const char *)bytes : "";
     f.end = f.begin + (size_t)size;
     f.sections.owned = 1;

@@ -164,7 +164,6 @@ static bvx_status csl_loop(bvxi_contour_file *f, const double *points, uint64_t 
     BVXI_TRY(csl_whole(f, "expected a loop's label", INT32_MAX, &label));
     if (corners == 0) return bvxi_contour_fail(f, start, BVX_ERR_FORMAT, "a loop without points");
     BVXI_TRY(bvxi_contour_add_loop(f, section, (int32_t)label));
-    /* Points are copied for each loop: a stack of the library holds each loop's points side by side. */
     for (uint64_t i = 0; i < corners; i++) {
         csl_skip(f);
         BVXI_TRY(csl_whole(f, "expected the index of a point", UINT32_MAX, &index));

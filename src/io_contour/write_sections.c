@@ -60,7 +60,6 @@ static void put_csl(const bvx_sections *s, const double normal[3], bvxi_output *
         }
         bvxi_output_print(o, "\n");
 
-        /* Loops are walked in the order of their points, so indices are a count. */
         uint64_t from = 0;
         for (uint64_t i = 0; i < s->loop_count; i++) {
             if (s->loops[i].section != k) continue;
@@ -223,7 +222,6 @@ static bvx_status check_section_format(bvx_context *ctx, const char *function, c
                                      "%s: CSL holds no negative labels (loop %i: %d)", function, i,
                                      (int64_t)s->loops[i].label);
     } else if (format == BVX_FORMAT_SVG) {
-        /* The drawing scales by the extent, which must be a finite number for that. */
         double low[2], high[2];
         bound_drawing(s, axis, low, high);
         for (int k = 0; k < 2; k++)

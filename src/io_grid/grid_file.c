@@ -4,8 +4,7 @@
 
 static bvx_status read_dense_as(const bvxi_grid_source *source, int32_t format, bvx_grid *grid)
 {
-    bvxi_dense dense;
-    memset(&dense, 0, sizeof dense);
+    bvxi_dense dense = {0};
     BVXI_TRY(format == BVX_FORMAT_NPY    ? bvxi_find_npy(source, &dense)
              : format == BVX_FORMAT_NRRD ? bvxi_find_nrrd(source, &dense)
                                          : bvxi_find_vti(source, &dense));

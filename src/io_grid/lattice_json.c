@@ -160,13 +160,12 @@ static bvx_status json_check_center(bvx_context *ctx, const json_lattice *l)
 static bvx_status run_read_lattice(bvx_context *context, const void *bytes, uint64_t size, bvx_grid *grid)
 {
     static const char *const function = "bvx_read_lattice";
-    json_lattice l;
+    json_lattice l = {0};
 
     BVXI_TRY(bvxi_check_bytes(context, function, bytes, size));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
 
     /* Values go to l first: the grid changes only when all of them fit each other. */
-    memset(&l, 0, sizeof l);
     l.source.ctx = context;
     l.source.format = "lattice";
     l.source.begin = bytes;

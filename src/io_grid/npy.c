@@ -156,7 +156,6 @@ static bvx_status npy_read_head(const bvxi_grid_source *source, npy_head *h)
     static const uint8_t magic[6] = {0x93, 'N', 'U', 'M', 'P', 'Y'};
     const uint8_t *const b = source->begin;
     uint64_t const size = (uint64_t)(source->end - b);
-    npy_text t;
 
     if (size < 10 || memcmp(b, magic, sizeof magic) != 0)
         return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT,
@@ -172,8 +171,7 @@ static bvx_status npy_read_head(const bvxi_grid_source *source, npy_head *h)
                                         : bvxi_load_u32(b + 8, 0);
     if (size < prefix || length > size - prefix)
         return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "a head of %u bytes in a file of %u", length, size);
-    t.source = source;
-    t.p = (const char *)b + prefix;
+    npy_text t = {.source = source, .p = (const char *)b + prefix};
     t.end = t.p + length;
     h->data = b + prefix + length;
     int seen = 0;

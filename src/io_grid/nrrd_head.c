@@ -337,12 +337,10 @@ static void nrrd_take_corner(nrrd_head *h, const char *p, const char *end)
 static bvx_status nrrd_take_line(nrrd_head *h, const char *line, const char *end)
 {
     const char *const colon = bvxi_find_byte(line, end, ':');
-    nrrd_value value;
 
     if (*line == '#') return BVX_OK;
     if (colon == end) return bvxi_fail_expected(&h->source, line, "a field and a colon");
-    value.p = colon + 1;
-    value.end = end;
+    nrrd_value value = {.p = colon + 1, .end = end};
 
     /* key:=value is free text of the writer's; one key of ours keeps the corner to the last bit. */
     if (value.p < end && *value.p == '=') {

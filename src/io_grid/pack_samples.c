@@ -143,12 +143,11 @@ bvx_status bvxi_pack_samples(bvx_context *ctx, const bvxi_samples *samples, cons
                              bvx_grid *grid)
 {
     pack_rule rule;
-    bvxi_sample_walk walk = {0};
 
     rule.size = bvxi_sample_size(samples->kind);
 
     rule.mask = pack_mask(samples, rule.size);
-    walk.first = samples->first;
+    bvxi_sample_walk walk = {.first = samples->first};
     for (int a = 0; a < 3; a++) {
         walk.first += (ptrdiff_t)(part->low[a] * samples->stride[a]);
         walk.stride[a] = samples->stride[a];
@@ -224,9 +223,7 @@ static void unpack_piece(void *user, int32_t piece)
 
 bvx_status bvxi_unpack_grid(bvx_context *ctx, const bvx_grid *grid, uint8_t *bytes)
 {
-    unpack_job job;
-    job.grid = grid;
-    job.bytes = bytes;
+    unpack_job job = {.grid = grid, .bytes = bytes};
     /* A row is the least that a piece holds; grain voxels make a task worth starting. */
     job.pieces = bvxi_piece_count(bvxi_grid_rows(grid), 1 + UNPACK_GRAIN / (uint64_t)grid->size[0]);
     return bvxi_each(ctx, "write", 0, 1, job.pieces, unpack_piece, &job);

@@ -234,13 +234,11 @@ static bvx_status binvox_fill(const binvox_reading *r, const bvx_window *part, b
 
 bvx_status bvxi_read_binvox(const bvxi_grid_source *source, bvx_grid *grid)
 {
-    binvox_reading r;
     bvx_lattice box;
     bvx_window part;
     bvx_grid turned = {0}, layers = {0};
 
-    memset(&r, 0, sizeof r);
-    r.source = source;
+    binvox_reading r = {.source = source};
     BVXI_TRY(binvox_take_header(&r));
     BVXI_TRY(binvox_make_box(&r, &box));
     BVXI_TRY(binvox_check_pairs(&r));

@@ -252,7 +252,6 @@ static int32_t bvx_check_slice(const bvx_unpacking *job, const uint8_t *p)
     if (bvxi_load_u32(p + 12, 0) == BVXI_BVX_RUNS)
         return bvx_check_runs(p + BVXI_BVX_SLICE_HEAD, p + BVXI_BVX_SLICE_HEAD + n,
                               (uint64_t)job->window.size[0] * (uint64_t)job->window.size[1]);
-    /* Rows that end with a word have no bits past them. */
     if (beyond == 0) return BVX_SLICE_GOOD;
     for (uint64_t last = row - 8; last < n; last += row)
         if ((bvxi_load_u64(p + BVXI_BVX_SLICE_HEAD + last, 0) & beyond) != 0) return BVX_SLICE_PADDING;
@@ -370,10 +369,8 @@ static void bvx_fill_piece(void *user, uint64_t k, uint64_t end)
 bvx_status bvxi_read_bvx(const bvxi_grid_source *source, bvx_grid *grid)
 {
     uint64_t const least = BVXI_BVX_SLICE_HEAD + 1, size = (uint64_t)(source->end - source->begin);
-    bvx_unpacking job;
 
-    memset(&job, 0, sizeof job);
-    job.source = source;
+    bvx_unpacking job = {.source = source};
     BVXI_TRY(bvx_take_head(&job));
 
     /* A slice takes at least its head and a byte, so counts cannot allocate more than the file. */

@@ -127,11 +127,7 @@ static void turn_piece(void *user, uint64_t row, uint64_t end)
 static bvx_status turn_samples(bvx_context *ctx, const bvxi_samples *from, const int32_t dims[3],
                                uint32_t to_size, uint8_t *to)
 {
-    turn_samples_job job;
-    job.from = from;
-    job.to = to;
-    job.dims = dims;
-    job.to_size = to_size;
+    turn_samples_job job = {.from = from, .to = to, .dims = dims, .to_size = to_size};
     /* Many small rows share a piece; a row longer than the grain is a piece alone. */
     return bvxi_for(ctx, "read", (uint64_t)dims[1] * (uint64_t)dims[2], 1 + VOLUME_GRAIN / (uint64_t)dims[0],
                     turn_piece, &job);
@@ -202,7 +198,6 @@ static bvx_status unpack_volume(const bvxi_grid_source *source, const bvxi_dense
         const char *p = d->begin;
 
         for (uint64_t n = 0; n < all; n++) {
-            /* Where the number begins is kept for the message. */
             const char *const before = bvxi_skip_space(p, d->end);
             double v;
             if (n % VOLUME_ASK_SAMPLES == 0)
@@ -282,8 +277,8 @@ static bvx_status run_read_volume(bvx_context *context, const void *bytes, uint6
     static const char name[] = "bvx_read_volume";
     bvx_read_volume_options o;
     bvxi_grid_source source;
-    bvxi_dense dense;
-    bvx_volume made;
+    bvxi_dense dense = {0};
+    bvx_volume made = {0};
 
     if (volume == NULL) return bvxi_fail_null(context, name, "volume");
     BVXI_TRY(bvxi_take_grid_file(context, name, bytes, size, format, &source));
@@ -295,8 +290,6 @@ static bvx_status run_read_volume(bvx_context *context, const void *bytes, uint6
                              "%s: data_size is %u, more than memory can hold", name, o.data_size);
     if (size == 0) return bvxi_fail(context, BVX_ERR_FORMAT, "%s: the file has no bytes", name);
     source.volume = &o;
-    memset(&dense, 0, sizeof dense);
-    memset(&made, 0, sizeof made);
     /* Found before it is made: what is wrong with the head costs no memory. */
     BVXI_TRY(find_volume(&source, format, &dense));
     BVXI_TRY(make_volume(&source, &dense, &made));

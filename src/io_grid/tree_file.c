@@ -245,10 +245,9 @@ static bvx_status make_read_tree(tree_reading *job)
 
 static bvx_status run_read_octree(bvx_context *context, const void *bytes, uint64_t size, bvx_octree **tree)
 {
-    tree_reading job;
+    tree_reading job = {0};
 
     if (tree == NULL) return bvxi_fail_null(context, read_tree_name, "tree");
-    memset(&job, 0, sizeof job);
     BVXI_TRY(bvxi_take_grid_file(context, read_tree_name, bytes, size, BVX_FORMAT_BVX, &job.source));
     if (size == 0) return bvxi_fail(context, BVX_ERR_FORMAT, "%s: the file has no bytes", read_tree_name);
     BVXI_TRY(take_tree_head(&job));
@@ -297,7 +296,6 @@ static void put_tree_level(void *user, int32_t level)
     uint8_t *p = begin + BVXI_TREE_LEVEL_HEAD;
     bvxi_store_u32(begin + 8, (uint32_t)level);
     bvxi_store_u32(begin + 12, (uint32_t)bvxi_tree_split_kind(o));
-    /* Split is written only where it is neither nothing nor the same as touched. */
     bvxi_store_u64(begin + 16, o->words);
     p = put_tree_words(p, o->touched, o->words);
     p = put_tree_words(p, o->outside, o->words);
@@ -307,9 +305,7 @@ static void put_tree_level(void *user, int32_t level)
 
 bvx_status bvxi_write_tree(bvx_context *ctx, const bvx_octree *tree, bvx_buffer *file)
 {
-    tree_writing job = {0};
-
-    job.tree = tree;
+    tree_writing job = {.tree = tree};
     job.place[0] = BVXI_BVX_HEAD;
 
     /* Each level's place follows from the lengths of those above it, so levels are written in any order. */

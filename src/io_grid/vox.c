@@ -36,7 +36,6 @@ static bvx_status vox_take_chunk(const bvxi_grid_source *source, const uint8_t *
         if (model->sizes++ == 0) model->size = content;
     } else if (memcmp(chunk, "XYZI", 4) == 0) {
         uint64_t const count = n < 4 ? 0 : bvxi_load_u32(content, 0);
-        /* The chunk's length and the count inside it must say the same. */
         if (n < 4 || n - 4 != 4 * count)
             return BVXI_BYTE_FAIL(source, chunk, BVX_ERR_FORMAT, "XYZI has %u bytes; its %u voxels take %u",
                                   (uint64_t)n, count, 4 + 4 * count);
@@ -205,7 +204,6 @@ bvx_status bvxi_write_vox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *fi
     BVXI_TRY(bvxi_progress(ctx, "write", 0.0));
     BVXI_TRY(bvx_grid_count(ctx, grid, &count)); /* at most 2^24 */
 
-    /* A chunk's head has the bytes of what follows, so they are summed up first. */
     uint64_t const voxels = 4 + 4 * count, children = 2 * VOX_CHUNK + VOX_SIZE_BYTES + voxels;
     BVXI_TRY(bvxi_make_buffer(ctx, VOX_START + VOX_CHUNK + children, "the VOX file", &made));
     uint8_t *p = made.bytes;

@@ -146,11 +146,10 @@ static bvx_status vti_take_array(vti_file *f, int is_point)
 {
     bvxi_xml_text name, type, format, v;
     uint64_t components = 1;
-    vti_array a;
+    vti_array a = {0};
     int const is_active = f->has_active && bvxi_xml_attribute(&f->xml, "Name", &name) &&
                           bvxi_xml_same(name, f->active);
 
-    memset(&a, 0, sizeof a);
     a.rank = is_active  ? (is_point ? VTI_POINTS_ACTIVE : VTI_CELLS_ACTIVE)
              : is_point ? VTI_POINTS_FIRST
                         : VTI_CELLS_FIRST;
@@ -338,13 +337,11 @@ static bvx_status vti_find_blocks(const vti_file *f, const char *p, int is_text,
 
 bvx_status bvxi_find_vti(const bvxi_grid_source *source, bvxi_dense *dense)
 {
-    vti_file f;
     double corner[3];
     uint64_t dims[3], voxels = 1;
     int fits = 1;
 
-    memset(&f, 0, sizeof f);
-    f.unpacks = source->volume != NULL && source->volume->inflate != NULL;
+    vti_file f = {.unpacks = source->volume != NULL && source->volume->inflate != NULL};
     bvxi_xml_start(&f.xml, source->ctx, "VTI", source->begin, source->end);
     BVXI_TRY(vti_read_head(&f));
     int const is_point = f.array.rank == VTI_POINTS_ACTIVE || f.array.rank == VTI_POINTS_FIRST;

@@ -128,12 +128,11 @@ static bvx_status bvx_pack(bvx_context *ctx, const bvx_grid *grid, const uint8_t
     uint64_t const places = ((uint64_t)grid->size[2] + 1) * sizeof(uint64_t);
     uint64_t const slices = (uint64_t)grid->size[2];
     uint64_t const grain = 1 + 8192 * slices / bvxi_grid_words(grid); /* of many words, or one slice */
-    bvx_packing job = {0};
     bvx_buffer made = {0};
 
-    job.grid = grid;
-    job.frame = bvxi_bvx_frame(head);
-    job.raw = (uint64_t)grid->size[1] * (uint64_t)grid->words_per_row * 8;
+    bvx_packing job = {.grid = grid,
+                       .frame = bvxi_bvx_frame(head),
+                       .raw = (uint64_t)grid->size[1] * (uint64_t)grid->words_per_row * 8};
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, places, "the places of slices", &job.place));
     bvx_status status = BVXI_SHARE(ctx, 0.0, 0.5,

@@ -142,10 +142,7 @@ static bvx_status write_vtu_file(vtu_leaves *v, bvx_buffer *file)
 
 static bvx_status write_vtu(bvx_context *ctx, const bvx_octree *tree, int32_t states, bvx_buffer *file)
 {
-    vtu_leaves v = {0};
-
-    v.ctx = ctx;
-    v.tree = tree;
+    vtu_leaves v = {.ctx = ctx, .tree = tree};
 
     /* Places must fit the bits of a key, and the last corner must be a finite number. */
     for (int a = 0; a < 3; a++) {

@@ -267,7 +267,6 @@ static void glb_put_assets(const bvxi_glb_file *file, uint64_t view, bvxi_output
     for (uint64_t i = 0; i < assets->image_count; i++) {
         const char *const members = assets->images[i].members != NULL ? assets->images[i].members : "";
         bvxi_output_print(out, "%s{%s", i > 0 ? "," : "", members);
-        /* One whose bytes were not found stays what it was, a name. */
         if (assets->images[i].size > 0)
             bvxi_output_print(out, "%s\"bufferView\":%u", *members != 0 ? "," : "", view++);
         bvxi_output_print(out, "}");
@@ -375,8 +374,7 @@ void bvxi_glb_put_json(const bvxi_glb_file *file, bvxi_output *out)
 
 void bvxi_level_name(const char *before, uint64_t level, char *text)
 {
-    bvxi_output out = {0};
-    out.bytes = (uint8_t *)text;
+    bvxi_output out = {.bytes = (uint8_t *)text};
     bvxi_output_print(&out, "%s: level %u", before, level);
     bvxi_output_add(&out, "", 1);
 }

@@ -29,8 +29,6 @@ static void obj_count_piece(void *user, int32_t index)
         p = obj_skip_blank(f, p);
         switch (p < f->end ? obj_take_keyword(f, &p) : OBJ_OTHER) {
         case OBJ_VERTEX:
-            /* Where the first vertex and face begin: they decide
-             * whether the file has colours and texture coordinates. */
             if (piece->vertices++ == 0) piece->vertex = p;
             p = obj_next_statement(f, p);
             break;
@@ -308,11 +306,8 @@ static bvx_status obj_take_face(obj_reader *r, const char **p)
 static bvx_status obj_read_piece(const obj_file *f, int32_t index, bvx_context *ctx)
 {
     obj_piece *const piece = &f->pieces[index];
-    obj_reader r = {0};
 
-    r.file = f;
-    r.piece = piece;
-    r.source = *f->source;
+    obj_reader r = {.file = f, .piece = piece, .source = *f->source};
     r.source.ctx = ctx;
 
     /* The first pass counted what comes before this piece,
@@ -373,7 +368,6 @@ static int obj_first_has_uv(const obj_file *f)
 {
     int64_t number;
 
-    /* The first face decides, wherever the file has its first piece with one. */
     for (int32_t i = 0; i < f->piece_count && f->uvs > 0; i++) {
         const char *p = f->pieces[i].face;
 
@@ -393,7 +387,6 @@ static bvx_status obj_make_arrays(obj_file *f)
     BVXI_TRY(bvxi_make_positions(ctx, f->mesh, BVX_F64, f->vertices));
     BVXI_TRY(bvxi_make_triangles(ctx, f->mesh, f->triangles));
 
-    /* Room for what the first face has; the end drops it again when another face lacks it. */
     if (obj_first_has_uv(f)) {
         BVXI_TRY(bvxi_make_uvs(ctx, f->mesh, f->uvs));
         BVXI_TRY(bvxi_make_array(ctx, f->mesh, BVXI_MESH_UV_TRIANGLES));
@@ -447,10 +440,7 @@ static void obj_finish_uvs(obj_file *f)
 
 bvx_status bvxi_read_obj(bvxi_source *source, uint32_t *lost, bvx_mesh *mesh)
 {
-    obj_file f = {0};
-
-    f.source = source;
-    f.mesh = mesh;
+    obj_file f = {.source = source, .mesh = mesh};
 
     /* A file without a newline has lines that end with a carriage return, as older machines wrote them. */
     f.end = source->end;

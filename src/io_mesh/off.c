@@ -38,18 +38,12 @@ typedef struct off_words {
 
 /* ---- words ---- */
 
-static const char *off_line_end(const char *p, const char *end)
-{
-    while (p < end && *p != '\n' && *p != '\r') p++;
-    return p;
-}
-
 static inline const char *off_skip(const char *p, const char *end)
 {
     for (;;) {
         p = bvxi_skip_space(p, end);
         if (p == end || *p != '#') return p;
-        p = off_line_end(p, end);
+        p = bvxi_line_end(p, end);
     }
 }
 
@@ -61,12 +55,7 @@ static inline int off_word_ends(const char *p, const char *end)
 static inline const char *off_skip_blank(const char *p, const char *end)
 {
     while (p < end && bvxi_is_blank(*p) && *p != '\r') p++;
-    return p < end && *p == '#' ? off_line_end(p, end) : p;
-}
-
-static inline int off_line_ends(const char *p, const char *end)
-{
-    return p == end || *p == '\n' || *p == '\r';
+    return p < end && *p == '#' ? bvxi_line_end(p, end) : p;
 }
 
 static bvx_status off_take_integer(off_file *f, const char *expected, int64_t *value)
@@ -100,7 +89,6 @@ static const char *off_add_word(off_words *words, const char *p, const char *end
         words->good = 0;
         return stop;
     }
-    /* A point decides later whether 1 means full or nearly black. */
     words->has_point[words->count] = 0;
     for (; p < stop; p++) words->has_point[words->count] |= *p == '.' || *p == 'e' || *p == 'E';
     words->value[words->count++] = value;
@@ -193,9 +181,8 @@ static bvx_status off_count_lines(const off_file *f, uint64_t *lines)
 
     *lines = 0;
     bvxi_source_pass(s, 0, 0.1);
-    /* A comment or an empty line is passed over, so a line is counted by its first word. */
     for (const char *p = off_skip(f->first, s->end); p < s->end;
-         p = off_skip(off_line_end(p, s->end), s->end)) {
+         p = off_skip(bvxi_line_end(p, s->end), s->end)) {
         BVXI_TRY(bvxi_source_at(s, p));
         ++*lines;
     }
@@ -211,7 +198,7 @@ static bvx_status off_learn_lines(off_file *f, uint64_t vertex)
     int const promised = f->has_colours || f->has_uvs;
 
     /* The first vertex with words after it decides, by a count of all lines that is made once. */
-    if (off_line_ends(off_skip_blank(f->p, end), end)) {
+    if (bvxi_line_ends(off_skip_blank(f->p, end), end)) {
         if (promised) f->by_lines = 0; /* and here they stand elsewhere */
         return BVX_OK;
     }
@@ -253,7 +240,7 @@ static bvx_status off_take_words(off_file *f, off_words *words)
 
     /* By lines, the line's end closes the words; else the keyword's count does, over lines' ends. */
     if (f->by_lines == 1)
-        for (f->p = off_skip_blank(f->p, end); !off_line_ends(f->p, end); f->p = off_skip_blank(f->p, end))
+        for (f->p = off_skip_blank(f->p, end); !bvxi_line_ends(f->p, end); f->p = off_skip_blank(f->p, end))
             f->p = off_add_word(words, f->p, end);
     else
         for (int i = 0; i < wanted; i++) {
@@ -387,7 +374,7 @@ static bvx_status off_take_face(off_file *f, uint64_t face)
             memcpy(f->mesh->triangles + (size_t)f->triangle_count * 3, t, sizeof t);
     }
 
-    f->p = off_line_end(f->p, f->source->end);
+    f->p = bvxi_line_end(f->p, f->source->end);
     return BVX_OK;
 }
 
@@ -422,9 +409,7 @@ static bvx_status off_make_room(off_file *f, uint64_t triangles, uint64_t polygo
 
 bvx_status bvxi_read_off(bvxi_source *source, bvx_mesh *mesh)
 {
-    off_file f = {0};
-    f.source = source;
-    f.mesh = mesh;
+    off_file f = {.source = source, .mesh = mesh};
     BVXI_TRY(off_take_keyword(&f));
     BVXI_TRY(off_take_counts(&f));
     BVXI_TRY(off_take_vertices(&f));

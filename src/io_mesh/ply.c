@@ -38,7 +38,6 @@ static bvx_status ply_make_room(ply_file *f, uint64_t triangles, uint64_t corner
     f->room = triangles;
     f->triangle_count = f->uv_count = f->polygon_count = 0;
 
-    /* Where texture coordinates belong to corners, there is one for each corner of each face. */
     if (!f->uvs_at_corners) return BVX_OK;
     BVXI_TRY(bvxi_make_uvs(ctx, mesh, corners));
     return bvxi_make_array(ctx, mesh, BVXI_MESH_UV_TRIANGLES);
@@ -109,18 +108,15 @@ static bvx_status ply_take_points(ply_file *f)
 
 static bvx_status read_ply_file(bvxi_source *source, int32_t points, bvx_mesh *mesh)
 {
-    ply_header header = {0};
-    ply_file f = {0};
-
-    header.points = points;
+    ply_header header = {.points = points};
     BVXI_TRY(bvxi_ply_header_read(source, &header));
-    f.source = source;
-    f.header = &header;
-    f.mesh = mesh;
-    f.p = header.data;
-    f.big = header.encoding == PLY_BIG;
-    f.vertex_count = header.vertex->count;
-    f.uvs_at_corners = header.uvs == 2;
+    ply_file f = {.source = source,
+                  .header = &header,
+                  .mesh = mesh,
+                  .p = header.data,
+                  .big = header.encoding == PLY_BIG,
+                  .vertex_count = header.vertex->count,
+                  .uvs_at_corners = header.uvs == 2};
     return points ? ply_take_points(&f) : ply_take_data(&f);
 }
 
@@ -231,7 +227,6 @@ bvx_status bvxi_write_ply(bvx_context *ctx, const bvxi_written *what, bvx_buffer
     bvxi_output head = {0};
 
     ply_put_header(what, &head);
-    /* All rows have one size, so nothing has to be pushed together afterwards. */
     part[0].count = mesh->vertex_count;
     part[0].most = bvxi_writes_f32(mesh) ? 12 : 24;
     if (what->normals) part[0].most += 12;

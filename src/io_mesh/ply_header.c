@@ -185,7 +185,6 @@ static bvx_status ply_take_property(const bvxi_source *s, ply_line *line, ply_he
     ply_element *const e = &h->elements[h->element_count - 1];
     memset(property, 0, sizeof *property);
     size_t n = ply_word(line, &word);
-    /* Where the word is not 'list', it is read once more, as a type. */
     int const is_list = ply_is(word, n, "list");
     if (is_list) BVXI_TRY(ply_take_type(s, line, 1, &property->count_type));
     else line->p = start;
@@ -361,7 +360,6 @@ bvx_status bvxi_ply_header_read(bvxi_source *source, ply_header *header)
     ply_line line;
     int done = 0;
 
-    /* The lists are made in their exact size, so a header of many lines costs one pass more and no growth. */
     BVXI_TRY(ply_count_names(source, &h->name_count));
     BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, h->name_count * sizeof *h->elements,
                         "the header's elements", &h->elements));

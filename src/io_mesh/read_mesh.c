@@ -71,7 +71,6 @@ static bvx_status run_read_mesh(bvx_context *context, const void *bytes, uint64_
                                 const bvx_read_options *given, bvx_mesh *mesh)
 {
     static const char function[] = "bvx_read_mesh";
-    bvxi_source source = {0};
     bvx_mesh made = {0};
     bvx_read_report report = {0};
     bvx_read_options options;
@@ -80,8 +79,7 @@ static bvx_status run_read_mesh(bvx_context *context, const void *bytes, uint64_
     BVXI_TRY(check_read(context, function, bytes, size, format, &options, mesh));
 
     /* Nothing is read into the caller's mesh: after a failure it is as it was. */
-    source.ctx = context;
-    source.begin = bytes;
+    bvxi_source source = {.ctx = context, .begin = bytes};
     source.end = source.begin + (size_t)size;
     source.takes_any = options.drop_nonfinite;
     bvx_status status = BVXI_SCOPE(context, read_mesh_as(&source, format, &options, &report.lost, &made));

@@ -6,11 +6,6 @@
 
 static const char read_points_name[] = "bvx_read_points";
 
-static inline int xyz_line_ends(const char *p, const char *end)
-{
-    return p == end || *p == '\n' || *p == '\r';
-}
-
 static inline int xyz_is_gap(char c)
 {
     return c == ' ' || c == '\t' || c == ',' || c == ';' || c == '\v' || c == '\f';
@@ -22,12 +17,6 @@ static inline const char *xyz_skip_gap(const char *p, const char *end)
     return p;
 }
 
-static const char *xyz_line_end(const char *p, const char *end)
-{
-    while (!xyz_line_ends(p, end)) p++;
-    return p;
-}
-
 /* The first word of the next line that is no comment, or the end. */
 static const char *xyz_next_line(const char *p, const char *end)
 {
@@ -35,7 +24,7 @@ static const char *xyz_next_line(const char *p, const char *end)
         while (p < end && (xyz_is_gap(*p) || *p == '\n' || *p == '\r')) p++;
         if (p == end) return end;
         if (*p != '#' && *p != '%' && !(*p == '/' && end - p > 1 && p[1] == '/')) return p;
-        p = xyz_line_end(p, end);
+        p = bvxi_line_end(p, end);
     }
 }
 
@@ -44,7 +33,7 @@ static int xyz_take_number(const char **p, const char *end, double *value)
 {
     size_t const n = bvxi_parse_double(*p, end, value);
     const char *const behind = *p + n;
-    if (n == 0 || !(xyz_line_ends(behind, end) || xyz_is_gap(*behind))) return 0;
+    if (n == 0 || !(bvxi_line_ends(behind, end) || xyz_is_gap(*behind))) return 0;
     *p = xyz_skip_gap(behind, end);
     return 1;
 }
@@ -54,8 +43,8 @@ static const char *xyz_skip_head(const char *p, const char *end)
     const char *at = p;
     double unused;
     /* A line with a name first, or with one number alone (a count), is a head. */
-    if (!xyz_take_number(&at, end, &unused) || xyz_line_ends(at, end))
-        return xyz_next_line(xyz_line_end(p, end), end);
+    if (!xyz_take_number(&at, end, &unused) || bvxi_line_ends(at, end))
+        return xyz_next_line(bvxi_line_end(p, end), end);
     return p;
 }
 
@@ -77,7 +66,7 @@ static bvx_status read_xyz(bvxi_source *s, bvx_mesh *points)
     const char *const first = xyz_skip_head(xyz_next_line(bvxi_skip_mark(s->begin, s->end), s->end), s->end);
     uint64_t count = 0, i = 0;
 
-    for (const char *p = first; p < s->end; p = xyz_next_line(xyz_line_end(p, s->end), s->end)) {
+    for (const char *p = first; p < s->end; p = xyz_next_line(bvxi_line_end(p, s->end), s->end)) {
         BVXI_TRY(bvxi_source_at(s, p));
         count++;
     }
@@ -88,7 +77,7 @@ static bvx_status read_xyz(bvxi_source *s, bvx_mesh *points)
     BVXI_TRY(bvxi_make_positions(s->ctx, points, BVX_F64, count));
 
     bvxi_source_pass(s, 0.3, 1);
-    for (const char *p = first; p < s->end; p = xyz_next_line(xyz_line_end(p, s->end), s->end), i++) {
+    for (const char *p = first; p < s->end; p = xyz_next_line(bvxi_line_end(p, s->end), s->end), i++) {
         BVXI_TRY(bvxi_source_at(s, p));
         BVXI_TRY(xyz_take_point(s, p, i, (double *)points->positions + 3 * (size_t)i));
     }
@@ -106,7 +95,6 @@ static bvx_status read_points_as(bvxi_source *source, int32_t format, bvx_mesh *
 static bvx_status run_read_points(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
                                   bvx_mesh *points)
 {
-    bvxi_source source = {0};
     bvx_mesh made = {0};
 
     if (points == NULL) return bvxi_fail_null(context, read_points_name, "points");
@@ -119,8 +107,7 @@ static bvx_status run_read_points(bvx_context *context, const void *bytes, uint6
                              "%s: points brings arrays, which are not used; zero it first", read_points_name);
 
     /* Read apart from the caller's mesh, which stays as it was after a failure. */
-    source.ctx = context;
-    source.begin = bytes;
+    bvxi_source source = {.ctx = context, .begin = bytes};
     source.end = source.begin + (size_t)size;
     bvx_status const status = BVXI_SCOPE(context, read_points_as(&source, format, &made));
     if (status != BVX_OK) {

@@ -46,7 +46,6 @@ static bvx_status fan_cut(fan_work *w, bvx_mesh *mesh, const bvxi_polygon_fan *f
 
     fan_take_numbers(t, fan->corners, w->number);
 
-    /* The cut needs the corners as doubles, one after the other, whatever the mesh holds. */
     for (uint32_t k = 0; k < fan->corners; k++) {
         for (size_t a = 0; a < 3; a++) {
             size_t const i = (size_t)w->number[k] * 3 + a;
@@ -74,7 +73,6 @@ bvx_status bvxi_cut_fans(bvxi_source *source, bvx_mesh *mesh, const bvxi_polygon
 
     if (count == 0) return BVX_OK;
 
-    /* The largest polygon decides, so one room serves all of them. */
     for (uint64_t i = 0; i < count; i++)
         if (fans[i].corners > w.room) w.room = fans[i].corners;
     w.polygon.ctx = ctx;

@@ -48,7 +48,6 @@ bvx_status bvxi_find_frame(bvx_context *ctx, const bvx_mesh *levels, uint64_t le
 
     memset(frame, 0, sizeof *frame);
     for (uint64_t l = 0; l < level_count; l++) floats &= bvxi_writes_f32(&levels[l]);
-    /* 32-bit floats in the world go out as they are. */
     if (format != BVX_FORMAT_GLB || (floats && !quantize)) return BVX_OK;
 
     BVXI_TRY(common_bounds(ctx, levels, level_count, low, high));

@@ -70,7 +70,6 @@ static bvx_status soup_make_table(stl_soup *s, uint64_t size)
     uint32_t *table, bits[3];
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, size * sizeof *table, "the table of vertices", &table));
-    /* The order is that of the vertices, so the table looks the same however often it grew. */
     for (uint64_t v = 0; v < s->vertex_count; v++) {
         memcpy(bits, s->positions + v * 3, sizeof bits);
         size_t slot = (size_t)(soup_hash(bits) & (size - 1));
@@ -85,9 +84,8 @@ static bvx_status soup_make_table(stl_soup *s, uint64_t size)
 
 /* Ready a zeroed soup. count: of all triangles, 0 when it is not known.
  * Freed by soup_free, also after a failure. */
-static bvx_status soup_begin(stl_soup *soup, bvxi_source *source, uint64_t count)
+static bvx_status soup_begin(stl_soup *s, bvxi_source *source, uint64_t count)
 {
-    stl_soup *const s = soup;
     uint64_t size = SOUP_LEAST;
 
     /* With a known count the array of triangles is made once, and becomes the result itself. */
@@ -221,9 +219,8 @@ static bvx_status soup_weld_by_tree(stl_soup *s, uint32_t *out)
 
 /* Number the vertices of the triangles that wait. Vertices at equal
  * coordinates are one, numbered by their first corner. */
-static bvx_status soup_weld(stl_soup *soup)
+static bvx_status soup_weld(stl_soup *s)
 {
-    stl_soup *const s = soup;
     BVXI_TRY(soup_make_triangles(s));
     uint32_t *const out = s->triangles + (size_t)s->triangle_count * 3;
     BVXI_TRY(s->table != NULL ? soup_weld_by_table(s, out) : soup_weld_by_tree(s, out));
@@ -237,9 +234,8 @@ static bvx_status soup_weld(stl_soup *soup)
 }
 
 /* Hand over arrays of exact size when no triangle waits any more. The mesh has one triangle at least. */
-static bvx_status soup_finish(stl_soup *soup, bvx_mesh *mesh)
+static bvx_status soup_finish(stl_soup *s, bvx_mesh *mesh)
 {
-    stl_soup *const s = soup;
     bvx_context *const ctx = s->source->ctx;
 
     bvxi_drop(ctx, s->table);
@@ -343,12 +339,6 @@ static bvx_status stl_expect(const bvxi_source *s, const char **p, const char *w
     return stl_take(p, s->end, word) ? BVX_OK : bvxi_fail_expected(s, bvxi_skip_space(*p, s->end), expected);
 }
 
-static const char *stl_skip_line(const char *p, const char *end)
-{
-    while (p < end && *p != '\n' && *p != '\r') p++;
-    return p;
-}
-
 /* Three coordinates after the word vertex. */
 static bvx_status stl_take_corner(const bvxi_source *s, const char **p, uint32_t bits[3])
 {
@@ -421,10 +411,10 @@ static bvx_status stl_read_text(stl_soup *soup)
         if (stl_take(&p, s->end, "facet")) {
             BVXI_TRY(stl_take_facet(soup, &p));
         } else if (stl_take(&p, s->end, "endsolid")) {
-            p = stl_skip_line(p, s->end);
+            p = bvxi_line_end(p, s->end);
             inside = 0;
         } else if (!inside && stl_take(&p, s->end, "solid")) {
-            p = stl_skip_line(p, s->end);
+            p = bvxi_line_end(p, s->end);
             inside = 1;
         } else {
             p = bvxi_skip_space(p, s->end);

@@ -76,7 +76,6 @@ static bvx_status split_seams(bvx_context *ctx, const bvx_mesh *mesh, bvxi_seams
                         &seams->triangles));
     BVXI_TRY(BVXI_SCOPE(ctx, sort_corners(ctx, mesh, seams)));
 
-    /* Both lists have one entry a pair, which is known only after the sort. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, seams->count * 4, "the vertices at seams", &seams->vertex));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, seams->count * 4, "the texture coordinates at seams", &seams->uv));
     number_vertices_by_use(mesh, seams);
@@ -254,7 +253,6 @@ static void glb_list_parts(const bvxi_glb_file *glb, bvxi_file_part *part)
 
     for (uint64_t l = 0; l < glb->levels; l++, part += GLB_PARTS) {
         const bvxi_glb *const level = &glb->level[l];
-        /* The functions are those of every level; counts and sizes are its own, 0 for what the mesh lacks. */
         memcpy(part, parts, sizeof parts);
         for (int i = 0; i < BVXI_GLB_ARRAYS; i++) {
             part[i].count = level->count[i];

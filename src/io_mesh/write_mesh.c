@@ -311,7 +311,6 @@ static bvx_status report_files(bvx_context *ctx, const char *function, const bvx
     if (turned != NULL) levels = turned;
     BVXI_TRY(bvxi_find_frame(ctx, levels, level_count, format, o->quantize, &frame));
 
-    /* Levels share the progress evenly: how long one takes is not known before. */
     for (uint64_t l = 0; l < level_count; l++) {
         memset(&o->reports[l], 0, sizeof o->reports[l]);
         BVXI_TRY(BVXI_SHARE(ctx, (double)l / (double)level_count, (double)(l + 1) / (double)level_count,

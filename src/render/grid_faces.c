@@ -208,12 +208,10 @@ static void draw_strip(const face_work *w, int axis, uint32_t id, int32_t i, int
     int const u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
     int64_t const length = u == 0 ? n : 1;
 
-    /* Relative to the voxels that are kept, as the base is. */
     int64_t at[3] = {i - s->begin[0], j - s->begin[1], k - s->begin[2]};
     int32_t corner[4][2];
     bvxi_raster_plane plane = s->plane[axis];
 
-    /* The face on the side of the eye. */
     at[axis] += s->step_z[axis] > 0.0;
     for (int a = 0; a < 2; a++) {
         int64_t const p = s->base[a] + at[0] * s->step[0][a] + at[1] * s->step[1][a] + at[2] * s->step[2][a];

@@ -23,7 +23,6 @@ static bvx_status check_picture_view(bvx_context *ctx, const char *function, con
 {
     BVXI_TRY(check_picture_direction(ctx, function, "direction", o->camera.direction));
     BVXI_TRY(check_picture_direction(ctx, function, "up", o->camera.up));
-    /* What must at least be in the frame: 0 requires nothing. */
     for (int a = 0; a < 2; a++)
         if (!(o->camera.show[a] >= 0.0) || o->camera.show[a] - o->camera.show[a] != 0.0)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
@@ -158,7 +157,6 @@ bvx_status bvxi_picture_make(bvx_context *ctx, bvxi_picture *p)
     bvx_image image = {NULL, p->options.width, p->options.height};
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, pixels * 3, "the picture's pixels", &image.pixels));
     p->image = image;
-    /* Depths and samples live only as long as the two passes. */
     bvx_status const status = BVXI_SCOPE(ctx, draw_and_shade(ctx, p, samples));
     if (status == BVX_OK) return BVX_OK;
     bvx_image_free(ctx, &image);

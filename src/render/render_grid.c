@@ -124,8 +124,7 @@ static bvx_status run_render_grid(bvx_context *context, const bvx_grid *grid,
                                   const bvx_render_options *options, bvx_image *image)
 {
     static const char *const function = "bvx_render_grid";
-    bvxi_grid_scene s;
-    memset(&s, 0, sizeof s);
+    bvxi_grid_scene s = {0};
     BVXI_TRY(bvxi_picture_open(context, function, options, image, &s.picture));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     s.grid = grid;
@@ -155,8 +154,7 @@ static bvx_status run_render_difference(bvx_context *context, const bvx_grid *be
                                         const bvx_render_options *options, bvx_image *image)
 {
     static const char *const function = "bvx_render_difference";
-    bvxi_grid_scene s;
-    memset(&s, 0, sizeof s);
+    bvxi_grid_scene s = {0};
     BVXI_TRY(bvxi_picture_open(context, function, options, image, &s.picture));
     if (before == NULL) return bvxi_fail_null(context, function, "before");
     if (after == NULL) return bvxi_fail_null(context, function, "after");

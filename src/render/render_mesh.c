@@ -414,10 +414,8 @@ static bvx_status run_render_mesh(bvx_context *context, const bvx_mesh_view *mes
                                   const bvx_render_options *options, bvx_image *image)
 {
     static const char *const function = "bvx_render_mesh";
-    mesh_scene s;
     double low[3], high[3];
-    memset(&s, 0, sizeof s);
-    s.view = mesh;
+    mesh_scene s = {.view = mesh};
     BVXI_TRY(bvxi_picture_open(context, function, options, image, &s.picture));
     BVXI_TRY(bvxi_view_check(context, function, mesh));
     BVXI_TRY(bvxi_view_bounds(context, function, mesh, low, high));
@@ -438,9 +436,7 @@ static bvx_status run_render_mesh(bvx_context *context, const bvx_mesh_view *mes
     }
     if (s.cut.on) bvxi_camera_move(&s.picture.camera, low, high);
 
-    bvx_status const status = make_scene(context, &s);
-    if (status != BVX_OK) return status;
-
+    BVXI_TRY(make_scene(context, &s));
     bvx_image_free(context, image);
     *image = s.picture.image;
     return BVX_OK;

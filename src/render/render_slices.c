@@ -141,7 +141,6 @@ static void lay_out_sheet(slice_sheet *s)
     /* Divided by the longest spacing, so that no size overflows. */
     w = s->right.voxels * (spacing[s->right.axis] / longest);
     h = s->up.voxels * (spacing[s->up.axis] / longest);
-    /* Every number of columns is tried: there are 1,024 at most. */
     for (int32_t columns = 1; columns <= s->count; columns++) {
         double const scale = scale_of_columns(s, columns, w, h);
         if (scale <= best) continue;
@@ -189,7 +188,6 @@ static int64_t count_slice_run(const uint64_t *row, int32_t begin, int32_t end)
 {
     int64_t count = 0;
     for (int32_t x = begin; x < end;) {
-        /* From word to word, with the bits outside the run masked off. */
         int32_t const next = (x & ~63) + 64 < end ? (x & ~63) + 64 : end;
         uint64_t const mask = (next & 63) != 0 ? bvxi_tail_mask(next) : ~UINT64_C(0);
         count += bvxi_popcount(row[x >> 6] & mask & ~UINT64_C(0) << (x & 63));
@@ -300,10 +298,8 @@ static bvx_status run_render_slices(bvx_context *context, const bvx_grid *grid, 
                                     const bvx_render_options *options, bvx_image *image)
 {
     static const char *const function = "bvx_render_slices";
-    slice_sheet s;
+    slice_sheet s = {0};
 
-    memset(&s, 0, sizeof s);
-    /* Options of the view are not looked at: slices have no direction. */
     BVXI_TRY(bvxi_picture_options(context, function, options, image, 0, &s.options));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     if (axis < 0 || axis > 2)

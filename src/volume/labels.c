@@ -61,7 +61,6 @@ static bvx_status grow_labels(label_table *t)
         return bvxi_fail_for(t->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY, "%s: more than 2^30 labels",
                              labels_name);
 
-    /* The table's slots depend on its size, so it is filled anew. */
     free_label_slots(t);
     BVXI_TRY(bvxi_resize(t->ctx, BVXI_SCRATCH, &t->entries, t->room * sizeof *t->entries,
                          room * sizeof *t->entries, "the labels"));
@@ -89,7 +88,6 @@ static bvx_status find_label(label_table *t, uint64_t value, uint64_t *entry)
     if (t->count == t->room) BVXI_TRY(grow_labels(t));
     /* Far more probes than a good hash needs: someone made these values against it. */
     if (t->tree.key == NULL && t->probes > bvxi_probe_limit(t->searches)) {
-        /* The table is not used again: a tree's cost is bound whatever the values are. */
         free_label_slots(t);
         BVXI_TRY(bvxi_key_tree_open(t->ctx, &t->tree, label_key, t, t->room));
         for (uint64_t i = 0; i < t->count; i++) bvxi_key_tree_find(&t->tree, i);
@@ -190,7 +188,6 @@ bvx_status bvxi_make_label_list(bvx_context *ctx, const bvx_volume_view *volume,
 static bvx_status run_list_labels(bvx_context *context, const bvx_volume_view *volume, bvx_label *labels,
                                   uint64_t capacity, uint64_t *count)
 {
-    label_table t = {0};
     int64_t stride[3];
 
     if (count == NULL) return bvxi_fail_null(context, labels_name, "count");
@@ -198,7 +195,7 @@ static bvx_status run_list_labels(bvx_context *context, const bvx_volume_view *v
     if (volume->sample_type >= BVX_SAMPLE_F32)
         return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: the samples are floats; labels are whole numbers",
                          labels_name);
-    t.ctx = context;
+    label_table t = {.ctx = context};
     BVXI_TRY(list_volume(&t, volume, stride));
     /* The count is given even where the array is too small. */
     *count = t.count;

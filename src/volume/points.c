@@ -142,10 +142,9 @@ static bvx_status run_voxelize_points(bvx_context *context, const bvx_mesh_view 
                                       bvx_grid *grid)
 {
     bvx_points_options o;
-    points_work work;
+    points_work work = {0};
     bvx_window window;
 
-    memset(&work, 0, sizeof work);
     if (grid == NULL) return bvxi_fail_null(context, points_name, "grid");
     BVXI_TRY(bvxi_take_options(context, points_name, options, &o, sizeof o));
     BVXI_TRY(bvxi_view_take_points(context, points_name, points, &work.view));

@@ -68,7 +68,6 @@ static void count_each(const uint8_t *p, int32_t type, int32_t n, bvxi_range_tal
     for (int32_t i = 0; i < n; i++) {
         double const v = bvxi_sample_value(p + (size_t)i * size, type);
 
-        /* Each sample is one of three: undefined, infinite, or one that extremes count. */
         if (v != v) {
             tally->nan++;
         } else if (v - v != 0.0) {
@@ -381,10 +380,9 @@ static void report_range(const bvxi_range_tally *tally, int32_t pieces, bvx_volu
 bvx_status bvxi_threshold(bvxi_call call, const bvx_volume_view *volume, const int64_t stride[3],
                           const bvxi_range *range, bvx_volume_report *report, bvx_grid *grid)
 {
-    bvxi_sample_walk walk = {0};
     bvxi_range_tally *tally = NULL;
 
-    walk.first = volume->samples;
+    bvxi_sample_walk walk = {.first = volume->samples};
     memcpy(walk.stride, stride, sizeof walk.stride);
     walk.run = range_run_for(call.ctx, volume->sample_type);
     walk.columns = report == NULL ? range_columns_for(call.ctx, volume->sample_type) : NULL;
@@ -395,7 +393,6 @@ bvx_status bvxi_threshold(bvxi_call call, const bvx_volume_view *volume, const i
     uint64_t const bytes = report != NULL ? (uint64_t)walk.pieces * sizeof *tally : 0;
     if (report != NULL)
         BVXI_TRY(bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, bytes, "the counts of samples", &tally));
-    /* Extremes begin at the opposite ends. */
     for (int32_t p = 0; p < walk.pieces && tally != NULL; p++) {
         tally[p].least = THRESHOLD_F64_MAX;
         tally[p].greatest = -THRESHOLD_F64_MAX;

@@ -45,6 +45,7 @@ static __attribute__((noinline, unused)) bvx_status model_block(bvx_status statu
 #ifndef ANALYZED_message
 #define bvxi_fail(...)      model_failure((bvxi_fail)(__VA_ARGS__))
 #define bvxi_fail_null(...) model_failure((bvxi_fail_null)(__VA_ARGS__))
+#define bvxi_fail_at(...)   model_failure((bvxi_fail_at)(__VA_ARGS__))
 #endif
 #ifndef ANALYZED_contour_text
 #define bvxi_contour_fail(...)        model_failure((bvxi_contour_fail)(__VA_ARGS__))
