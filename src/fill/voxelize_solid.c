@@ -83,16 +83,6 @@ static bvx_status check_arguments(bvx_context *ctx, const bvx_mesh_view *mesh, c
 
 /* ---- The rules ---- */
 
-static bvx_status fill_below(bvx_context *ctx, bvxi_solid_job *job, const bvx_voxelize_options *o,
-                             bvx_grid *solid, bvx_solid_report *report)
-{
-    bvxi_solid_job second;
-
-    if (o->second == NULL) return bvxi_below(ctx, job, NULL, o, solid, report);
-    BVXI_TRY(bvxi_solid_open(ctx, solid_name, o->second, &solid->lattice, &second));
-    return bvxi_below(ctx, job, &second, o, solid, report);
-}
-
 static bvx_status flood_or_fail(bvx_context *ctx, const bvxi_flood_walls *walls, bvx_grid *solid,
                                 bvx_solid_report *report)
 {
@@ -141,7 +131,12 @@ static bvx_status fill_by_rule(bvx_context *ctx, const bvx_mesh_view *mesh, cons
     job.holes = holes;
     if (o->fill == BVX_FILL_PARITY || o->fill == BVX_FILL_NONZERO)
         return bvxi_solid_fill(bvxi_solid_step(ctx, &job, 0.1, 1.0), &job, solid, 0, o->fill, report);
-    if (o->fill == BVX_FILL_BELOW) return fill_below(ctx, &job, o, solid, report);
+    if (o->fill == BVX_FILL_BELOW) {
+        bvxi_solid_job second;
+        if (o->second != NULL)
+            BVXI_TRY(bvxi_solid_open(ctx, solid_name, o->second, &solid->lattice, &second));
+        return bvxi_below(ctx, &job, o->second != NULL ? &second : NULL, o, solid, report);
+    }
     if (o->fill == BVX_FILL_WINDING) return bvxi_wind(ctx, &job, solid, 0.1, 1.0, report);
     return fill_by_vote(ctx, &job, o, solid, report);
 }

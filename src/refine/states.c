@@ -309,12 +309,6 @@ static octree_neighbour neighbour_of(const states_job *job, int32_t level, uint6
 
 /* ---- octets ---- */
 
-/* The boundary state that child p takes from its octet's. */
-static inline uint32_t octet_inherits(uint32_t p)
-{
-    return p << 3 | (~p & 7);
-}
-
 /* The neighbours within an octet of its children. */
 static inline uint32_t beside_in_octet(uint32_t m)
 {
@@ -376,7 +370,7 @@ static void work_on_octet(states_job *job, int32_t level, uint64_t octet)
         uint64_t below = octet_below(job, level, octet, 0);
         /* Split children are ranked in the order of their bits, so one running index finds each. */
         for (uint32_t p = 0; p < 8; p++) {
-            uint32_t state = o->state & octet_inherits(p);
+            uint32_t state = o->state & (p << 3 | (~p & 7)); /* what child p takes from its octet's */
             if ((o->split >> p & 1) == 0) continue;
             for (uint32_t a = 0; a < 3; a++)
                 if ((news >> (p ^ 1u << a) & 1) != 0) state |= 1u << (p >> a & 1 ? a : a + 3);
