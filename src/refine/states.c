@@ -409,14 +409,6 @@ static void work_on_cube(states_job *job, uint64_t octet)
     }
 }
 
-static void work_on_number(states_job *job, uint64_t number)
-{
-    int32_t level = job->bottom;
-    while (job->first[level] > number) level--;
-    if (level == job->bottom) work_on_cube(job, number - job->first[level]);
-    else work_on_octet(job, level, number - job->first[level]);
-}
-
 /* ---- all of it ---- */
 
 enum { OCTETS_BETWEEN_QUESTIONS = 1 << 17, STATES_GRAIN = 1024 };
@@ -427,8 +419,15 @@ static bvx_status work_until_done(bvx_context *ctx, states_job *job)
     while (job->rows_listed > 0 || job->listed > 0) {
         /* Rows of the base first: one fills 64 voxels at a time and leaves less to the octets. Any order
          * gives the same end. */
-        if (job->rows_listed > 0) work_on_row(job, job->row_list[--job->rows_listed]);
-        else work_on_number(job, job->list[--job->listed]);
+        if (job->rows_listed > 0) {
+            work_on_row(job, job->row_list[--job->rows_listed]);
+        } else {
+            uint64_t const number = job->list[--job->listed];
+            int32_t level = job->bottom;
+            while (job->first[level] > number) level--;
+            if (level == job->bottom) work_on_cube(job, number - job->first[level]);
+            else work_on_octet(job, level, number - job->first[level]);
+        }
         if (++since < OCTETS_BETWEEN_QUESTIONS) continue;
         since = 0;
         BVXI_TRY(bvxi_progress(ctx, "refine", 0.5));
