@@ -288,10 +288,9 @@ static void size_pieces(crumb_job *job)
         if (job->part[n].small) job->piece[job->part[n].source][job->part[n].piece].triangles = 1;
     for (int32_t s = 0; s < job->sources; s++)
         for (uint64_t t = 0; t < job->source[s].mesh->triangle_count; t++) {
-            crumb_piece *piece;
             uint32_t v[3];
             bvxi_view_triangle(job->source[s].mesh, t, v);
-            piece = &job->piece[s][job->source[s].piece[v[0]]];
+            crumb_piece *const piece = &job->piece[s][job->source[s].piece[v[0]]];
             piece->triangles += piece->triangles != 0;
         }
 }
@@ -389,9 +388,8 @@ static uint64_t judge_crumbs(crumb_job *job)
     }
     for (uint64_t n = 0; n < job->spaces.count; n++) {
         crumb_part *const p = &job->part[n];
-        const crumb_piece *piece;
         if (!p->small) continue;
-        piece = &job->piece[p->source][p->piece];
+        const crumb_piece *const piece = &job->piece[p->source][p->piece];
         /* A piece of something larger, or not its largest part: a crumb. */
         p->dropped = piece->large > piece->small || piece->best != (uint32_t)n + 1;
         dropped += p->dropped;
