@@ -7,6 +7,7 @@
 #include "bodies/joint.h"
 
 #include "mesh/mesh.h"
+#include "mesh/view.h"
 
 #define JOINT_ONE_PLACE 1e-12 /* of the contours' longest side */
 
@@ -179,16 +180,11 @@ static bvx_status find_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, const joint
 
 /* ---- vertices ---- */
 
-static uint32_t side_end(uint32_t side)
-{
-    return side % 3 == 2 ? side - 2 : side + 1;
-}
-
 /* Two faces of a body run along an edge in opposite directions. */
 static void join_sides(const joint_faces *f, uint32_t one, uint32_t two)
 {
-    bvxi_join(f->joined, one, side_end(two));
-    bvxi_join(f->joined, side_end(one), two);
+    bvxi_join(f->joined, one, bvxi_corner_after(two));
+    bvxi_join(f->joined, bvxi_corner_after(one), two);
 }
 
 static uint32_t third_vertex(const bvxi_tetra *t, uint32_t a, uint32_t b, uint32_t c)
@@ -243,19 +239,14 @@ static uint32_t face_around_others(const joint_faces *f, uint32_t side)
     }
 }
 
-/* Where two bodies touch themselves at one edge, the one with the lower number passes through. */
-static int passes_through(const joint_faces *f, uint32_t first)
-{
-    for (uint32_t i = first; i != BVXI_NONE; i = f->next[i])
-        if (face_around_others(f, i) == BVXI_NONE) return 0;
-    return 1;
-}
-
 /* Of an edge with several pairs of faces those with the body between them belong together; where it passes
  * through, those with another one between them. */
 static void join_pinched(const joint_faces *f, uint32_t first)
 {
-    int const through = passes_through(f, first);
+    int through = 1;
+    /* Where two bodies touch themselves at one edge, the one with the lower number passes through. */
+    for (uint32_t i = first; i != BVXI_NONE; i = f->next[i])
+        through = through && face_around_others(f, i) != BVXI_NONE;
     for (uint32_t i = first; i != BVXI_NONE; i = f->next[i]) {
         uint32_t const face = through ? face_around_others(f, i) : face_through_body(f, i);
         if (face == BVXI_NONE) continue;

@@ -28,18 +28,6 @@ static bvx_status choose_auto(auto_work *w, int32_t fill, int32_t reason)
     return BVX_OK;
 }
 
-/* Edges that do not balance may all the same cover each other: sides of T-junctions are longer on one triangle
- * than on its neighbors, and still close. */
-static bvx_status cover_each_other(bvx_context *ctx, const auto_work *w, int *closed)
-{
-    uint64_t *edges = NULL, count = 0;
-
-    BVXI_TRY(bvxi_open_edges(ctx, w->job.view, &w->job.snapped, 0, &edges, &count));
-    bvxi_drop(ctx, edges);
-    *closed = count == 0;
-    return BVX_OK;
-}
-
 /* Parity, which is every rule's answer where the crossings' steps and the
  * bits' are the same, or opposite: inside out. */
 static bvx_status try_parity(bvx_context *ctx, auto_work *w, const bvx_grid *solid, bvx_solid_report *report,
@@ -328,8 +316,13 @@ static bvx_status choose_or_fill(bvx_context *ctx, auto_work *w, bvx_grid *solid
 
     BVXI_TRY(bvxi_edges_balance(ctx, &w->job, 0.1, &balanced));
     if (!balanced) {
-        BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.2, cover_each_other(ctx, w, &w->cracked)));
-        balanced = w->cracked;
+        uint64_t *edges = NULL, count = 0;
+        /* Edges that do not balance may all the same cover each other: sides of T-junctions are longer on one
+         * triangle than on its neighbours, and still close. */
+        BVXI_TRY(
+            BVXI_SHARE(ctx, 0.1, 0.2, bvxi_open_edges(ctx, w->job.view, &w->job.snapped, 0, &edges, &count)));
+        bvxi_drop(ctx, edges);
+        balanced = w->cracked = count == 0;
     }
     if (!balanced) {
         BVXI_TRY(BVXI_SHARE(ctx, 0.2, 0.2 + (AUTO_CHOSEN - 0.2) * AUTO_EDGES, look_at_edges(ctx, w, 1)));

@@ -22,11 +22,8 @@ bvx_status bvxi_fill_known(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t 
 bvx_status bvxi_vote(bvxi_call step, bvxi_solid_job *job, int32_t want_clear, bvx_grid *solid, uint64_t *sure,
                      bvx_solid_report *report);
 
-/* regions.c, flood.c: solid holds the vote and becomes the rule's; surface is the mesh's conservative one.
- * solid and surface cover the whole lattice. */
-bvx_status bvxi_regions(bvx_context *ctx, const char *function, const bvx_grid *surface, const uint64_t *sure,
-                        bvx_grid *solid, bvx_solid_report *report);
-/* What a flood runs into: closing gaps adds to surface. */
+/* flood.c: solid holds the vote and becomes the rule's; surface is the mesh's conservative one. Both cover the
+ * whole lattice. What a flood runs into: closing gaps adds to surface. */
 typedef struct bvxi_flood_walls {
     bvx_grid *surface;
     const uint64_t *sure;

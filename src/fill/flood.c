@@ -173,13 +173,13 @@ static void reach_run(void *user, uint32_t space, int32_t begin, int32_t end, in
 static void flood_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
 {
     flood_work *const w = user;
-    size_t const at = ((size_t)z * (size_t)w->solid->size[1] + (size_t)y) * (size_t)w->solid->words_per_row;
-    uint64_t *const row = w->solid->words + at;
+    uint64_t *const row = bvxi_grid_row(w->solid, y, z), *const to = w->filled + (row - w->solid->words);
+    const uint64_t *const sure = w->sure + (row - w->solid->words);
 
     if (!w->reached[space]) {
         for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) {
             uint64_t const filled = ~row[k] & bvxi_run_mask(begin, end, k);
-            w->filled[at + (size_t)k] |= filled;
+            to[k] |= filled;
             w->filled_voxels += bvxi_popcount(filled);
             row[k] |= filled;
         }
@@ -190,7 +190,7 @@ static void flood_run(void *user, uint32_t space, int32_t begin, int32_t end, in
 
             /* Sure centres that the flood took are inside for certain, so they count leaks; nothing else
              * could tell a leak from an opening. */
-            w->leaks += bvxi_popcount(row[k] & w->sure[at + (size_t)k] & mask);
+            w->leaks += bvxi_popcount(row[k] & sure[k] & mask);
             row[k] &= ~mask;
         }
     }

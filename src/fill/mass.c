@@ -201,7 +201,7 @@ static void add_voxels(voxel_sums *s, uint64_t word, uint64_t x, uint64_t y, uin
 static uint64_t find_changes(const bvx_grid *g, int32_t k, int32_t y, int32_t z)
 {
     size_t const n = (size_t)g->words_per_row;
-    const uint64_t *const row = g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * n;
+    const uint64_t *const row = bvxi_grid_row(g, y, z);
     uint64_t const w = row[k], before = k > 0 ? row[k - 1] >> 63 : 0;
     uint64_t const after = k + 1 < g->words_per_row ? row[k + 1] << 63 : 0;
     size_t const slice = n * (size_t)g->size[1];

@@ -258,8 +258,7 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
                              const bvx_grid *solid, const bvx_voxelize_options *o, bvx_solid_report *report)
 {
     const bvx_lattice *const l = &solid->lattice;
-    int const whole = solid->size[0] == l->dims[0] && solid->size[1] == l->dims[1] &&
-                      solid->size[2] == l->dims[2];
+    int const whole = memcmp(solid->size, l->dims, sizeof solid->size) == 0;
     int const look = o->check_thin == BVX_CHECK_ALWAYS ||
                      (o->check_thin == BVX_CHECK_AUTO && whole && !o->add_shell);
     loss_sums sums;

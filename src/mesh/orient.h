@@ -80,11 +80,10 @@ static inline int bvxi_orient(const double a[3], const double b[3], const double
 {
     const double *const t[3] = {a, b, c};
     bvxi_orient_plane plane;
-    int side;
 
     /* The filter says on which side of the normal, the determinant the opposite. */
     bvxi_orient_plane_of(t, &plane);
-    side = bvxi_orient_side(&plane, d);
+    int const side = bvxi_orient_side(&plane, d);
 
     return BVXI_LIKELY(side != 0) ? -side : bvxi_orient_exact(a, b, c, d);
 }

@@ -12,7 +12,7 @@
  * guards, are ours.
  * Guarantee: what is turned does not depend on the order of triangles but where sums in their order decide.
  * An edge of two triangles is crossed once, as its sides are told by its corners in one order. */
-#include "core/vec3.h"
+#include "mesh/facet.h"
 #include "mesh/topology.h"
 #include "mesh/view.h"
 
@@ -298,15 +298,11 @@ bvx_status bvxi_patch_sides_turn(bvx_context *ctx, const bvxi_patch_sides *in)
     for (uint64_t t = 0; t < in->triangles; t++) {
         patch_side *const s = &sides[in->patch[t]];
         double const sign = in->turn[t] ? -1 : 1;
-        double p[3][3], u[3], v[3], n[3];
+        double p[3][3], n[3];
 
         side_corners(in, t, p);
-        for (int a = 0; a < 3; a++) {
-            u[a] = p[1][a] - p[0][a];
-            v[a] = p[2][a] - p[0][a];
-            p[0][a] -= in->centre[a];
-        }
-        bvxi_vec_cross(u, v, n);
+        bvxi_facet_cross((const double(*)[3])p, n);
+        for (int a = 0; a < 3; a++) p[0][a] -= in->centre[a];
         s->volume6 += sign * bvxi_vec_dot(p[0], n);
         s->area2 += bvxi_vec_length(n);
         for (int a = 0; a < 3; a++) s->face2[a] += sign * n[a];

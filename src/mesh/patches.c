@@ -132,13 +132,10 @@ static void each_edge(patch_work *w, void (*visit)(patch_work *, uint64_t, uint6
 double bvxi_patches_volume(const bvx_mesh_view *view, uint64_t t, const double centre[3])
 {
     double p[3][3];
-    uint32_t c[3];
-    bvxi_view_triangle(view, t, c);
+    bvxi_view_corners(view, t, p);
     /* About the centre, so that volumes of a mesh far away do not drown in rounding. */
-    for (int k = 0; k < 3; k++) {
-        bvxi_view_position(view, c[k], p[k]);
+    for (int k = 0; k < 3; k++)
         for (int a = 0; a < 3; a++) p[k][a] -= centre[a];
-    }
     return bvxi_vec_volume6(p[0], p[1], p[2]);
 }
 

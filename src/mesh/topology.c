@@ -12,6 +12,7 @@
  * too. */
 #include "mesh/topology.h"
 #include "bits/sort.h"
+#include "mesh/view.h"
 
 enum {
     TOPOLOGY_ASKS = 1 << 20, /* corners between asking progress */
@@ -62,11 +63,6 @@ static int topology_bit_is_set(const uint64_t *bits, uint64_t i)
 static void topology_bit_set(uint64_t *bits, uint64_t i)
 {
     bits[i >> 6] |= UINT64_C(1) << (i & 63);
-}
-
-static uint32_t half_edge_after(uint32_t h)
-{
-    return h % 3 == 2 ? h - 2 : h + 1;
 }
 
 static uint32_t half_edge_before(uint32_t h)
@@ -275,7 +271,7 @@ static int walk_fan(const topology *c, uint32_t v, uint32_t h, uint32_t from, ui
             corner = over;
             h = half_edge_before(over);
         } else {
-            corner = half_edge_after(over);
+            corner = bvxi_corner_after(over);
             h = corner;
         }
         if (corner == from) return 1;
@@ -341,7 +337,7 @@ static bvx_status search_broken_fans(topology *c)
     for (uint64_t h = 0; h < 3 * c->triangle_count; h++) {
         if (c->ring[c->ring[h]] == h) continue;
         topology_bit_set(c->broken, c->corners[h]);
-        topology_bit_set(c->broken, c->corners[half_edge_after((uint32_t)h)]);
+        topology_bit_set(c->broken, c->corners[bvxi_corner_after((uint32_t)h)]);
     }
 
     for (uint64_t h = 0; h < half_edges; h++) {

@@ -111,6 +111,12 @@ static inline void bvxi_view_raw_triangle(const bvx_mesh_view *v, uint64_t t, ui
     }
 }
 
+/* The corner after c in its triangle, where each three in a row are one's. */
+static inline uint32_t bvxi_corner_after(uint32_t c)
+{
+    return c % 3 == 2 ? c - 2 : c + 1;
+}
+
 /* Corners of triangle t; 0 when one of them is no vertex (corner is then unspecified). */
 static inline int bvxi_view_triangle(const bvx_mesh_view *v, uint64_t t, uint32_t corner[3])
 {

@@ -33,9 +33,7 @@ static int32_t nearest_layer(const bvx_grid *hollow, const drain_hole *hole, uin
     /* All set voxels once; a layer nearer to the side begins the sums anew. */
     for (v[2] = 0; v[2] < hollow->size[2]; v[2]++)
         for (v[1] = 0; v[1] < hollow->size[1]; v[1]++) {
-            const uint64_t *const row = hollow->words +
-                                        ((size_t)v[2] * (size_t)hollow->size[1] + (size_t)v[1]) *
-                                            (size_t)hollow->words_per_row;
+            const uint64_t *const row = bvxi_grid_row(hollow, v[1], v[2]);
             for (int32_t k = 0; k < hollow->words_per_row; k++)
                 for (uint64_t w = row[k]; w != 0; w &= w - 1) {
                     v[0] = k * BVXI_WORD_BITS + bvxi_lowest(w);

@@ -77,12 +77,6 @@ BVXI_AVX2_COPY(grow_slice_avx2,
 BVXI_AVX2_COPY(join_words_avx2, (uint64_t * out, const uint64_t *a, const uint64_t *b, size_t words),
                join_words_loop(out, a, b, words))
 
-static void grow_slice_along_x(const runs_job *job, const uint64_t *from, uint64_t *out)
-{
-    BVXI_PATH(job->cpu == BVX_CPU_AVX2, grow_slice_loop(from, &job->ends, job->around, out, job->slice),
-              grow_slice_avx2(from, &job->ends, job->around, out, job->slice));
-}
-
 static void join_two(const runs_job *job, uint64_t *out, const uint64_t *a, const uint64_t *b, size_t words)
 {
     BVXI_PATH(job->cpu == BVX_CPU_AVX2, join_words_loop(out, a, b, words), join_words_avx2(out, a, b, words));
@@ -114,8 +108,12 @@ static void spread_slice(const runs_job *job, uint64_t *scratch, int32_t z, int3
 
     /* Each width from the one before it, by one voxel; all runs of the ball then lie ready. */
     read_run_slice(job, z, grown_slice(job, scratch, 0));
-    for (int32_t w = 1; w <= job->reach[0]; w++)
-        grow_slice_along_x(job, grown_slice(job, scratch, w - 1), grown_slice(job, scratch, w));
+    for (int32_t w = 1; w <= job->reach[0]; w++) {
+        const uint64_t *const from = grown_slice(job, scratch, w - 1);
+        uint64_t *const out = grown_slice(job, scratch, w);
+        BVXI_PATH(job->cpu == BVX_CPU_AVX2, grow_slice_loop(from, &job->ends, job->around, out, job->slice),
+                  grow_slice_avx2(from, &job->ends, job->around, out, job->slice));
+    }
     for (int32_t dz = 0; dz <= job->reach[2]; dz++) {
         const int32_t *const half = job->half + dz * (job->reach[1] + 1);
         uint64_t *const low = z - dz >= begin && z - dz < end ? job->to.words + (size_t)(z - dz) * job->slice

@@ -105,12 +105,6 @@ BVXI_VECTOR_INLINE void step_stretch(const sweep_job *job, const step_rows *r, u
 BVXI_AVX2_COPY(step_stretch_avx2, (const sweep_job *job, const step_rows *r, uint64_t *out, size_t words),
                step_stretch(job, r, out, words))
 
-static void take_step(const sweep_job *job, const step_rows *r, uint64_t *out, size_t words)
-{
-    BVXI_PATH(job->cpu == BVX_CPU_AVX2, step_stretch(job, r, out, words),
-              step_stretch_avx2(job, r, out, words));
-}
-
 /* What a slice of a step is made from: three slices of the step before, rows beyond, work space. */
 typedef struct step_slice {
     const uint64_t *slice[3], *outside;
@@ -138,7 +132,9 @@ static void step_rows_from(const sweep_job *job, const step_slice *s, int32_t y,
         memcpy(s->room + 1, r.row[1][1], words * 8);
         r.row[1][1] = s->room + 1;
     }
-    take_step(job, &r, out + (size_t)y * words, (size_t)count * words);
+    uint64_t *const to = out + (size_t)y * words;
+    BVXI_PATH(job->cpu == BVX_CPU_AVX2, step_stretch(job, &r, to, (size_t)count * words),
+              step_stretch_avx2(job, &r, to, (size_t)count * words));
 }
 
 static void set_row_tails(const sweep_job *job, uint64_t *slice, uint64_t around)

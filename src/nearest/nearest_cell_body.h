@@ -47,7 +47,6 @@ BVXI_SIMD_CODE static inline int32_t BVXI_SIMD(shift_near_leaves)(const bvxi_nea
     floats8 const zero = eight_all(0.0f);
     eight_mask const is_listed = eight_lanes(listed);
     floats8 corner = zero, d = zero;
-    float farthest, least;
 
     for (int a = 0; a < 3; a++) {
         floats8 const origin = eight_all(cell->origin[a]);
@@ -63,12 +62,12 @@ BVXI_SIMD_CODE static inline int32_t BVXI_SIMD(shift_near_leaves)(const bvxi_nea
         d = eight_add(d, eight_mul(from, from));
     }
 
-    farthest = -eight_least(eight_sub(zero, eight_keep(is_listed, corner)));
+    float const farthest = -eight_least(eight_sub(zero, eight_keep(is_listed, corner)));
     *far_corner = farthest > *far_corner ? farthest : *far_corner;
 
     /* What is not listed is further than anything. */
     d = eight_choose(is_listed, d, eight_all(0x1p126f));
-    least = eight_least(d);
+    float const least = eight_least(d);
     if (!(least < cell->point_distance2)) return -1;
     return bvxi_lowest(eight_bits(eight_equal(d, eight_all(least))));
 }

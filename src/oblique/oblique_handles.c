@@ -16,6 +16,7 @@
  * that is half a cell thick at its thinnest on both sides stays: it is the body's rather than the lattice's. */
 #include "oblique/oblique.h"
 #include "bits/sort.h"
+#include "mesh/view.h"
 
 #define HANDLE_MIDDLE 0.001F /* cells: the number of a vertex put into an edge between planes */
 
@@ -57,17 +58,12 @@ static bvx_status report_look(handle_work *w)
     return bvxi_progress(w->o->ctx, "surface", w->done);
 }
 
-static uint32_t handle_next_corner(uint32_t c)
-{
-    return c % 3 == 2 ? c - 2 : c + 1;
-}
-
 /* ---- patches ---- */
 
 static bvx_status join_surface_patches(handle_work *w, const uint32_t *corner)
 {
     for (uint32_t c = 0; c < 3 * w->triangles; c++) {
-        uint32_t const a = corner[c], b = corner[handle_next_corner(c)], x = w->vertex_of[a],
+        uint32_t const a = corner[c], b = corner[bvxi_corner_after(c)], x = w->vertex_of[a],
                        y = w->vertex_of[b];
         uint32_t *first;
 
@@ -85,8 +81,8 @@ static bvx_status join_surface_patches(handle_work *w, const uint32_t *corner)
         w->side[*first] = 1;
         w->side[c] = 2;
         bvxi_join(w->patch, *first / 3, c / 3);
-        bvxi_join(w->fan, *first, handle_next_corner(c));
-        bvxi_join(w->fan, handle_next_corner(*first), c);
+        bvxi_join(w->fan, *first, bvxi_corner_after(c));
+        bvxi_join(w->fan, bvxi_corner_after(*first), c);
     }
     return BVX_OK;
 }
@@ -103,7 +99,7 @@ static bvx_status count_surface_patches(handle_work *w)
         if (bvxi_root(w->fan, c) == c) ++*euler;
         if (w->side[c] != 2) --*euler;
         if (w->side[c] == 0)
-            bvxi_join(w->loop, bvxi_root(w->fan, c), bvxi_root(w->fan, handle_next_corner(c)));
+            bvxi_join(w->loop, bvxi_root(w->fan, c), bvxi_root(w->fan, bvxi_corner_after(c)));
     }
     /* Each loop once, at the fan that is its root, which a border edge begins at. */
     for (uint32_t c = 0; c < 3 * w->triangles; c++) {

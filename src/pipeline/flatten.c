@@ -234,6 +234,15 @@ static void mark_blocks_around(flatten_job *f, const bvx_mesh_view *all)
     }
 }
 
+static int reaches_marked_block(const flatten_job *f, const int32_t low[3], const int32_t high[3])
+{
+    for (int32_t z = low[2]; z <= high[2]; z++)
+        for (int32_t y = low[1]; y <= high[1]; y++)
+            for (int32_t x = low[0]; x <= high[0]; x++)
+                if (*flatten_blocks(f, x, y, z) & FLATTEN_REACHED) return 1;
+    return 0;
+}
+
 static int is_around(const flatten_job *f, const bvx_mesh_view *all, const uint32_t c[3])
 {
     int32_t low[3], high[3];
@@ -246,11 +255,7 @@ static int is_around(const flatten_job *f, const bvx_mesh_view *all, const uint3
     if (*flatten_blocks(f, block_along(f, 0, p[0]), block_along(f, 1, p[1]), block_along(f, 2, p[2])) == 0)
         return 0;
     blocks_of(f, all, c, low, high);
-    for (int32_t z = low[2]; z <= high[2]; z++)
-        for (int32_t y = low[1]; y <= high[1]; y++)
-            for (int32_t x = low[0]; x <= high[0]; x++)
-                if (*flatten_blocks(f, x, y, z) & FLATTEN_REACHED) return 1;
-    return 0;
+    return reaches_marked_block(f, low, high);
 }
 
 /* Count the triangles in marked blocks, or with corner list them; their vertices are numbered on the way. */
@@ -324,14 +329,6 @@ static bvx_status open_around(flatten_job *f)
     return BVX_OK;
 }
 
-static void read_positions(flatten_job *f)
-{
-    bvx_mesh_view all;
-    bvx_mesh_view_of(f->mesh, &all);
-    for (uint64_t v = 0; v < f->near.vertex_count; v++)
-        bvxi_view_position(&all, f->vertex[v], f->position + 3 * v);
-}
-
 /* ---- Moving them ---- */
 
 static void write_position(const flatten_job *f, const flatten_vertex *m)
@@ -383,15 +380,6 @@ static int reach_of_triangle(const flatten_job *f, uint64_t t, int32_t low[3], i
         }
     }
     return changed;
-}
-
-static int reaches_marked_block(const flatten_job *f, const int32_t low[3], const int32_t high[3])
-{
-    for (int32_t z = low[2]; z <= high[2]; z++)
-        for (int32_t y = low[1]; y <= high[1]; y++)
-            for (int32_t x = low[0]; x <= high[0]; x++)
-                if (*flatten_blocks(f, x, y, z) != 0) return 1;
-    return 0;
 }
 
 /* Triangles that meet what has changed lie in a block with it. Others met nothing before, or nothing that
@@ -480,11 +468,15 @@ static void step_back(flatten_job *f, int32_t round)
 
 static bvx_status move_vertices(flatten_job *f)
 {
+    bvx_mesh_view all;
+
     for (int32_t round = 0;; round++) {
         /* From the start, so that a step back replaces the way before. */
         for (uint64_t n = 0; n < f->count; n++) write_position(f, &f->moved[n]);
         if (round > FLATTEN_ROUNDS) return BVX_OK;
-        read_positions(f);
+        bvx_mesh_view_of(f->mesh, &all);
+        for (uint64_t v = 0; v < f->near.vertex_count; v++)
+            bvxi_view_position(&all, f->vertex[v], f->position + 3 * v);
         take_changed(f);
         mark_flat(f, &f->around_change);
         /* Of all of them: vertices meet wherever triangles are. */

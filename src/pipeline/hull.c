@@ -6,7 +6,6 @@
  * shells. Then the surface is measured from these triangles as in repair, and its edges collapse.
  * Guarantee: that of bvx_repair and of the levels of its surface, whatever the input. */
 #include "fill/fills.h"
-#include "mesh/facet.h"
 #include "mesh/mesh.h"
 #include "pipeline/repair.h"
 #include "simplify/room.h"
@@ -246,17 +245,6 @@ static bvx_status find_outer(hull_job *job)
 
 /* ---- The surface ---- */
 
-static double area_of_view(const bvx_mesh_view *mesh)
-{
-    double area = 0, p[3][3], n[3];
-
-    for (uint64_t t = 0; t < mesh->triangle_count; t++) {
-        bvxi_view_corners(mesh, t, p);
-        area += 0.5 * bvxi_facet_normal((const double(*)[3])p, n);
-    }
-    return area;
-}
-
 static bvx_status join_shells(hull_job *job)
 {
     bvxi_repair_job *const r = &job->repair;
@@ -332,8 +320,8 @@ static void warn_of_hull(hull_job *job, const bvxi_level_chain *chain)
     bvx_certificate from = {0};
 
     if (r->sheets.triangle_count != 0)
-        BVXI_WARN(r->ctx, BVX_WARN_SHELLS, (double)r->sheets.triangle_count, area_of_view(&r->sheets),
-                  area_of_view(&r->mesh));
+        BVXI_WARN(r->ctx, BVX_WARN_SHELLS, (double)r->sheets.triangle_count, bvxi_view_area(&r->sheets),
+                  bvxi_view_area(&r->mesh));
     bvxi_levels_warn(r->ctx, chain, &from, NULL);
     job->report.warnings = bvxi_warned(r->ctx);
 }

@@ -92,16 +92,6 @@ static bvx_status check_lod_options(bvx_context *ctx, const bvx_grid *solid, bvx
     return o->target_triangles != NULL ? BVX_OK : check_resolutions(ctx, solid, o, level_count);
 }
 
-/* Ratio n/r of each axis: one for all from the longest side, or each axis its own. */
-static void level_ratio(const lod_job *job, int32_t resolution, int32_t n[3], int32_t r[3])
-{
-    const bvx_lod_options *const o = job->options;
-    for (int32_t a = 0; a < 3; a++) {
-        n[a] = o->axis_resolutions != NULL ? job->solid->size[a] : longest_side(job->solid);
-        r[a] = o->axis_resolutions != NULL ? o->axis_resolutions[3 * job->level + (uint64_t)a] : resolution;
-    }
-}
-
 /* ---- one level ---- */
 
 typedef struct level_work {
@@ -121,8 +111,13 @@ static bvx_status open_level(bvx_context *ctx, lod_job *job, int32_t resolution,
     memset(w, 0, sizeof *w);
     w->march.function = lod_name;
 
-    /* Samples first; the march over their bits asks for ratios at crossed edges only. */
-    level_ratio(job, resolution, by.n, by.r);
+    /* Samples first; the march over their bits asks for ratios at crossed edges only: n/r of each axis, one for
+     * all from the longest side, or each axis its own. */
+    for (int32_t a = 0; a < 3; a++) {
+        by.n[a] = o->axis_resolutions != NULL ? job->solid->size[a] : longest_side(job->solid);
+        by.r[a] = o->axis_resolutions != NULL ? o->axis_resolutions[3 * job->level + (uint64_t)a]
+                                              : resolution;
+    }
     BVXI_TRY(bvxi_downsample_open(ctx, lod_name, job->solid, &by, &w->samples));
     if (o->sampling.method == BVX_LOD_EDGE_RATIO) BVXI_TRY(bvxi_extended_sample(ctx, &w->samples));
     else BVXI_TRY(bvxi_coverage_sample(ctx, &w->samples, !count_only));

@@ -149,7 +149,7 @@ static bvx_status merge_blocks(octree_mesh_job *job, bvx_mesh *mesh)
 
 static bvx_status run_blocks(octree_mesh_job *job, bvx_mesh *mesh)
 {
-    bvx_status status;
+    bvx_status status = BVX_OK;
 
     /* Counted first, so that positions of all blocks have one type. */
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.05, visit_blocks(job)));
@@ -158,8 +158,6 @@ static bvx_status run_blocks(octree_mesh_job *job, bvx_mesh *mesh)
         BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->room * sizeof *job->part,
                                  "the blocks' surfaces", &job->part));
         status = BVXI_SHARE(job->ctx, 0.05, 0.4, visit_blocks(job));
-    } else {
-        status = BVX_OK;
     }
     if (status == BVX_OK) status = BVXI_SHARE(job->ctx, 0.4, 1.0, merge_blocks(job, mesh));
     for (uint64_t i = job->part_count; i-- > 0;) bvx_mesh_free(job->ctx, &job->part[i]);

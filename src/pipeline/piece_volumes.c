@@ -28,18 +28,6 @@ static void add_to_piece(bvxi_mesh_piece *s, const double p[3][3])
     s->triangles++;
 }
 
-/* Number the marks of pieces that have triangles, from 1 on; returns how many. */
-static uint64_t number_pieces(const bvx_mesh_view *mesh, const bvxi_piece_marks *by, uint32_t *number,
-                              uint64_t marks)
-{
-    uint32_t count = 0;
-
-    for (uint64_t t = 0; t < mesh->triangle_count; t++) number[bvxi_piece_mark(mesh, by, t)] = 1;
-    for (uint64_t n = 0; n < marks; n++)
-        if (number[n] != 0) number[n] = ++count;
-    return count;
-}
-
 static void add_triangles(const bvx_mesh_view *mesh, const bvxi_piece_marks *by, const uint32_t *number,
                           const bvx_certificate *of, bvxi_mesh_piece *pieces)
 {
@@ -75,7 +63,10 @@ bvx_status bvxi_mesh_pieces_open(bvx_context *ctx, const bvx_mesh_view *mesh, co
     uint32_t *number;
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, marks * 4, "the numbers of the pieces", &number));
-    *count = number_pieces(mesh, by, number, marks);
+    /* Numbers of the marks of pieces that have triangles, from 1 on. */
+    for (uint64_t t = 0; t < mesh->triangle_count; t++) number[bvxi_piece_mark(mesh, by, t)] = 1;
+    for (uint64_t n = *count = 0; n < marks; n++)
+        if (number[n] != 0) number[n] = (uint32_t)++ * count;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, *count * sizeof **pieces, "the pieces' volumes", pieces));
     add_triangles(mesh, by, number, of, *pieces);
     bvxi_drop(ctx, number);

@@ -5,7 +5,7 @@
  * lies beyond the mesh as short of it. That also brings the surface nearer.
  * Guarantee: that of the surface before, as flatten.c checks each step. What is even, hollow or thicker stays
  * to the bit. Numbers and threads do not show. */
-#include "core/vec3.h"
+#include "mesh/facet.h"
 #include "pipeline/thicken.h"
 
 #define BAR_EVEN   0.999 /* of a vertex: its triangles' areas as vectors summed, over the areas' sum */
@@ -52,13 +52,8 @@ static const uint32_t *bar_corners(const bar_job *b, uint64_t t)
 /* n: twice its area, along its normal. */
 static void bar_triangle(const bar_job *b, uint64_t t, double p[3][3], double n[3])
 {
-    double u[3], v[3];
     for (int k = 0; k < 3; k++) memcpy(p[k], b->place + 3 * (uint64_t)bar_corners(b, t)[k], sizeof p[k]);
-    for (int a = 0; a < 3; a++) {
-        u[a] = p[1][a] - p[0][a];
-        v[a] = p[2][a] - p[0][a];
-    }
-    bvxi_vec_cross(u, v, n);
+    bvxi_facet_cross((const double(*)[3])p, n);
 }
 
 /* ---- Which vertices ---- */

@@ -122,8 +122,7 @@ static uint64_t crumb_word(const crumb_job *job, int32_t k, int32_t y, int32_t z
     const bvx_grid *const g = job->inside;
     /* Beyond the window is not of the part. */
     if (k < 0 || y < 0 || z < 0 || k >= g->words_per_row || y >= g->size[1] || z >= g->size[2]) return 0;
-    uint64_t w =
-        g->words[((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row + (size_t)k];
+    uint64_t const w = bvxi_grid_row(g, y, z)[k];
     return job->empty ? ~w : w;
 }
 
@@ -158,8 +157,7 @@ static void measure_crumb_run(void *user, uint32_t space, int32_t begin, int32_t
 static void mark_small_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
 {
     crumb_job *const job = user;
-    uint64_t *const row = job->small.words + ((size_t)z * (size_t)job->small.size[1] + (size_t)y) *
-                                                 (size_t)job->small.words_per_row;
+    uint64_t *const row = bvxi_grid_row(&job->small, y, z);
     if (!job->part[space].small) return;
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) row[k] |= bvxi_run_mask(begin, end, k);
 }
@@ -290,10 +288,9 @@ static void size_pieces(crumb_job *job)
         if (job->part[n].small) job->piece[job->part[n].source][job->part[n].piece].triangles = 1;
     for (int32_t s = 0; s < job->sources; s++)
         for (uint64_t t = 0; t < job->source[s].mesh->triangle_count; t++) {
-            crumb_piece *piece;
             uint32_t v[3];
             bvxi_view_triangle(job->source[s].mesh, t, v);
-            piece = &job->piece[s][job->source[s].piece[v[0]]];
+            crumb_piece *const piece = &job->piece[s][job->source[s].piece[v[0]]];
             piece->triangles += piece->triangles != 0;
         }
 }
@@ -391,9 +388,8 @@ static uint64_t judge_crumbs(crumb_job *job)
     }
     for (uint64_t n = 0; n < job->spaces.count; n++) {
         crumb_part *const p = &job->part[n];
-        const crumb_piece *piece;
         if (!p->small) continue;
-        piece = &job->piece[p->source][p->piece];
+        const crumb_piece *const piece = &job->piece[p->source][p->piece];
         /* A piece of something larger, or not its largest part: a crumb. */
         p->dropped = piece->large > piece->small || piece->best != (uint32_t)n + 1;
         dropped += p->dropped;
@@ -404,8 +400,7 @@ static uint64_t judge_crumbs(crumb_job *job)
 static void flip_crumb_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
 {
     crumb_job *const job = user;
-    uint64_t *const row = job->inside->words + ((size_t)z * (size_t)job->inside->size[1] + (size_t)y) *
-                                                   (size_t)job->inside->words_per_row;
+    uint64_t *const row = bvxi_grid_row(job->inside, y, z);
     if (!job->part[space].dropped) return;
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) row[k] ^= bvxi_run_mask(begin, end, k);
 }

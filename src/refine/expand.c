@@ -16,9 +16,7 @@ typedef struct expand_job {
 
 static inline uint64_t *expand_row(const expand_job *job, int32_t y, int32_t z)
 {
-    const bvx_grid *const g = job->grid;
-    return g->words + ((size_t)(z - job->low[2]) * (size_t)g->size[1] + (size_t)(y - job->low[1])) *
-                          (size_t)g->words_per_row;
+    return bvxi_grid_row(job->grid, y - job->low[1], z - job->low[2]);
 }
 
 /* Set a voxel of another level, cut to the window. */
@@ -91,24 +89,20 @@ static void expand_octet(const expand_job *job, int32_t level, uint64_t octet, c
     }
 }
 
-static void expand_column(const expand_job *job, int32_t y, int32_t z)
-{
-    for (int32_t x = job->first[0]; x <= job->last[0]; x++) {
-        int32_t const v[3] = {x, y, z};
-        uint64_t const bit = bvxi_root_bit(job->tree, x, y, z);
-        int32_t const state = bvxi_octets_state(&job->tree->root, bit);
-        if (bvxi_octets_is_split(&job->tree->root, bit) && job->level > 0)
-            expand_octet(job, 0, bvxi_octets_rank(&job->tree->root, bit), v);
-        else if ((state & job->states) != 0) set_expanded_box(job, v, 0);
-    }
-}
-
 static void expand_piece(void *user, uint64_t begin, uint64_t end)
 {
     const expand_job *const job = user;
     uint64_t const ny = (uint64_t)(job->last[1] - job->first[1]) + 1;
+    const bvx_octree *const tree = job->tree;
+
     for (uint64_t i = begin; i < end; i++)
-        expand_column(job, job->first[1] + (int32_t)(i % ny), job->first[2] + (int32_t)(i / ny));
+        for (int32_t x = job->first[0]; x <= job->last[0]; x++) {
+            int32_t const v[3] = {x, job->first[1] + (int32_t)(i % ny), job->first[2] + (int32_t)(i / ny)};
+            uint64_t const bit = bvxi_root_bit(tree, v[0], v[1], v[2]);
+            if (bvxi_octets_is_split(&tree->root, bit) && job->level > 0)
+                expand_octet(job, 0, bvxi_octets_rank(&tree->root, bit), v);
+            else if ((bvxi_octets_state(&tree->root, bit) & job->states) != 0) set_expanded_box(job, v, 0);
+        }
 }
 
 static bvx_status check_expand_arguments(bvx_context *ctx, const bvx_octree *tree, int32_t level,

@@ -309,12 +309,6 @@ static octree_neighbour neighbour_of(const states_job *job, int32_t level, uint6
 
 /* ---- octets ---- */
 
-/* The boundary state that child p takes from its octet's. */
-static inline uint32_t octet_inherits(uint32_t p)
-{
-    return p << 3 | (~p & 7);
-}
-
 /* The neighbours within an octet of its children. */
 static inline uint32_t beside_in_octet(uint32_t m)
 {
@@ -376,7 +370,7 @@ static void work_on_octet(states_job *job, int32_t level, uint64_t octet)
         uint64_t below = octet_below(job, level, octet, 0);
         /* Split children are ranked in the order of their bits, so one running index finds each. */
         for (uint32_t p = 0; p < 8; p++) {
-            uint32_t state = o->state & octet_inherits(p);
+            uint32_t state = o->state & (p << 3 | (~p & 7)); /* what child p takes from its octet's */
             if ((o->split >> p & 1) == 0) continue;
             for (uint32_t a = 0; a < 3; a++)
                 if ((news >> (p ^ 1u << a) & 1) != 0) state |= 1u << (p >> a & 1 ? a : a + 3);
@@ -415,14 +409,6 @@ static void work_on_cube(states_job *job, uint64_t octet)
     }
 }
 
-static void work_on_number(states_job *job, uint64_t number)
-{
-    int32_t level = job->bottom;
-    while (job->first[level] > number) level--;
-    if (level == job->bottom) work_on_cube(job, number - job->first[level]);
-    else work_on_octet(job, level, number - job->first[level]);
-}
-
 /* ---- all of it ---- */
 
 enum { OCTETS_BETWEEN_QUESTIONS = 1 << 17, STATES_GRAIN = 1024 };
@@ -433,8 +419,15 @@ static bvx_status work_until_done(bvx_context *ctx, states_job *job)
     while (job->rows_listed > 0 || job->listed > 0) {
         /* Rows of the base first: one fills 64 voxels at a time and leaves less to the octets. Any order
          * gives the same end. */
-        if (job->rows_listed > 0) work_on_row(job, job->row_list[--job->rows_listed]);
-        else work_on_number(job, job->list[--job->listed]);
+        if (job->rows_listed > 0) {
+            work_on_row(job, job->row_list[--job->rows_listed]);
+        } else {
+            uint64_t const number = job->list[--job->listed];
+            int32_t level = job->bottom;
+            while (job->first[level] > number) level--;
+            if (level == job->bottom) work_on_cube(job, number - job->first[level]);
+            else work_on_octet(job, level, number - job->first[level]);
+        }
         if (++since < OCTETS_BETWEEN_QUESTIONS) continue;
         since = 0;
         BVXI_TRY(bvxi_progress(ctx, "refine", 0.5));

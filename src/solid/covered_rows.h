@@ -55,7 +55,6 @@ static inline int bvxi_triangle_setup(const int32_t *a, const int32_t *b, const 
     int64_t const uy = (int64_t)b[1] - a[1], uz = (int64_t)b[2] - a[2];
     int64_t const vy = (int64_t)c[1] - a[1], vz = (int64_t)c[2] - a[2];
     int64_t const area = uy * vz - uz * vy;
-    int64_t ux, vx;
 
     if (area == 0) return 0;
     t->leaving = area > 0;
@@ -63,8 +62,8 @@ static inline int bvxi_triangle_setup(const int32_t *a, const int32_t *b, const 
     memcpy(t->p[0], a, 12);
     memcpy(t->p[1], area > 0 ? b : c, 12);
     memcpy(t->p[2], area > 0 ? c : b, 12);
-    ux = (int64_t)b[0] - a[0];
-    vx = (int64_t)c[0] - a[0];
+    int64_t const ux = (int64_t)b[0] - a[0];
+    int64_t const vx = (int64_t)c[0] - a[0];
     t->n[0] = area > 0 ? area : -area;
     t->n[1] = area > 0 ? uz * vx - ux * vz : ux * vz - uz * vx;
     t->n[2] = area > 0 ? ux * vy - uy * vx : uy * vx - ux * vy;

@@ -69,8 +69,7 @@ bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid
 bvx_status bvxi_march_fill(bvx_context *ctx, bvxi_march *m, bvx_mesh *mesh);
 void bvxi_march_close(bvx_context *ctx, bvxi_march *m);
 
-/* count.c, emit.c: pieces of slots for bvxi_parallel. */
-void bvxi_march_count_piece(void *march, int32_t piece);
+/* emit.c: pieces of slots for bvxi_parallel. */
 void bvxi_march_emit_piece(void *march, int32_t piece);
 
 /* Vertices keep this far from an edge's ends, in edge lengths: two f32

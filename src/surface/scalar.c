@@ -19,15 +19,6 @@ static const bvxi_option scalar_rows[] = {
     BVXI_RESERVED(bvx_scalar_options, reserved),
 };
 
-/* Before samples are read. */
-static bvx_status check_scalar_options(bvx_context *ctx, const char *function, bvx_scalar_options *o)
-{
-    /* NaN compares with nothing: all samples would be outside. */
-    if (o->level != o->level)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE, "%s: level is NaN", function);
-    return bvxi_check_options(ctx, function, o, BVXI_OPTIONS(scalar_rows));
-}
-
 /* The struct of a grid over the volume's window, without words. */
 static void shape_inside(const bvx_volume_view *volume, bvx_grid *inside)
 {
@@ -90,7 +81,10 @@ static bvx_status run_extract_scalar(bvx_context *context, const bvx_volume_view
     /* Everything is checked before the bits' memory is taken. */
     if (mesh == NULL) return bvxi_fail_null(context, name, "mesh");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
-    BVXI_TRY(check_scalar_options(context, name, &o));
+    /* NaN compares with nothing: all samples would be outside. */
+    if (o.level != o.level)
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE, "%s: level is NaN", name);
+    BVXI_TRY(bvxi_check_options(context, name, &o, BVXI_OPTIONS(scalar_rows)));
     BVXI_TRY(bvxi_volume_check(context, name, volume, stride));
     shape_inside(volume, &inside);
     BVXI_TRY(

@@ -125,12 +125,6 @@ static void sharp_turn_piece(void *work, int32_t piece, uint64_t begin, uint64_t
     w->counts[piece] = count;
 }
 
-static uint64_t kept_before(const bvxi_sharp_work *w, uint64_t loop)
-{
-    return loop < w->first[w->march->slot_count] ? w->loops[loop].before
-                                                 : w->surface->vertex_count - w->march->vertex_count;
-}
-
 /* Vertex number of the apex beyond the face of a side that is turned, or UINT32_MAX. */
 static uint32_t apex_beyond(const bvxi_sharp_work *w, uint64_t slot, const bvxi_cell_walk *c,
                             const bvxi_sharp_loop *s, int32_t face)
@@ -163,9 +157,11 @@ static void write_slot_triangles(const bvxi_sharp_work *w, uint64_t slot)
 {
     const bvxi_march *const m = w->march;
     const bvxi_slot *const from = &m->slots[slot];
-    uint32_t *out = w->surface->triangles +
-                    3 * ((size_t)from->triangle + 2 * (size_t)kept_before(w, w->first[slot]));
-    const bvxi_sharp_loop *s = w->loops + w->first[slot], *const end = w->loops + w->first[slot + 1];
+    uint64_t const first = w->first[slot];
+    uint64_t const kept = first < w->first[m->slot_count] ? w->loops[first].before
+                                                          : w->surface->vertex_count - m->vertex_count;
+    uint32_t *out = w->surface->triangles + 3 * (size_t)(from->triangle + 2 * kept);
+    const bvxi_sharp_loop *s = w->loops + first, *const end = w->loops + w->first[slot + 1];
     bvxi_cell_walk c;
 
     /* Rows without sharp cells are copied whole. */

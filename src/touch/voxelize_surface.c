@@ -311,16 +311,6 @@ bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_m
     return BVX_OK;
 }
 
-static void report_surface(const bvxi_surface_job *job, bvx_surface_report *report)
-{
-    memset(report, 0, sizeof *report);
-    for (int32_t t = 0; t < job->tiles.count; t++) {
-        report->triangles += job->used[t];
-        report->samples += job->samples[t];
-        report->parts += job->parts[t];
-    }
-}
-
 static bvx_status run_voxelize_surface(bvx_context *context, const bvx_mesh_view *mesh,
                                        const bvx_lattice *lattice, const bvx_surface_options *options,
                                        bvx_grid *surface)
@@ -338,7 +328,13 @@ static bvx_status run_voxelize_surface(bvx_context *context, const bvx_mesh_view
     begin_surface(context, mesh, o.mode, o.attached != NULL, &made, &job);
     bvx_status const status = run_surface(context, surface_name, &o, &job);
     BVXI_TRY(bvxi_grid_put(context, status, &made, surface));
-    if (o.report != NULL) report_surface(&job, o.report);
+    if (o.report == NULL) return BVX_OK;
+    *o.report = (bvx_surface_report){0};
+    for (int32_t t = 0; t < job.tiles.count; t++) {
+        o.report->triangles += job.used[t];
+        o.report->samples += job.samples[t];
+        o.report->parts += job.parts[t];
+    }
     return BVX_OK;
 }
 
