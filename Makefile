@@ -98,7 +98,7 @@ soname := libbitvox.so.$(call number,MAJOR)$(if $(filter 0,$(call number,MAJOR))
 threads := $(call accepts,-pthread)
 link_shared := -shared $(call accepts,-Wl$(comma)-soname$(comma)$(soname))
 
-key := $(CC) $(shell $(CC) --version 2>/dev/null | head -n 1) $(base) $(LDFLAGS) $(libs) $(zlib) $(WERROR) $(CORE_FLAGS)
+key := $(CC) $(shell $(CC) --version 2>/dev/null | head -n 1) $(base) $(LDFLAGS) $(libs) $(zlib) $(WERROR) $(CORE_FLAGS)$(if $(UNITS), units $(UNITS))
 folder := $(BUILD)/$(shell printf '%s' $(call quote,$(key)) | cksum | cut -d ' ' -f 1)
 
 # ---- Files ----
@@ -114,7 +114,16 @@ bench_parts := $(addprefix tests/bench/,bench.c bench_models.c parity_loop.c box
 benches := $(filter-out $(bench_parts),$(sort $(wildcard tests/bench/*.c)))
 
 built = $(patsubst %.c,$(folder)/%$(1),$(2))
+own_flags := $(addprefix src/core/,openmp.c threads.c processors.c)
+# UNITS=N, for builds that are made once: the library in N sources that include the others, so that headers are read less often.
+ifeq ($(UNITS),)
 core_objects := $(call built,.o,$(core_sources))
+else
+units := $(shell sh tests/tools/make_units.sh $(folder)/src $(UNITS) $(filter-out $(own_flags),$(core_sources)))
+core_objects := $(units:.c=.o) $(call built,.o,$(own_flags))
+# There gcc sees through calls from file to file, and takes what only a failure leaves unset for used.
+units_quiet := $(call accepts,-Wno-maybe-uninitialized)
+endif
 cli_objects := $(call built,.o,$(cli_sources))
 archive := $(folder)/libbitvox.a
 
@@ -148,7 +157,7 @@ $(folder)/bitvox$(SUFFIX): $(cli_objects) $(archive)
 # CORE_FLAGS is for the core alone: counts of coverage without those of the tests' slow oracles.
 $(folder)/src/%: errors = -Werror
 $(folder)/src/%: flags = $(CORE_FLAGS)
-$(call built,.o,$(addprefix src/core/,openmp.c threads.c processors.c)): flags = $(workers) $(CORE_FLAGS)
+$(call built,.o,$(own_flags)): flags = $(workers) $(CORE_FLAGS)
 # The program's own code waits for files and the library: not worth a slow build.
 $(cli_objects): flags = $(if $(zlib),-DBVX_HAVE_ZLIB) $(threads) $(brisk)
 
@@ -156,15 +165,19 @@ $(folder)/%.o: %.c
 	@mkdir -p $(@D)
 	$(call say,CC  ,$<) $(CC) $(base) $(flags) $(if $(filter-out 0,$(WERROR)),$(errors)) -c $< -o $@
 
+$(units:.c=.o): %.o: %.c
+	$(call say,CC  ,$<) $(CC) $(base) $(units_quiet) $(flags) $(if $(filter-out 0,$(WERROR)),$(errors)) -c $< -o $@
+
 # ---- Test programs (linked with the static library, so that they reach internal functions too) ----
 
 # They run once: what a slow build of them would save, it costs three times over.
 unity_defines := -DUNITY_INCLUDE_DOUBLE -DUNITY_SUPPORT_64
 brisk := $(if $(filter -O3,$(CFLAGS)),-O1)
-$(folder)/tests/%: flags = -Itests $(brisk)
-$(folder)/tests/unit/%: flags = -Itests -isystem $(UNITY_DIR) $(unity_defines) $(brisk)
-$(folder)/tests/unit/test_threads.o: flags = -Itests -isystem $(UNITY_DIR) $(unity_defines) $(brisk) $(workers)
-$(folder)/tests/fuzz/%: flags = -Itests -DBVX_FUZZ_MAIN $(brisk)
+brisk_test := $(if $(filter -O2 -O3,$(CFLAGS)),-O1)
+$(folder)/tests/%: flags = -Itests $(brisk_test)
+$(folder)/tests/unit/%: flags = -Itests -isystem $(UNITY_DIR) $(unity_defines) $(brisk_test)
+$(folder)/tests/unit/test_threads.o: flags = -Itests -isystem $(UNITY_DIR) $(unity_defines) $(brisk_test) $(workers)
+$(folder)/tests/fuzz/%: flags = -Itests -DBVX_FUZZ_MAIN $(brisk_test)
 $(folder)/tests/bench/%: flags = -Itests
 $(folder)/tests/fault/%: test_libs = -lcmocka
 
@@ -199,7 +212,7 @@ $(folder)/tests/%: $(folder)/tests/%.o $(archive)
 	$(link) $^ -o $@ $(test_libs) $(libs)
 
 -include $(patsubst %.c,$(folder)/%.d,$(core_sources) $(cli_sources) $(unit_tests) $(fault_tests) $(golden_tests) \
-    $(fuzz_tests) $(examples) $(benches) $(bench_parts))
+    $(fuzz_tests) $(examples) $(benches) $(bench_parts)) $(units:.c=.d)
 
 print-folder:
 	@echo $(folder)
@@ -313,13 +326,13 @@ deps-windows: deps ## and what the tests of the program for Windows need: mingw,
 deps-js: ## and what the npm package needs: emscripten, nodejs, chromium
 	@sh tests/tools/deps.sh js
 
-test: deps ## all tests of this machine and compiler (40 minutes of processor time); ends with "N passed, N failed"
+test: deps ## all tests of this machine and compiler (half an hour of processor time); ends with "N passed, N failed"
 	@$(environment) sh tests/tools/run_tests.sh here
 
 test-quick: ## without the Python package
 	@$(environment) sh tests/tools/run_tests.sh quick
 
-test-other: deps-windows ## other compilers, 32-bit x86, big-endian s390x, sanitizers (45 minutes of processor time), a part of test-windows
+test-other: deps-windows ## other compilers, 32-bit x86, big-endian s390x, sanitizers (25 minutes of processor time), a part of test-windows
 	@$(environment) sh tests/tools/run_tests.sh other
 
 test-windows: deps-windows ## the program for Windows under wine: every script and golden values (mingw, wine)

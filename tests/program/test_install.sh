@@ -67,7 +67,7 @@ builds_static() { # MAKE SETTINGS...
 }
 
 static_without_threads() {
-    builds_static THREADS=0 ZLIB=0 CFLAGS=-O0 BUILD="$work/plain" || return 1
+    builds_static THREADS=0 ZLIB=0 CFLAGS=-O0 UNITS=16 BUILD="$work/plain" || return 1
     ! grep -q -e openmp -e gomp -e pthread "$work/static/lib/pkgconfig/bitvox.pc"
 }
 

@@ -32,11 +32,6 @@ empty() { # FILE, WHAT ITS LINES ARE: the check holds when there are none
 
 # ---- sources ----
 
-as_one_unit() {
-    for f in $core; do echo "#include \"$PWD/$f\""; done >"$work/unit.c"
-    $CC -std=c99 -Wall -Wextra -Werror -ffp-contract=off -Iinclude -Isrc -fsyntax-only "$work/unit.c"
-}
-
 # The core asks for nothing but these when there is no operating system; the compiler's own helpers come from libgcc. -O0 drops no call
 # that the source has, and takes a third of the time of -O1.
 freestanding() { # after amalgamation, which leaves one source of all
@@ -283,7 +278,6 @@ check 'C examples of the pages' sh tests/tools/check_docs.sh programs
 check 'commands of the pages' sh tests/tools/check_docs.sh commands
 check 'figures of the pages' python3 tests/bench/page.py check docs/measured.json README.md docs/measured.md
 check 'pictures of the pages' sh tests/tools/check_docs.sh pictures
-check 'all sources as one unit' as_one_unit
 check 'amalgamation' amalgamation
 check 'contracted products are refused' contraction_is_refused
 check 'core compiles for Windows' compiles_for_windows

@@ -51,22 +51,24 @@ left_out=
 
 # ---- Rows: each is make with its settings ----
 
+once=UNITS=16 # a fifth of the compiler's time less where nothing is compiled a second time
+
 row_native() { mk "$@"; }
-row_plain() { mk CFLAGS=-O0 THREADS=0 ZLIB=0 WERROR=1 "$@"; }
-row_fast() { mk CFLAGS=-O3 WERROR=1 "$@"; }
-row_clang() { mk CC=clang THREADS=posix CFLAGS=-O3 WERROR=1 "$@"; }
-row_san() { mk THREADS=posix CFLAGS="-O1 -g $sanitizers" "$@"; }
+row_plain() { mk $once CFLAGS=-O0 THREADS=0 ZLIB=0 WERROR=1 "$@"; }
+row_fast() { mk $once CFLAGS=-O3 WERROR=1 "$@"; }
+row_clang() { mk $once CC=clang THREADS=posix CFLAGS=-O3 WERROR=1 "$@"; }
+row_san() { mk $once THREADS=posix CFLAGS="-O1 -g1 $sanitizers" "$@"; }
 row_memory() {
-    mk CC=clang THREADS=0 ZLIB=0 CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=memory -fsanitize-memory-track-origins' "$@"
+    mk $once CC=clang THREADS=0 ZLIB=0 CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=memory -fsanitize-memory-track-origins' "$@"
 }
 row_threads() {
     # GNU's OpenMP is not built to be seen by TSan.
-    mk CC=clang THREADS=posix ZLIB=0 CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=thread' CPPFLAGS='-include tests/tools/more_threads.h' "$@"
+    mk $once CC=clang THREADS=posix ZLIB=0 CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=thread' CPPFLAGS='-include tests/tools/more_threads.h' "$@"
 }
-row_i686() { mk CC="$i686" AR="$i686_ar" CFLAGS=-O2 LDFLAGS=-static THREADS=0 ZLIB=0 WERROR=1 "$@"; }
-row_windows() { mk CC=x86_64-w64-mingw32-gcc AR=x86_64-w64-mingw32-ar CFLAGS=-O2 LDFLAGS=-static "$@"; }
+row_i686() { mk $once CC="$i686" AR="$i686_ar" CFLAGS=-O2 LDFLAGS=-static THREADS=0 ZLIB=0 WERROR=1 "$@"; }
+row_windows() { mk $once CC=x86_64-w64-mingw32-gcc AR=x86_64-w64-mingw32-ar CFLAGS=-O2 LDFLAGS=-static "$@"; }
 row_s390x() {
-    mk CC=s390x-linux-gnu-gcc AR=s390x-linux-gnu-ar CFLAGS=-O2 LDFLAGS=-static THREADS=0 ZLIB=0 WERROR=1 "$@"
+    mk $once CC=s390x-linux-gnu-gcc AR=s390x-linux-gnu-ar CFLAGS=-O2 LDFLAGS=-static THREADS=0 ZLIB=0 WERROR=1 "$@"
 }
 
 build() { # ROW, GOALS...: sets $folder
@@ -86,9 +88,9 @@ build_or_remove() { # GOALS...
 
 # ---- Programs beside each other: list_... prints a line for each, run_lines runs them all, count_... tells what came of them ----
 
-# What takes longest comes first, so that no processor waits at the end for one that began late. test_add_option.py comes after what gives
-# the lane of the Python package time to fetch the tools that it builds with. Names and order matter for the time alone.
-longest='s390x-golden---brief.log check_house.sh test_python.sh packaging.sh test_level_faults test_program.sh test_levels.sh test_must_reach.py test_repair_faults
+# What takes longest comes first, so that no processor waits at the end for one that began late. Names and order matter for the time alone.
+longest='s390x-golden---brief.log python-pytest-2.log python-pytest-1.log check_house.sh plain-golden.log packaging.sh windows-golden.log test_level_faults
+    test_program.sh test_levels.sh test_must_reach.py test_repair_faults python-wheels.log i686-golden.log clang-golden.log
     test_section_faults test_install.sh test_add_option.py test_voxels.sh test_oblique test_solid_same test_winding test_sharp test_levels
     test_algebra_faults test_vote test_simplify test_regions test_level_memory test_repair_sharp test_repair test_refine_faults
     test_section_mend test_surface_voxels_faults test_winding_loose test_collapse test_repair.sh test_faults.sh test_commands.sh test_flood'
@@ -300,21 +302,21 @@ count_script() { # NAME
     fi
 }
 
-# The Python package, built and installed in a clean virtual environment; most of the time goes into pip.
-run_python() {
-    sh tests/tools/logged.sh "$(log_of python)" "${PYTHON_SECONDS:-1500}" sh tests/tools/test_python.sh
+# The Python package, built and installed in a clean virtual environment; then its tests, in groups that run beside each other.
+python_parts=
+prepare_python() {
+    sh tests/tools/logged.sh "$(log_of python)" "${PYTHON_SECONDS:-1500}" sh tests/tools/test_python.sh prepare
+}
+
+list_python() {
+    for part in $python_parts; do
+        (allowed=${PYTHON_SECONDS:-1500} && list_command "python $part" sh tests/tools/test_python.sh $(echo "$part" | tr - ' '))
+    done
 }
 
 count_python() {
-    python_log=$(log_of python)
-    read -r status seconds <"$python_log.end"
-    if [ "$status" = 77 ]; then
-        skip python "$(tail -n 1 "$python_log")"
-    elif [ -n "$(counts_of "$python_log")" ]; then
-        add_counts python "$python_log" "$status" "$seconds"
-    else
-        fail python "$python_log"
-    fi
+    count_script python
+    for part in $python_parts; do count_script "python $part"; done
 }
 
 # A locale whose decimal point is a comma, for the tests that show that it changes nothing.
@@ -330,11 +332,15 @@ build_here() {
     if has_cmocka; then fault=fault-programs; else fault=; fi
     build native all test-programs $fault
     native=$folder
+    if [ "$CC ${CFLAGS:-}" = "cc -O3" ]; then check 'native/no warnings' no_warnings "$(log_of 'native/build all')"; fi
     mkdir -p "$BUILD/tested"
     cp -f "$BUILD/bitvox" "$BUILD/tested/bitvox"
     BITVOX=$(cd "$BUILD/tested" && pwd)/bitvox
     export BITVOX
 }
+
+# Of the library and the program, file by file at the level that users build with; rows with UNITS see fewer kinds.
+no_warnings() { ! grep -E '^(src|include)/.*warning:' "$1"; }
 
 list_here() {
     list_kind native unit ''
@@ -344,6 +350,7 @@ list_here() {
     list_golden native '' --threads 8
     list_examples
     list_program
+    list_python
     list_command gltf sh tests/tools/test_gltf.sh "$native"
     list_command checks sh tests/tools/check_house.sh "$native"
 }
@@ -365,17 +372,33 @@ count_checks() {
     add_script checks "$(log_of checks)" "$status"
 }
 
-tests_of_other_compilers() {
+build_other_compilers() { # sets $compilers
+    compilers=
     for row in plain fast clang; do
         if [ $row = fast ] && [ "$CC ${CFLAGS:-}" = "cc -O3" ]; then continue; fi # that was the native row
         if [ $row = clang ] && ! has clang; then
             skip clang "clang is missing"
             continue
         fi
-        build $row row-products
-        run_golden $row ''
-        # the POSIX pool
-        if [ $row = clang ]; then check clang/test_threads eval "row_clang \$folder/tests/unit/test_threads && \$folder/tests/unit/test_threads"; fi
+        goals=row-products
+        if [ $row = clang ]; then goals="$goals $(row_clang print-folder)/tests/unit/test_threads"; fi # the POSIX pool
+        build $row $goals
+        compilers="$compilers $row"
+    done
+}
+
+list_other_compilers() {
+    for row in $compilers; do
+        folder=$(row_$row print-folder)
+        list_golden $row ''
+        if [ $row = clang ]; then list_command clang/unit/test_threads "$folder/tests/unit/test_threads"; fi
+    done
+}
+
+count_other_compilers() {
+    for row in $compilers; do
+        count_log_of "$row/golden"
+        if [ $row = clang ]; then count_log_of clang/unit/test_threads; fi
     done
 }
 
@@ -456,53 +479,74 @@ count_machines() {
     fi
 }
 
-# The program for Windows under wine. Scripts get a command that starts it; what wine lacks they skip and say so. The folder of
-# wine's settings is made once, as its first start takes long.
-tests_of_windows() { # brief: the scripts that take a minute at most
+# The program for Windows under wine. Scripts get a command that starts it; what wine lacks they skip and say so. windows_folder is empty
+# where there is no wine. The folder of wine's settings is made by its first start, beside what is built next, as that takes long.
+build_windows() {
+    windows_folder=
     if ! has x86_64-w64-mingw32-gcc || ! has wine; then
         skip windows "mingw or wine is missing (Debian: gcc-mingw-w64-x86-64 libz-mingw-w64-dev wine wine64; make deps-windows)"
         return
     fi
     mkdir -p "$BUILD/windows"
     windows=$(cd "$BUILD/windows" && pwd)
-    export WINEDEBUG=-all WINEPREFIX="$windows/wine" SYSTEM=windows
+    export WINEDEBUG=-all WINEPREFIX="$windows/wine"
     folder=$(row_windows print-folder)
     build windows "$folder/bitvox.exe" "$folder/tests/golden/golden"
     if [ ! -f "$folder/bitvox.exe" ]; then return; fi
+    windows_folder=$folder
     printf '#!/bin/sh\nexec sh "%s/tests/tools/under_wine.sh" "%s" "$@"\n' "$PWD" "$(cd "$folder" && pwd)/bitvox.exe" >"$windows/bitvox"
     rm -f "$folder/bitvox.exe.again"
     chmod +x "$windows/bitvox"
     # By itself the server of wine leaves three seconds after its last program, and the next one waits for a new server. This one stays
-    # while the tests run, and leaves after ten minutes without a program.
-    if has wineserver; then wineserver -p600 >"$logs/wineserver" 2>&1 </dev/null; fi
-    check 'windows/the program starts' wine "$folder/bitvox.exe" --version
-    if [ -f "$folder/tests/golden/golden.exe" ]; then
-        count windows/golden wine "$folder/tests/golden/golden.exe"
-    else
-        fail 'windows/golden: was not built'
-    fi
+    # while the rest is built and the tests run, and leaves after half an hour without a program.
+    {
+        if has wineserver; then wineserver -p1800; fi
+        wine "$folder/bitvox.exe" --version
+        echo "status $?"
+    } >"$logs/wineserver" 2>&1 </dev/null &
+    wine_starts=$!
+}
 
-    windows_scripts=
-    for script in tests/program/*.sh; do
-        case $1/$script in
-        */test_install.sh) skip "windows/$(basename "$script")" "make install puts libraries of this system"; continue ;;
-        brief/*/test_program.sh | brief/*/test_levels.sh | brief/*/test_level_meshes.sh | brief/*/test_voxels.sh | brief/*/test_commands.sh)
-            skip "windows/$(basename "$script")" "make test-windows runs it"
-            continue
-            ;;
-        esac
-        windows_scripts="$windows_scripts $script"
-        rm -f "$(log_of "windows/$(basename "$script")").end"
+program_starts() { tail -n 1 "$logs/wineserver" | grep -x 'status 0' || { cat "$logs/wineserver"; return 1; }; }
+
+list_windows() { # brief: the scripts that take a minute at most
+    if [ -z "$windows_folder" ]; then return; fi
+    wait $wine_starts
+    folder=$windows_folder
+    rm -f "$(log_of windows/golden).end"
+    if [ -f "$folder/tests/golden/golden.exe" ]; then list_command windows/golden wine "$folder/tests/golden/golden.exe"; fi
+    for script in $(windows_scripts "$1"); do
+        list_command "windows/$(basename "$script")" env SYSTEM=windows "BITVOX=$windows/bitvox" sh "$script"
     done
-    for script in $windows_scripts; do
-        list_command "windows/$(basename "$script")" env "BITVOX=$windows/bitvox" sh "$script"
-    done | run_lines
-    for script in $windows_scripts; do count_script "windows/$(basename "$script")"; done
+}
+
+windows_scripts() { # brief
+    for script in tests/program/*.sh; do
+        if [ -z "$(windows_lacks "$1/$script")" ]; then echo "$script"; fi
+    done
+}
+
+windows_lacks() { # TIER/SCRIPT: prints why the script is left out
+    case $1 in
+    */test_install.sh) echo "make install puts libraries of this system" ;;
+    brief/*/test_program.sh | brief/*/test_levels.sh | brief/*/test_level_meshes.sh | brief/*/test_voxels.sh | brief/*/test_commands.sh)
+        echo "make test-windows runs it"
+        ;;
+    esac
+}
+
+count_windows() { # brief
+    if [ -z "$windows_folder" ]; then return; fi
+    check 'windows/the program starts' program_starts
+    count_log_of windows/golden
+    for script in tests/program/*.sh; do
+        why=$(windows_lacks "$1/$script")
+        if [ -n "$why" ]; then skip "windows/$(basename "$script")" "$why"; else count_script "windows/$(basename "$script")"; fi
+    done
     if has wineserver; then wineserver -k >>"$logs/wineserver" 2>&1 </dev/null || true; fi
-    if [ -s "$folder/bitvox.exe.again" ]; then
-        echo "note  windows: wine left before the program began and was started again: $(wc -l <"$folder/bitvox.exe.again") times"
+    if [ -s "$windows_folder/bitvox.exe.again" ]; then
+        echo "note  windows: wine left before the program began and was started again: $(wc -l <"$windows_folder/bitvox.exe.again") times"
     fi
-    unset SYSTEM
 }
 
 make_locale
@@ -518,42 +562,52 @@ quick)
     count_checks
     ;;
 here)
-    build_here
-    # The package is a lane beside all others: it waits for downloads first.
-    run_python &
+    # The package's tools are fetched and its wheel is compiled while the library is: one waits for the network, the other does not.
+    prepare_python &
     beside=$!
     trap 'kill $beside 2>/dev/null; exit 130' INT TERM
-    tests_here
+    build_here
     wait $beside
+    if [ "$(cut -d ' ' -f 1 "$(log_of python).end")" != 77 ]; then python_parts='wheels pytest-1 pytest-2'; fi
+    tests_here
     count_python
     count_checks
     ;;
 other)
-    # All is built first and then runs from one line, so that no processor waits while the emulators work.
+    # All is built first and then runs from one line, so that no processor waits at the end.
     sh tests/tools/get_unity.sh "${UNITY_DIR:-$BUILD/unity}"
     BVX_QUICK=1
     export BVX_QUICK
     allow 1800 # every allocation of the long stages, several times slower than without sanitizers; all golden rows under an emulator
     if has_cmocka; then fault=fault-programs; else fault=; fi
+    build_windows
     build_machines brief
     build san fuzz-programs $fault
+    san=$folder
+    build_other_compilers
     {
+        folder=$san
         if [ -n "$fault" ]; then list_kind san fault ''; fi
-        dear_inputs=60 # of 300 where each runs whole chains of stages; make san runs all
+        dear_inputs=30 # of 300 where each runs whole chains of stages; make san runs all
         list_fuzz san ''
         list_machines
+        list_other_compilers
         list_command 'projects that use CMake' sh tests/tools/packaging.sh quick
-    } | run_lines
+        list_windows brief
+    } >"$logs/lines"
+    run_lines <"$logs/lines"
     if [ -n "$fault" ]; then count_kind san fault; else skip san/fault "the library cmocka is missing"; fi
     count_fuzz san
     count_machines
     count_script 'projects that use CMake'
-    tests_of_windows brief
-    unset BVX_QUICK
-    tests_of_other_compilers
+    count_windows brief
+    count_other_compilers
     ;;
 windows)
-    tests_of_windows whole
+    build_windows
+    list_windows whole >"$logs/lines"
+    run_lines <"$logs/lines"
+    count_windows whole
     ;;
 machines)
     BVX_QUICK=1

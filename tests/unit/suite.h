@@ -27,6 +27,12 @@ static fault_heap suite_heap;
 static int quick;    /* on emulated machines: fewer trials */
 static int long_run; /* with BITVOX_LARGE: all trials, also those that take minutes */
 
+/* Trials of random inputs: few on emulated machines, as many as take every branch several times, or all. */
+static inline int32_t trial_count(int32_t few, int32_t usual, int32_t all)
+{
+    return quick ? few : long_run ? all : usual;
+}
+
 /* Defaults but for threads (0: as many as the machine has processors) and the code for vectors. */
 static inline bvx_context_options suite_options(int32_t threads, int32_t cpu)
 {

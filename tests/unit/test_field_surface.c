@@ -183,7 +183,7 @@ static void test_surface_is_the_oracles_on_long_rows(void)
 static void test_noise_never_crosses(void)
 {
     uint64_t triangles = 0;
-    int const trials = quick ? 50 : 2000;
+    int const trials = trial_count(50, 500, 2000);
 
     for (int n = 0; n < trials; n++) {
         bvx_lattice const l = random_lattice();

@@ -18,7 +18,7 @@ static void test_the_oracle_sees_crossings(void)
     m = surface_of(ctx, NULL, &o);
     p = m.positions;
     TEST_ASSERT_EQUAL_UINT64(0, crossing_count(&m, 4503599627370496.0, &wrong));
-    for (int n = 0; n < 100; n++) {
+    for (int n = 0; n < trial_count(25, 25, 100); n++) {
         size_t const v = (size_t)maker_below(&seed, (int32_t)m.vertex_count);
         float const old = p[3 * v];
         p[3 * v] = old < 6 ? old + 5 : old - 5;
@@ -199,7 +199,7 @@ static void test_noise_never_crosses(void)
 {
     tally t = {0, 0, 0, 0, 0};
 
-    for (int n = 0; n < (quick ? 50 : 2000); n++) {
+    for (int n = 0; n < trial_count(50, 500, 2000); n++) {
         bvx_lattice const l = random_lattice();
         field_maker_free(ctx, &field);
         field_maker_noise(ctx, &seed, &l, 2 + maker_below(&seed, 13), 12 + maker_below(&seed, 5),
@@ -215,7 +215,7 @@ static void test_noise_with_triangles_never_crosses(void)
     double const low[3] = {1, 1, 1}, high[3] = {15, 15, 15};
     tally t = {0, 0, 0, 0, 0};
 
-    for (int n = 0; n < (quick ? 50 : 2000); n++) {
+    for (int n = 0; n < trial_count(50, 500, 2000); n++) {
         bvx_lattice const l = random_lattice();
         bvx_mesh_view view;
         field_maker_free(ctx, &field);
@@ -234,7 +234,7 @@ static void test_jagged_solids_never_cross(void)
 {
     tally t = {0, 0, 0, 0, 0};
 
-    for (int n = 0; n < (quick ? 20 : 500); n++) {
+    for (int n = 0; n < trial_count(20, 150, 500); n++) {
         bvx_lattice const l = random_lattice();
         bvx_mesh_view view;
         field_maker_free(ctx, &field);

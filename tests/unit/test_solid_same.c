@@ -10,7 +10,7 @@
 
 static void test_shift_by_whole_voxels_shifts_the_bits(void)
 {
-    for (int32_t trial = 0; trial < (quick ? 6 : 40); trial++) {
+    for (int32_t trial = 0; trial < trial_count(6, 20, 40); trial++) {
         int32_t const by[3] = {maker_below(&seed, 70), maker_below(&seed, 5), maker_below(&seed, 5)};
         bvx_lattice const l = lattice_of(140, 20, 18);
         bvx_grid a, b;
@@ -32,7 +32,7 @@ static void test_shift_by_whole_voxels_shifts_the_bits(void)
 
 static void test_order_and_orientation_change_nothing(void)
 {
-    for (int32_t trial = 0; trial < (quick ? 8 : 60); trial++) {
+    for (int32_t trial = 0; trial < trial_count(8, 30, 60); trial++) {
         bvx_lattice const l = lattice_of(66, 14, 15);
         int32_t const fill = BVX_FILL_PARITY + trial % 2;
         bvx_solid_report r, s;
@@ -63,7 +63,7 @@ static void test_windows_are_cut_out_of_the_whole(void)
 {
     uint64_t unbalanced[2] = {0, 0};
 
-    for (int32_t trial = 0; trial < (quick ? 6 : 40); trial++) {
+    for (int32_t trial = 0; trial < trial_count(6, 20, 40); trial++) {
         bvx_lattice const l = lattice_of(130, 19, 17);
         for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_NONZERO; fill++) {
             bvx_solid_report r;
@@ -162,7 +162,8 @@ static void test_rounds_of_small_triangles(void)
     bvx_lattice const l = lattice_of(40, 33, 34);
 
     maker_clear(&mesh);
-    for (int32_t i = 0; i < (quick ? 3000 : 12000); i++) { /* about four crossings each: many times 8192 */
+    /* About four crossings each: a few times 8192. */
+    for (int32_t i = 0; i < trial_count(3000, 6000, 12000); i++) {
         double const x = maker_below(&seed, 40), y = maker_below(&seed, 33), z = maker_below(&seed, 34);
         double const u = maker_between(&seed, 3.5, 3.99, 65536), v = maker_between(&seed, 1.5, 1.99, 65536);
         uint32_t const a = maker_vertex(&mesh, x, y, z);

@@ -347,7 +347,7 @@ static void assert_block_is_its_centres(const bvx_lattice *l, int is_signed)
 
 static void test_bricks_say_what_their_centres_say(void)
 {
-    for (int32_t trial = 0; trial < (quick ? 6 : 400); trial++) {
+    for (int32_t trial = 0; trial < trial_count(6, 120, 400); trial++) {
         bvx_lattice l = lattice_of(60, 50, 55);
         maker_clear(&mesh);
         if (trial % 4 == 0)
