@@ -214,24 +214,16 @@ static bvx_status widen(thin_job *t)
     return keep_reach(t);
 }
 
-/* The triangles that were asked go on to the surface, as the centres have. */
-static void hand_on(thin_job *t)
-{
-    bvxi_thin *const thin = t->thin;
-    thin->corner = t->walls->corner;
-    thin->corner_bytes = t->walls->corner_bytes;
-    thin->mesh = t->walls->near;
-    t->walls->corner = NULL;
-}
-
 bvx_status bvxi_thicken(bvxi_walls *walls, bvx_grid *inside, bvxi_thin *thin)
 {
-    thin_job t;
-    t.walls = walls;
-    t.inside = inside;
-    t.thin = thin;
+    thin_job t = {walls, inside, thin};
+
     BVXI_TRY(widen(&t));
-    hand_on(&t);
+    /* The triangles that were asked go on to the surface, as the centres have. */
+    thin->corner = walls->corner;
+    thin->corner_bytes = walls->corner_bytes;
+    thin->mesh = walls->near;
+    walls->corner = NULL;
     return BVX_OK;
 }
 

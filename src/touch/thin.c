@@ -177,8 +177,8 @@ static int facing_axis(const bvxi_touch_batch *b, uint32_t i)
     for (int a = 0; a < 3; a++) {
         int const y = a == 2 ? 0 : a + 1, z = a == 0 ? 2 : a - 1;
         int64_t const n = u[y] * v[z] - u[z] * v[y], size = n < 0 ? -n : n;
-        if (size > most) facing = a;
-        if (size > most) most = size;
+        facing = size > most ? a : facing;
+        most = size > most ? size : most;
     }
     return facing;
 }
