@@ -36,7 +36,7 @@ const modules = [moduleOf('bitvox', 'bitvox', true), moduleOf('scalar', 'bitvox'
 // Where time goes, measured on levels, repairs, booleans and solids of scans: these files are compiled for
 // speed, all others for size.
 const HOT = new Set(
-    `nearest_cell nearest_eight nearest_build nearest_pairs crossing_pairs closest closest_build
+    `nearest_cell nearest_eight nearest_build nearest_pairs closest closest_build
     point_triangle check radix collapse edge_costs sheet field_cuts crossings triangle_rows`.split(/\s+/),
 );
 

@@ -30,17 +30,6 @@ static void joint_kinds_piece(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-/* Where contours were moved to agree, a plane's kinds are told by its regions. */
-static bvx_status give_kinds(bvxi_oblique *o)
-{
-    uint32_t *torn = NULL;
-    uint64_t count = 0;
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6,
-                        bvxi_for(o->ctx, "surface", o->vertex_count, 256, joint_kinds_piece, o)));
-    /* What is torn there is told by the check of each mesh; the list is of no use here. */
-    return BVXI_SHARE(o->ctx, 0.6, 1.0, bvxi_oblique_regions(o, &torn, &count));
-}
-
 /* ---- edges between kinds ---- */
 
 enum { JOINT_OUTSIDE = 1 }; /* the bit of kind 0 */
@@ -335,9 +324,15 @@ static bvx_status drop_specks(bvxi_oblique *o, bvxi_joint_cut *cut)
 bvx_status bvxi_joint_cut_all(bvxi_oblique *o, bvxi_joint_cut *cut)
 {
     tetra_job job = {o, cut};
+    uint32_t *torn = NULL;
+    uint64_t torn_count = 0;
 
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.1, bvxi_oblique_part_contours(o)));
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.1, 0.4, give_kinds(o)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.1, 0.3,
+                        bvxi_for(o->ctx, "surface", o->vertex_count, 256, joint_kinds_piece, o)));
+    /* Where contours were moved to agree, a plane's kinds are told by its regions. What is torn there is told
+     * by the check of each mesh. */
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.3, 0.4, bvxi_oblique_regions(o, &torn, &torn_count)));
     BVXI_TRY(BVXI_RESERVE(o, cut->among, o->vertex_room, cut->among_room, "the kinds of vertices"));
     for (uint64_t i = 0; i < o->vertex_count; i++)
         cut->among[i] = o->vertex[i].sign == 0 ? 0 : UINT64_C(1) << (int)o->vertex[i].value;

@@ -194,7 +194,6 @@ static void put_values(const cli_command *c)
         if (a->choice != NULL && a->kind != CLI_SET) {
             printf("_bitvox_words '");
             for (int k = 0; a->choice[k] != NULL; k++)
-                /* An empty name holds the place of a number that cannot be requested. */
                 if (a->choice[k][0] != 0) printf("%s%s", k == 0 ? "" : " ", a->choice[k]);
             printf("'");
         } else {

@@ -134,7 +134,6 @@ static int take_bytes(const cli_argument *a, const char *text, uint64_t *bytes)
     int64_t v;
 
     if (!take_whole(text, "KMGkmg", a->low, a->high, &v, &p)) return 0;
-    /* K, M and G count by 1024, in either case, and nothing may follow. */
     int shift = 0;
     if (*p != 0) {
         const char *const s = strchr(suffix, *p >= 'a' ? *p - 'a' + 'A' : *p);

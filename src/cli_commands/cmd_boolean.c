@@ -202,13 +202,12 @@ static bvx_status fill_operand(cli_run *run, cli_input *in, const bvx_lattice *l
                                const bvx_window *window, bvx_solid_report *report)
 {
     bvx_voxelize_options v = {.struct_size = sizeof v};
-    bvx_mesh_view view;
 
     /* No cli_take_fill: boolean takes the rule alone, none of its companions. */
     v.fill = run->options->fill;
     v.window = *window;
     v.report = report;
-    bvx_mesh_view_of(&in->mesh, &view);
+    bvx_mesh_view const view = cli_view(&in->mesh);
     bvx_status status = bvx_voxelize_solid(run->context, &view, lattice, &v, &in->grid);
     cli_take_warnings(run, (const char *const[]){cli_input_name(in->path), NULL, NULL});
     return status;
@@ -297,7 +296,6 @@ static int is_thin_kept(const boolean_run *b, int i)
     return b->by_mesh && (b->report.thin_kept & (i == 0 ? BVX_KEPT_A : BVX_KEPT_B)) != 0;
 }
 
-/* How an input that is a mesh was filled. */
 static void report_operand(const cli_run *run, const boolean_run *b, int i, cli_made *made)
 {
     cli_text *const t = &made->members;

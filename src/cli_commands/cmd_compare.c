@@ -43,9 +43,8 @@ static void tell_grid_difference(const cli_run *run, const bvx_grid *g, const bv
     double const either = (double)d->both + (double)d->only_a + (double)d->only_b;
     double low[3], high[3];
 
-    cli_tell(made, "A  %s: %" PRIu64 " voxels\nB  %s: %" PRIu64 " voxels\n",
-             cli_input_name(run->options->input[0]), d->set_a, cli_input_name(run->options->input[1]),
-             d->set_b);
+    cli_tell(made, "A  %s: %" PRIu64 " voxels\nB  %s: %" PRIu64 " voxels\n", cli_first_name(run), d->set_a,
+             cli_input_name(run->options->input[1]), d->set_b);
     cli_tell(made, "  dims        %" PRId32 " x %" PRId32 " x %" PRId32 "\n", g->size[0], g->size[1],
              g->size[2]);
     cli_tell(made, "  both        %" PRIu64 " voxels", d->both);
@@ -123,8 +122,7 @@ static int compare_grids(cli_run *run, const cli_input in[2], cli_made *made)
 static int check_mesh(cli_run *run, const cli_input *in)
 {
     cli_mesh_entry *const entry = &run->report.mesh[run->report.meshes];
-    bvx_mesh_view view;
-    bvx_mesh_view_of(&in->mesh, &view);
+    bvx_mesh_view const view = cli_view(&in->mesh);
     cli_stage_begin(run, "check %s", run->report.meshes == 0 ? "A" : "B");
     /* formats differ in what vertices they repeat */
     CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &view, 1, &entry->certificate),
@@ -179,14 +177,12 @@ static int compare_meshes(cli_run *run, const cli_input in[2], cli_made *made)
     const compare_options *const own = run->own;
     uint64_t const samples = cli_samples(run);
     uint64_t const seed = cli_given(run, "--seed") ? (uint64_t)own->seed : CLI_SEED;
-    bvx_mesh_view a, b;
     bvx_distance_report d;
     int status = check_mesh(run, &in[0]);
 
     if (status == CLI_DONE) status = check_mesh(run, &in[1]);
     if (status == CLI_DONE && samples != 0) {
-        bvx_mesh_view_of(&in[0].mesh, &a);
-        bvx_mesh_view_of(&in[1].mesh, &b);
+        bvx_mesh_view const a = cli_view(&in[0].mesh), b = cli_view(&in[1].mesh);
         cli_stage_begin(run, "distance");
         bvx_status const measured = bvx_mesh_distance(run->context, &a, &b, samples, seed, &d);
         cli_stage_end(run);

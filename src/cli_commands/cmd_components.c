@@ -56,7 +56,7 @@ static int check_components_options(cli_run *run)
     if (kind == CLI_MESH)
         return cli_usage(run,
                          "%s is a mesh; 'bitvox info' counts its parts, 'bitvox voxelize' makes a grid of it",
-                         cli_input_name(o->input[0]));
+                         cli_first_name(run));
     if (own->seeds.count % 3 != 0)
         return cli_usage(run, "--seed takes three numbers a seed, like 8,8,8 or 8,8,8,40,40,40");
     return o->output != NULL ? cli_check_voxel_name(run) : CLI_DONE;
@@ -95,7 +95,6 @@ static int by_size(const void *a, const void *b)
     return p->first < q->first ? -1 : 1;
 }
 
-/* Parts carry their number as they are sorted. */
 static int list_components(cli_run *run, components_job *job)
 {
     const bvx_grid *const g = &job->in.grid;

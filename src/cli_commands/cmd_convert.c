@@ -43,10 +43,10 @@ static int check_convert_options(cli_run *run, int *kind, cli_tree *t)
     if (to == CLI_TREE && cli_input_format(run, o->input[0]) != BVX_FORMAT_BVX)
         return cli_usage(run,
                          "%s is not an octree, and %s would be its leaves: 'bitvox refine' makes octrees",
-                         cli_input_name(o->input[0]), o->output);
+                         cli_first_name(run), o->output);
     if (*kind == CLI_MESH && to == CLI_GRID)
         return cli_usage(run, "%s is a mesh and %s would be a grid: 'bitvox voxelize' makes a grid of a mesh",
-                         cli_input_name(o->input[0]), o->output);
+                         cli_first_name(run), o->output);
     CLI_TRY(cli_check_rules(run, convert_rules, *kind == CLI_MESH ? CLI_OF_MESH : CLI_OF_GRID, NULL));
     return cli_window_option(run, &t->window);
 }

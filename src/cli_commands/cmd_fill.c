@@ -47,7 +47,7 @@ static int check_fill_options(cli_run *run, int *kind)
 {
     const fill_options *const own = run->own;
     const cli_options *const o = run->options;
-    const char *const path = cli_input_name(o->input[0]);
+    const char *const path = cli_first_name(run);
     int mesh, status = cli_input_kind(run, o->input[0], kind);
 
     if (status != CLI_DONE) return status;

@@ -54,7 +54,7 @@ static int make_levels(cli_run *run, hull_run *h)
     cli_stage_begin(run, "hull");
     bvx_status status = bvx_hull(run->context, &c->view, &b, (uint64_t)c->count, c->mesh);
     c->seconds = cli_stage_end(run);
-    CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
+    CLI_TRY(cli_check_call(run, status, cli_first_name(run)));
 
     run->report.lattice = h->report.lattice;
     run->report.has_lattice = 1;
@@ -76,7 +76,7 @@ static int make_hull(cli_run *run, void *work, cli_made *made)
     CLI_TRY(cli_input_kind(run, run->options->input[0], &kind));
     if (kind != CLI_MESH)
         return cli_usage(run, "hull is for meshes; %s is a grid: 'bitvox morph' closes and fills it",
-                         cli_input_name(run->options->input[0]));
+                         cli_first_name(run));
     h->run.usual_count = 1;
     run->options->samples = 0;
     CLI_TRY(cli_check_rules(run, rules, 0, NULL));
@@ -93,8 +93,7 @@ static void tell_hull(const cli_run *run, const void *work, cli_made *made)
     cli_text *const t = &made->members;
 
     cli_tell(made, "%s: %" PRIu64 " triangles, of which the hull lies on %" PRIu64 ", in %.1f ms\n",
-             cli_input_name(run->options->input[0]), h->run.input.triangle_count, r->outer_triangles,
-             h->run.seconds * 1e3);
+             cli_first_name(run), h->run.input.triangle_count, r->outer_triangles, h->run.seconds * 1e3);
     cli_tell(made, "hull: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels, %" PRIu64 " triangles\n",
              r->lattice.dims[0], r->lattice.dims[1], r->lattice.dims[2], r->triangles);
     if (r->lids != 0) cli_tell(made, "openings closed: %" PRIu64 " crossings of lattice edges\n", r->lids);

@@ -75,11 +75,9 @@ static void tell_certificate(cli_made *made, const bvx_certificate *c)
 
 static int check(cli_run *run, const bvx_mesh *mesh, int weld, bvx_certificate *c)
 {
-    bvx_mesh_view view;
-    bvx_mesh_view_of(mesh, &view);
+    bvx_mesh_view const view = cli_view(mesh);
     cli_stage_begin(run, weld ? "check welded" : "check");
-    return cli_stage_check(run, bvx_mesh_check(run->context, &view, weld, c),
-                           cli_input_name(run->options->input[0]));
+    return cli_stage_check(run, bvx_mesh_check(run->context, &view, weld, c), cli_first_name(run));
 }
 
 /* Many files repeat a vertex where colours or normals change: then the
@@ -92,7 +90,6 @@ static int check_both(cli_run *run, const bvx_mesh *mesh, bvx_certificate *c, bv
     *differs = 0;
     if (status != CLI_DONE || stl || c->closed) return status;
     status = check(run, mesh, 1, welded);
-    /* Open all the same: only what joining changes is worth a second report. */
     *differs = status == CLI_DONE && welded->vertices != c->vertices;
     return status;
 }
@@ -100,12 +97,11 @@ static int check_both(cli_run *run, const bvx_mesh *mesh, bvx_certificate *c, bv
 static int count_crossings(cli_run *run, const bvx_mesh *mesh, cli_mesh_entry *entry)
 {
     const info_options *const own = run->own;
-    bvx_mesh_view view;
     /* It takes longer than all the rest together, so it is done on request only. */
     if (!own->count_crossings) return CLI_DONE;
-    bvx_mesh_view_of(mesh, &view);
+    bvx_mesh_view const view = cli_view(mesh);
     CLI_TRY(CLI_STAGE(run, "crossings", bvx_mesh_crossings(run->context, &view, &entry->crossings, NULL, 0),
-                      cli_input_name(run->options->input[0])));
+                      cli_first_name(run)));
     entry->has_crossings = 1;
     return CLI_DONE;
 }
@@ -173,12 +169,10 @@ static int measure(cli_run *run, const bvx_mesh *mesh, cli_made *made)
 {
     info_options *const own = run->own;
     bvx_measure_report r;
-    bvx_mesh_view view;
     if (!own->measure) return CLI_DONE;
     own->mass.struct_size = sizeof own->mass;
-    bvx_mesh_view_of(mesh, &view);
-    CLI_TRY(CLI_STAGE(run, "measure", bvx_measure(run->context, &view, &own->mass, &r),
-                      cli_input_name(run->options->input[0])));
+    bvx_mesh_view const view = cli_view(mesh);
+    CLI_TRY(CLI_STAGE(run, "measure", bvx_measure(run->context, &view, &own->mass, &r), cli_first_name(run)));
     tell_measure(made, &r);
     return CLI_DONE;
 }

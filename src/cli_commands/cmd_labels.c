@@ -82,8 +82,7 @@ static int check_labels_line(cli_run *run, bvx_window *window)
     uint32_t facts = cli_may_be_volume(cli_input_format(run, o->input[0])) ? IS_VOLUME : 0;
 
     if (place != NULL && strstr(place + 2, "%s") != NULL) facts |= HAS_TWO;
-    CLI_TRY(
-        cli_check_rules(run, labels_rules, facts, cli_way_around(cli_input_name(run->options->input[0]), 0)));
+    CLI_TRY(cli_check_rules(run, labels_rules, facts, cli_way_around(cli_first_name(run), 0)));
     return cli_window_option(run, window);
 }
 
@@ -116,7 +115,6 @@ static label_body *find_body(labels_job *j, const char *text, size_t size, int b
     return NULL;
 }
 
-/* Three numbers from 0 to 1 as bytes. */
 static void take_segment_colour(label_body *b, const char *text, size_t size)
 {
     char copy[KEY_ROOM], *p = copy;
@@ -169,7 +167,7 @@ static void set_colours(labels_job *j)
 static int list_bodies(cli_run *run, labels_job *j)
 {
     const bvx_complex *const c = &j->complex;
-    const char *const in = cli_input_name(run->options->input[0]);
+    const char *const in = cli_first_name(run);
 
     if (c->label_count == 0) return cli_fail(run, "%s: all samples are the background", in);
     if (c->label_count >= INT32_MAX || (j->body = calloc((size_t)c->label_count, sizeof *j->body)) == NULL)
@@ -188,7 +186,6 @@ static int list_bodies(cli_run *run, labels_job *j)
                                                                             : CLI_DONE;
 }
 
-/* Those of --only, in the order of their values. */
 static int choose_bodies(cli_run *run, labels_job *j)
 {
     const labels_options *const own = run->own;
@@ -199,8 +196,7 @@ static int choose_bodies(cli_run *run, labels_job *j)
         if (b == NULL) b = find_body(j, p, n, 1);
         if (b == NULL)
             return cli_fail(run, "%s: --only: there is no label '%.*s'; the first is %s, the last %s",
-                            cli_input_name(run->options->input[0]), (int)n, p, j->body[0].name,
-                            j->body[j->count - 1].name);
+                            cli_first_name(run), (int)n, p, j->body[0].name, j->body[j->count - 1].name);
         b->chosen = 1;
         p = p[n] == ',' ? p + n + 1 : NULL;
     }
@@ -219,13 +215,13 @@ static int take_labels(cli_run *run, labels_job *j)
     cli_stage_begin(run, "surfaces");
     CLI_TRY(cli_stage_check(run,
                             bvx_label_surfaces(run->context, &j->volume.view, &own->surfaces, &j->complex),
-                            cli_input_name(run->options->input[0])));
+                            cli_first_name(run)));
     CLI_TRY(list_bodies(run, j));
     set_colours(j);
     CLI_TRY(choose_bodies(run, j));
     if (j->meshes > CLI_MAX_OUTPUTS)
         return cli_fail(run, "%s: %d labels, more than the %d meshes of one run; choose some by --only",
-                        cli_input_name(run->options->input[0]), j->meshes, CLI_MAX_OUTPUTS);
+                        cli_first_name(run), j->meshes, CLI_MAX_OUTPUTS);
     if (j->meshes > 1 && strstr(out, "%s") == NULL && !CLI_HOLDS(run, CLI_TO_GLB))
         return cli_usage(
             run,

@@ -126,7 +126,7 @@ static int check_lod_options(cli_run *run, cli_chain *c)
     const cli_lod_options *const own = run->own;
     const cli_options *const o = run->options;
 
-    CLI_TRY(cli_check_rules(run, solid_rules, facts_of_method(run, c->kind, 0), cli_input_name(o->input[0])));
+    CLI_TRY(cli_check_rules(run, solid_rules, facts_of_method(run, c->kind, 0), cli_first_name(run)));
     c->by_triangles = o->triangles.count != 0;
     c->asked = c->by_triangles               ? o->triangles.count
                : own->resolutions.count != 0 ? own->resolutions.count
@@ -246,9 +246,8 @@ static int make_level(cli_run *run, cli_chain *c, int number, cli_made *made)
 static int measure_level(cli_run *run, cli_chain *c, int i)
 {
     uint64_t const samples = cli_samples(run);
-    bvx_mesh_view view;
     if (samples == 0) return CLI_DONE;
-    bvx_mesh_view_of(&c->mesh[i], &view);
+    bvx_mesh_view const view = cli_view(&c->mesh[i]);
     cli_stage_begin(run, "distance %d", run->report.mesh[i].number);
     CLI_TRY(cli_stage_check(
         run, bvx_mesh_distance(run->context, &view, &c->view, samples, CLI_SEED, &c->distance[i]),
@@ -269,8 +268,7 @@ static void tell_chain_head(const cli_run *run, const cli_chain *c, cli_made *ma
         cli_tell(made,
                  "%s: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels, %" PRIu64
                  " set; their surface has %" PRIu64 " triangles; diagonal %.6g\n\n",
-                 cli_input_name(run->options->input[0]), n[0], n[1], n[2], run->report.set,
-                 c->input_triangles, c->diagonal);
+                 cli_first_name(run), n[0], n[1], n[2], run->report.set, c->input_triangles, c->diagonal);
         return;
     }
     cli_tell_input(run, c->input.triangle_count, &c->certificate, c->diagonal, made);
@@ -343,8 +341,7 @@ static int choose_lod(cli_run *run, const cli_job **job)
     const cli_lod_options *const own = run->own;
     int kind, collapses;
     CLI_TRY(cli_input_kind(run, run->options->input[0], &kind));
-    /* A mesh collapses unless something asks for samples of a solid. */
-    /* So does the surface of a grid where a target says how far. */
+    /* A mesh collapses unless something asks for samples of a solid, a grid's surface where a target says so. */
     collapses = own->method == CLI_METHOD_COLLAPSE ||
                 (own->method == 0 && cli_given_of(run, OF_SOLID) == NULL &&
                  (kind == CLI_MESH || cli_given_of(run, "--triangles --error") != NULL));

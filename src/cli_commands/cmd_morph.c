@@ -174,11 +174,10 @@ static int make_room(cli_run *run, morph_job *job)
 {
     const morph_options *const own = run->own;
     cli_options *const o = run->options;
-    bvx_mesh_view view;
     bvx_lattice l;
 
     if (job->action != DILATE || cli_given(run, "--padding") || o->origin.given) return CLI_DONE;
-    bvx_mesh_view_of(&job->in.mesh, &view);
+    bvx_mesh_view const view = cli_view(&job->in.mesh);
     CLI_TRY(cli_check_call(run, cli_make_lattice(run, &view, &l), cli_input_name(job->in.path)));
     double const least = l.spacing[0] < l.spacing[1] ? l.spacing[0] : l.spacing[1];
     double voxels = cli_given(run, "--radius")

@@ -87,7 +87,6 @@ static int check_refine_options(cli_run *run, cli_tree *t, int *kind)
     return cli_window_option(run, &t->window);
 }
 
-/* The base, and the levels where they follow from a resolution. */
 static bvx_status make_base(cli_run *run, const bvx_mesh_view *view, bvx_refine_options *r, bvx_lattice *base)
 {
     const refine_options *const own = run->own;
@@ -106,12 +105,11 @@ static bvx_status make_base(cli_run *run, const bvx_mesh_view *view, bvx_refine_
 static int refine_mesh(cli_run *run, const bvx_mesh *mesh, cli_tree *t)
 {
     const refine_options *const own = run->own;
-    const char *const path = cli_input_name(run->options->input[0]);
+    const char *const path = cli_first_name(run);
     bvx_refine_options r = own->tree;
     bvx_octree *tree = NULL;
-    bvx_mesh_view view;
 
-    bvx_mesh_view_of(mesh, &view);
+    bvx_mesh_view const view = cli_view(mesh);
     r.struct_size = sizeof r;
     r.window = t->window;
     cli_stage_begin(run, "refine");
@@ -159,7 +157,7 @@ static int make_refine(cli_run *run, void *work, cli_made *made)
 static void tell_refine(const cli_run *run, const void *work, cli_made *made)
 {
     const cli_tree *const t = work;
-    const char *const path = cli_input_name(run->options->input[0]);
+    const char *const path = cli_first_name(run);
     if (t->triangles == 0) cli_tell(made, "%s\n\n", path);
     else
         cli_tell(made, "%s: %" PRIu64 " triangles, refined in %.1f ms\n\n", path, t->triangles,

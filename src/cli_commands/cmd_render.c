@@ -137,7 +137,6 @@ static int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32
 {
     const cli_render_options *const own = run->own;
     bvx_render_options r = own->picture;
-    bvx_mesh_view view;
     bvx_status status;
 
     r.width = width;
@@ -161,7 +160,7 @@ static int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32
                                                             own->slices.count, &r, image)
                                         : bvx_render_grid(run->context, &s->input[0].grid, &r, image);
     } else {
-        bvx_mesh_view_of(&s->input[0].mesh, &view);
+        bvx_mesh_view const view = cli_view(&s->input[0].mesh);
         status = bvx_render_mesh(run->context, &view, &r, image);
     }
     return cli_check_call(run, status, cli_input_name(s->input[0].path));
@@ -208,7 +207,6 @@ static void tell_compared(const cli_scene *s, cli_made *made)
 
 /* ---- pictures ---- */
 
-/* One picture, or several on a sheet; inputs are held one after the other. */
 static int render_sheet(cli_run *run, cli_scene *scene, sheet *s)
 {
     const cli_render_options *const own = run->own;
@@ -227,7 +225,6 @@ static int render_sheet(cli_run *run, cli_scene *scene, sheet *s)
         cli_stage_begin(run, "render");
         if (status == CLI_DONE) status = cli_draw_scene(run, scene, s->width, s->height, &picture);
         cli_stage_end(run);
-        /* Copied at once: one input and one picture are held at a time. */
         if (status == CLI_DONE) {
             size_t const line = (size_t)s->width * 3, whole = (size_t)s->image.width * 3;
             uint8_t *const corner = s->image.pixels + (size_t)(i / s->columns) * (size_t)s->height * whole +

@@ -164,14 +164,13 @@ static int check_repair_options(cli_run *run)
 static int repair_mesh(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired, bvx_repair_report *report)
 {
     bvx_repair_options o;
-    bvx_mesh_view view;
 
     take_repair_options(run, &o);
     o.report = report;
-    bvx_mesh_view_of(source, &view);
+    bvx_mesh_view const view = cli_view(source);
     cli_stage_begin(run, "repair");
     bvx_status status = bvx_repair(run->context, &view, &o, repaired);
-    return cli_stage_check(run, status, cli_input_name(run->options->input[0]));
+    return cli_stage_check(run, status, cli_first_name(run));
 }
 
 /* Edges of the result collapse; what was measured of it is measured again. */
@@ -179,20 +178,18 @@ static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repai
                            bvx_repair_report *report, cli_reduction *reduction)
 {
     const repair_options *const own = run->own;
-    bvx_mesh_view from, to;
     int const result = cli_reduce(run, repaired, reduction);
 
     if (result != CLI_DONE || !reduction->done) return result;
     report->after = reduction->level.certificate;
     if (!own->measure) return CLI_DONE;
 
-    bvx_mesh_view_of(source, &from);
-    bvx_mesh_view_of(repaired, &to);
+    bvx_mesh_view const from = cli_view(source), to = cli_view(repaired);
     cli_stage_begin(run, "distance");
     bvx_status status = bvx_mesh_distance(run->context, &from, &to, report->distance.samples,
                                           report->distance.seed, &report->distance);
     cli_stage_end(run);
-    return cli_check_call(run, status, cli_input_name(run->options->input[0]));
+    return cli_check_call(run, status, cli_first_name(run));
 }
 
 typedef struct repair_job {
@@ -252,7 +249,7 @@ static int make_repair(cli_run *run, void *work, cli_made *made)
     CLI_TRY(cli_check_carry(run, &job->source));
     CLI_TRY(repair_mesh(run, &job->source, &job->repaired, r));
     CLI_TRY(reduce_repaired(run, &job->source, &job->repaired, r, &job->reduction));
-    CLI_TRY(cli_carry(run, &job->source, &job->repaired, "carry", cli_input_name(run->options->input[0])));
+    CLI_TRY(cli_carry(run, &job->source, &job->repaired, "carry", cli_first_name(run)));
 
     run->report.lattice = r->lattice;
     run->report.has_lattice = !r->copied;

@@ -112,7 +112,6 @@ typedef struct sections_job {
     cli_text text; /* of the block model */
 } sections_job;
 
-/* Facts of the line. */
 enum {
     READS_CONTOURS = 1 << CLI_FIRST_FACT,
     READS_CSV = 2 << CLI_FIRST_FACT,
@@ -214,7 +213,6 @@ static int read_stack(cli_run *run, sections_job *job)
                            NULL);
 }
 
-/* Looked at as what goes to this file. */
 static int check_body(cli_run *run, sections_job *job, const char *path)
 {
     int const result = cli_check_mesh(run, &job->mesh, job->n, path, "check");
@@ -224,11 +222,9 @@ static int check_body(cli_run *run, sections_job *job, const char *path)
     return result;
 }
 
-/* The body of this label, checked as what goes to this file. */
 static int build_body(cli_run *run, sections_job *job, int32_t label, const char *path)
 {
     const sections_options *const own = run->own;
-    const cli_options *const o = run->options;
     bvx_sections_options s = own->body;
 
     if (own->grid.count != 0)
@@ -243,12 +239,12 @@ static int build_body(cli_run *run, sections_job *job, int32_t label, const char
     int32_t const reason = status == BVX_OK ? BVX_REASON_NONE : bvx_last_error(run->context)->reason;
     if (reason == BVX_REASON_SEVERAL_BODIES)
         return cli_fail(run, "%s: the sections hold several bodies; choose one by --label, or --label all",
-                        cli_input_name(o->input[0]));
+                        cli_first_name(run));
     if ((reason == BVX_REASON_LOOPS_MEET || reason == BVX_REASON_LOOP_FLAT) && !own->body.mend)
-        return cli_fail_advised(run, status, cli_input_name(o->input[0]),
+        return cli_fail_advised(run, status, cli_first_name(run),
                                 reason == BVX_REASON_LOOPS_MEET ? "; --mend splits loops there"
                                                                 : "; --mend leaves such loops out");
-    CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
+    CLI_TRY(cli_check_call(run, status, cli_first_name(run)));
     return check_body(run, job, path);
 }
 
@@ -305,7 +301,6 @@ static int make_blocks(cli_run *run, sections_job *job)
     double origin[3], spacing[3];
     int32_t dims[3], layers;
     bvx_lattice lattice;
-    bvx_mesh_view view;
 
     for (int k = 0; k < 3; k++) {
         /* Whole multiples of the sides, the last one beyond the body's end. */
@@ -318,7 +313,7 @@ static int make_blocks(cli_run *run, sections_job *job)
     }
     /* A layer at a time: the fine voxels of the whole model may not fit into memory. */
     layers = dims[2] / BLOCK_PARTS;
-    bvx_mesh_view_of(&job->mesh, &view);
+    bvx_mesh_view const view = cli_view(&job->mesh);
     cli_stage_begin(run, "blocks");
     bvx_status status = bvx_lattice_make(run->context, origin, spacing, dims, &lattice);
     cli_text_add(text, "x,y,z,dx,dy,dz,fraction\n");
@@ -346,7 +341,6 @@ static int write_body(cli_run *run, void *work)
     const sections_job *const job = work;
     bvx_buffer text = {0};
     int result = cli_write_mesh_as(run, &job->mesh, 0, run->options->output);
-    /* The text as a buffer: it stays the job's, and is freed with it. */
     text.bytes = (uint8_t *)job->text.bytes;
     text.size = job->text.size;
     if (result == CLI_DONE && own->block_model != NULL) result = cli_write_output(run, 1, &text);
@@ -360,7 +354,6 @@ static const char *verdict(const bvx_certificate *c)
                                                                  : "not manifold";
 }
 
-/* What there is to say of planes that are not parallel, from the end of the sections' line on. */
 static void tell_body(const cli_run *run, const sections_job *job, cli_made *made)
 {
     const sections_options *const own = run->own;
@@ -373,7 +366,6 @@ static void tell_body(const cli_run *run, const sections_job *job, cli_made *mad
              r->sections, r->loops, r->holes, r->points);
     if (r->mended_loops != 0) cli_tell(made, "; %" PRIu64 " loops mended", r->mended_loops);
     if (flat) {
-        /* What the grid cost the contours. */
         cli_tell(made, "\n  grid        %" PRId32 " x %" PRId32 " cells of %g x %g\n", r->grid[0], r->grid[1],
                  r->cell[0], r->cell[1]);
         cli_tell(made, "  not kept    %" PRIu64 " edges, %" PRIu64 " loops, %" PRIu64 " points\n",
@@ -387,7 +379,6 @@ static void tell_body(const cli_run *run, const sections_job *job, cli_made *mad
         cli_tell(made, "  not kept    %" PRIu64 " edges, %" PRIu64 " points\n", r->unkept_edges,
                  r->unkept_points);
     }
-    /* A few places are enough to find the others; --json has all that were located. */
     for (uint64_t i = 0; i < r->located && i < 4; i++)
         cli_tell(made, "              at %g, %g, %g\n", r->unkept[i][0], r->unkept[i][1], r->unkept[i][2]);
     cli_tell_reduction(&job->reduction, made);
@@ -473,7 +464,6 @@ static void tell_wishes(const cli_run *run, const sections_job *job, cli_made *m
              job->parts == 1 ? "" : "s", job->genus, job->genus == 1 ? "" : "s");
     cli_json_count(t, "parts", job->parts);
     cli_text_add(t, ", \"genus\": %" PRId64, job->genus);
-    /* Met or not, the wish is answered. */
     if (parts) {
         int const met = job->parts == (uint64_t)own->parts;
         cli_tell(made, "; %" PRId32 " part%s wished for: %s", own->parts, own->parts == 1 ? "" : "s",
@@ -529,7 +519,7 @@ static int build_all(cli_run *run, sections_job *job, const int32_t *label, int 
     cli_stage_begin(run, "sections");
     bvx_status status = bvx_build_bodies(run->context, &job->sections, &s, label, (uint32_t)count, job->all);
     job->seconds = cli_stage_end(run);
-    return cli_check_call(run, status, cli_input_name(run->options->input[0]));
+    return cli_check_call(run, status, cli_first_name(run));
 }
 
 static int make_labelled(cli_run *run, sections_job *job, int32_t label, cli_made *made)
@@ -550,7 +540,6 @@ static int make_labelled(cli_run *run, sections_job *job, int32_t label, cli_mad
     CLI_TRY(reduce_body(run, job));
     CLI_TRY(cli_write_mesh_as(run, &job->mesh, job->n, path));
 
-    /* What is told and reported of one body, with its label before it. */
     cli_tell(made, "label %" PRId32 ": %s\n", label, run->report.mesh[job->n].path);
     warn_of_body(run, job, made);
     tell_body(run, job, made);
@@ -561,7 +550,6 @@ static int make_labelled(cli_run *run, sections_job *job, int32_t label, cli_mad
     return CLI_DONE;
 }
 
-/* Files are kept when all of them are written. */
 static int keep_bodies(cli_run *run, void *work)
 {
     (void)work;
@@ -579,13 +567,12 @@ static int make_all_labels(cli_run *run, void *work, cli_made *made)
     CLI_TRY(read_stack(run, job));
     int32_t *const label = list_labels(&job->sections, &count);
     if (label == NULL) return cli_fail(run, "no memory for labels");
-    if (count == 0) result = cli_fail(run, "%s: there are no loops", cli_input_name(run->options->input[0]));
+    if (count == 0) result = cli_fail(run, "%s: there are no loops", cli_first_name(run));
     /* All bodies are kept together or none, so none is made where not all can be. */
     if (count > CLI_MAX_OUTPUTS)
         result = cli_fail(run, "%s: more labels than the %d files of one run; take --label L",
-                          cli_input_name(run->options->input[0]), CLI_MAX_OUTPUTS);
+                          cli_first_name(run), CLI_MAX_OUTPUTS);
     if (result == CLI_DONE && own->touching == TOUCHING_SHARED) result = build_all(run, job, label, count);
-    /* Bodies are reported as they are made, each in its own braces. */
     cli_text_add(&made->members, ", \"bodies\": [");
     for (int i = 0; i < count && result == CLI_DONE; i++) {
         job->n = i;
@@ -634,7 +621,6 @@ static void free_sections(cli_run *run, void *work)
 
 static const cli_job one_body = {
     .size = sizeof(sections_job), .make = make_body, .tell = tell_one_body, .free = free_sections};
-/* Told body by body, while they are made. */
 static const cli_job every_body = {
     .size = sizeof(sections_job), .make = make_all_labels, .free = free_sections};
 

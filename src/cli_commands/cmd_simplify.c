@@ -35,7 +35,7 @@ static int simplify_input(cli_run *run, cli_collapse_run *c)
     cli_stage_begin(run, "level 0");
     bvx_status const status = bvx_mesh_simplify(run->context, &c->view, &s, (uint64_t)c->count, c->mesh);
     c->seconds = cli_stage_end(run);
-    return cli_check_call(run, status, cli_input_name(o->input[0]));
+    return cli_check_call(run, status, cli_first_name(run));
 }
 
 static int make_simplify(cli_run *run, void *work, cli_made *made)
@@ -48,12 +48,11 @@ static int make_simplify(cli_run *run, void *work, cli_made *made)
     CLI_TRY(cli_input_kind(run, run->options->input[0], &kind));
     if (kind != CLI_MESH)
         return cli_usage(run, "simplify is for meshes; %s is a grid: 'bitvox lod' makes meshes of it",
-                         cli_input_name(run->options->input[0]));
-    /* A single simplified mesh is what is usually wanted; lod makes four. */
+                         cli_first_name(run));
     c->usual_count = 1;
     CLI_TRY(cli_check_collapse(run, c));
     CLI_TRY(cli_open_collapse(run, c));
-    const char *const in = cli_input_name(run->options->input[0]);
+    const char *const in = cli_first_name(run);
     /* Vertices at equal positions count as one: files repeat them where colours or normals change. */
     CLI_TRY(CLI_STAGE(run, "check input", bvx_mesh_check(run->context, &c->view, 1, &c->before), in));
     CLI_TRY(simplify_input(run, c));

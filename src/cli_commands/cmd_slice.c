@@ -40,7 +40,6 @@ static int check_slice_options(cli_run *run)
     return CLI_DONE;
 }
 
-/* A grid becomes its surface. */
 static int slice_surface(cli_run *run, cli_input *in)
 {
     bvx_extract_options e = {.struct_size = sizeof e};
@@ -56,12 +55,10 @@ static int slice_mesh(cli_run *run, const bvx_mesh *mesh, bvx_sections *sections
     const slice_options *const own = run->own;
     int const axis = own->up_axis != 0 ? own->up_axis - 1 : 2;
     bvx_slice_options s = {.struct_size = sizeof s};
-    bvx_mesh_view view;
     for (int k = 0; k < 3; k++) s.normal[k] = k == axis;
     s.spacing = own->spacing;
-    bvx_mesh_view_of(mesh, &view);
-    return CLI_STAGE(run, "slice", bvx_slice_mesh(run->context, &view, &s, sections),
-                     cli_input_name(run->options->input[0]));
+    bvx_mesh_view const view = cli_view(mesh);
+    return CLI_STAGE(run, "slice", bvx_slice_mesh(run->context, &view, &s, sections), cli_first_name(run));
 }
 
 typedef struct slice_job {

@@ -195,7 +195,6 @@ static int check_voxelize_options(cli_run *run, bvx_window *window)
 static int choose_box(cli_run *run, voxel_job *job)
 {
     const cli_voxelize_options *const own = run->own;
-    const cli_options *const o = run->options;
     int const based = cli_given(run, "--base");
     int const up = own->solid.up == BVX_UP_Z ? 2 : own->solid.up - BVX_UP_X;
     bvx_lattice unused;
@@ -203,7 +202,7 @@ static int choose_box(cli_run *run, voxel_job *job)
 
     if (own->second == NULL && !based) return CLI_DONE;
     status = bvx_lattice_fit(run->context, &job->view, 1, &unused); /* refuses what has no box */
-    CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
+    CLI_TRY(cli_check_call(run, status, cli_first_name(run)));
     cli_mesh_box(&job->mesh, &job->box);
     if (own->second != NULL) {
         cli_box other;
@@ -230,7 +229,7 @@ static int choose_lattice(cli_run *run, voxel_job *job)
     int const result = job->cloud ? CLI_DONE : choose_box(run, job);
 
     if (result != CLI_DONE) return result;
-    CLI_TRY(cli_check_call(run, fit_lattice(run, job, l), cli_input_name(o->input[0])));
+    CLI_TRY(cli_check_call(run, fit_lattice(run, job, l), cli_first_name(run)));
     run->report.has_lattice = 1;
     /* With a window only its own voxels take memory. */
     if (job->window.size[0] == 0) CLI_TRY(cli_check_far(run, o->input[0], &job->view, l));
@@ -432,7 +431,6 @@ static void tell_voxels(const cli_run *run, const voxel_job *job, const voxel_re
                            "window");
 }
 
-/* Voxels, or the mesh of their surface; that of a solid alone is the mesh's. */
 static int make_all(cli_run *run, voxel_job *job, cli_made *made)
 {
     const cli_voxelize_options *const own = run->own;
@@ -447,7 +445,7 @@ static int make_all(cli_run *run, voxel_job *job, cli_made *made)
     cli_take_warnings(run, (const char *const[]){NULL, NULL, NULL});
     cli_stage_end(run);
     if (status == BVX_OK && made->field == NULL) status = keep_voxels(run, job, made);
-    CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
+    CLI_TRY(cli_check_call(run, status, cli_first_name(run)));
     if (made->field != NULL || result != CLI_DONE) return result;
 
     tell_voxels(run, job, &reports, made);
@@ -493,7 +491,6 @@ static const cli_owned voxelize_owns[] = {
 
 static const cli_job mesh_job = {.size = sizeof(voxel_job), .make = make_voxelize, .owns = voxelize_owns};
 
-/* Of a volume voxels are chosen, of a mesh and a cloud they are made. */
 static int choose_voxelize(cli_run *run, const cli_job **job)
 {
     *job = cli_is_volume(run, run->options->input[0]) ? &cli_voxelize_volume : &mesh_job;

@@ -38,7 +38,6 @@ static int usual_count(uint64_t triangles)
     return count;
 }
 
-/* The surface of a grid stands for the mesh. */
 static int read_surface(cli_run *run, cli_collapse_run *c)
 {
     const char *const path = run->options->input[0];
@@ -70,8 +69,8 @@ int cli_open_collapse(cli_run *run, cli_collapse_run *c)
     c->diagonal = cli_diagonal(box.low, box.high);
     /* A point, or a mesh beyond all doubles. */
     if (c->by_error && !(c->diagonal > 0.0 && c->diagonal - c->diagonal == 0.0))
-        return cli_fail(run, "%s: a diagonal of %g leaves nothing to measure --error by",
-                        cli_input_name(run->options->input[0]), c->diagonal);
+        return cli_fail(run, "%s: a diagonal of %g leaves nothing to measure --error by", cli_first_name(run),
+                        c->diagonal);
 
     if (!known) c->count = usual_count(c->input.triangle_count);
     const cli_options *const o = run->options;
@@ -118,13 +117,12 @@ static int measure_level(cli_run *run, cli_collapse_run *c, int i)
 {
     uint64_t const samples = cli_samples(run);
     bvx_distance_report d;
-    bvx_mesh_view view;
 
     if (c->level[i].measured) {
         turn_distance(&c->level[i].distance, &c->distance[i]);
     } else {
         if (samples == 0) return CLI_DONE;
-        bvx_mesh_view_of(&c->mesh[i], &view);
+        bvx_mesh_view const view = cli_view(&c->mesh[i]);
         cli_stage_begin(run, "distance %d", i);
         CLI_TRY(cli_stage_check(run, bvx_mesh_distance(run->context, &c->view, &view, samples, CLI_SEED, &d),
                                 c->path[i]));

@@ -89,7 +89,7 @@ static int build_levels(cli_run *run, lod_collapse *l)
     cli_stage_begin(run, "level 0");
     bvx_status const status = bvx_build_levels(run->context, &c->view, &b, (uint64_t)c->count, c->mesh);
     c->seconds = cli_stage_end(run);
-    CLI_TRY(cli_check_call(run, status, cli_input_name(run->options->input[0])));
+    CLI_TRY(cli_check_call(run, status, cli_first_name(run)));
 
     c->before = l->report.before;
     c->surface = is_solid(l) ? l->report.repair.after : l->report.before;
@@ -105,7 +105,6 @@ static int build_levels(cli_run *run, lod_collapse *l)
     return CLI_DONE;
 }
 
-/* What was done to the mesh before edges collapsed, where something was. */
 static void tell_made_ready(const bvx_levels_report *r, cli_made *made)
 {
     const struct {

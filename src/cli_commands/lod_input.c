@@ -45,7 +45,7 @@ static int choose_resolution(cli_run *run, cli_chain *c)
     CLI_TRY(cli_check_call(run,
                            bvx_plan_lods(run->context, &c->view, &o, (uint64_t)c->asked, options->padding,
                                          &c->resolution, &limited),
-                           cli_input_name(options->input[0])));
+                           cli_first_name(run)));
     c->chosen = limited ? "what memory allows" : "8 x the finest level";
     return CLI_DONE;
 }
@@ -60,12 +60,12 @@ static int count_solid(cli_run *run, const cli_chain *c)
                         ? "%s: the grid is empty; there is nothing to make levels from"
                         : "%s: no voxel's centre lies inside the mesh; --method collapse makes levels of its "
                           "surface",
-                    cli_input_name(run->options->input[0]));
+                    cli_first_name(run));
 }
 
 static int make_solid(cli_run *run, cli_chain *c)
 {
-    const char *const path = cli_input_name(run->options->input[0]);
+    const char *const path = cli_first_name(run);
     bvx_voxelize_options v = {.struct_size = sizeof v};
 
     CLI_TRY(CLI_STAGE(run, "check input", bvx_mesh_check(run->context, &c->view, 1, &c->certificate), path));

@@ -15,7 +15,6 @@ void cli_take_fill(const cli_run *run, bvx_voxelize_options *v)
     v->add_shell = o->add_shell;
 }
 
-/* Where the thin walls lie, in the mesh's unit. */
 static void thin_box(const bvx_lattice *l, const bvx_solid_report *r, double box[6])
 {
     for (int a = 0; a < 3; a++) {
@@ -44,12 +43,11 @@ int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in)
 {
     bvx_solid_report report;
     bvx_voxelize_options v = {.struct_size = sizeof v};
-    bvx_mesh_view view;
 
     memset(&report, 0, sizeof report);
     cli_take_fill(run, &v);
     v.report = &report;
-    bvx_mesh_view_of(&in->mesh, &view);
+    bvx_mesh_view const view = cli_view(&in->mesh);
     bvx_status status = bvx_voxelize_solid(run->context, &view, lattice, &v, &in->grid);
     /* Only morph measures from the mesh afterwards; for the others its memory is free from here on. */
     if (run->command->bit != CLI_MORPH || !CLI_HOLDS(run, CLI_TO_MESH))
@@ -59,10 +57,9 @@ int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in)
 
 int cli_fill_input(cli_run *run, cli_input *in)
 {
-    bvx_mesh_view view;
     bvx_lattice lattice;
 
-    bvx_mesh_view_of(&in->mesh, &view);
+    bvx_mesh_view const view = cli_view(&in->mesh);
     cli_stage_begin(run, "voxelize");
     bvx_status const status = cli_make_lattice(run, &view, &lattice);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(in->path));

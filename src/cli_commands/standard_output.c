@@ -39,7 +39,6 @@ static int32_t format_of_inputs(const cli_run *run, int first)
     return BVX_FORMAT_BVX;
 }
 
-/* What the command writes where nothing is said. */
 static int32_t usual_format(const cli_run *run)
 {
     const cli_voxelize_options *const own = run->own;

@@ -90,7 +90,7 @@ static int make_volume_grid(cli_run *run, volume_job *j, cli_made *made)
     bvx_status status = cli_select_voxels(run, &j->volume, &j->report, &j->grid);
     cli_stage_end(run);
     if (status == BVX_OK) status = keep_chosen(run, j, &j->grid, &j->grid);
-    CLI_TRY(cli_check_call(run, status, cli_input_name(run->options->input[0])));
+    CLI_TRY(cli_check_call(run, status, cli_first_name(run)));
 
     made->grid = &j->grid;
     made->set = j->report.inside;
@@ -146,12 +146,12 @@ static int make_surface_of_volume(cli_run *run, volume_job *j)
     }
     cli_stage_end(run);
     if (result != CLI_DONE || status == BVX_OK) return result;
-    return cli_fail_status(run, status, cli_input_name(run->options->input[0]));
+    return cli_fail_status(run, status, cli_first_name(run));
 }
 
 static int make_volume_mesh(cli_run *run, volume_job *j, cli_made *made)
 {
-    const char *const in = cli_input_name(run->options->input[0]);
+    const char *const in = cli_first_name(run);
 
     CLI_TRY(make_surface_of_volume(run, j));
     if (j->mesh.triangle_count == 0 && run->report.parts.dropped != 0)

@@ -105,7 +105,6 @@ static int64_t size_of_file(FILE *file)
     return size < 0 || size == LONG_MAX ? 0 : size;
 }
 
-/* As many bytes as are wanted; fewer at the end, or with an error. */
 static size_t read_part(FILE *file, unsigned char *to, size_t want, int *error)
 {
     size_t got = 0;
@@ -390,7 +389,6 @@ static bvx_status parse_mesh(files_beside *beside, const cli_bytes *b, int32_t f
     return bvx_read_points(beside->run->context, b->bytes, b->size, format, mesh);
 }
 
-/* One line of what the file has and no command passes on. */
 static void warn_of_losses(cli_run *run, const char *path, uint32_t lost)
 {
     static const struct {

@@ -128,7 +128,6 @@ int cli_check_tree_level(cli_run *run, int32_t levels)
                      levels);
 }
 
-/* A window of the last level, in voxels of one so many levels above. */
 static void window_at(const bvx_window *finest, int32_t shift, bvx_window *w)
 {
     *w = *finest;

@@ -36,6 +36,7 @@ int cli_is_volume(const cli_run *run, const char *path);
 int cli_is_contours(const cli_run *run, const char *path);
 /* How messages call an input. */
 const char *cli_input_name(const char *path);
+const char *cli_first_name(const cli_run *run); /* of the first of all */
 /* Refuse a lattice that the format of a grid's file cannot hold. */
 int cli_check_grid_format(cli_run *run, const char *path, const bvx_lattice *lattice, const int32_t size[3]);
 
@@ -62,6 +63,13 @@ uint32_t cli_attributes_of(const bvx_mesh *mesh);
 int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh);
 /* The same, or a cloud of points: .xyz, or .ply without faces. */
 int cli_read_mesh_or_cloud(cli_run *run, const char *path, bvx_mesh *mesh, int *cloud);
+/* A mesh as calls of the library take it. */
+static inline bvx_mesh_view cli_view(const bvx_mesh *mesh)
+{
+    bvx_mesh_view view;
+    bvx_mesh_view_of(mesh, &view);
+    return view;
+}
 
 /* ---- sidecars.c: FILE.npy.json ---- */
 

@@ -71,7 +71,6 @@ bvx_mesh_view cli_corners_of_box(const cli_box *box)
     return (bvx_mesh_view){.positions = box, .vertex_count = 2, .position_type = BVX_F64};
 }
 
-/* From a given corner up to the mesh's high end. */
 static bvx_status lattice_from_origin(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice)
 {
     const cli_options *const o = run->options;

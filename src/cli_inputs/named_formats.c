@@ -56,6 +56,11 @@ const char *cli_input_name(const char *path)
     return strcmp(path, "-") == 0 ? "standard input" : path;
 }
 
+const char *cli_first_name(const cli_run *run)
+{
+    return cli_input_name(run->options->input[0]);
+}
+
 int32_t cli_input_format(const cli_run *run, const char *path)
 {
     return strcmp(path, "-") == 0 ? run->options->format : bvx_format_of_name(path);

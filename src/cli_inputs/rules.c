@@ -114,7 +114,6 @@ const char *cli_given_of(const cli_run *run, const char *names)
     return NULL;
 }
 
-/* The message with its names put in. */
 static int refuse_by(cli_run *run, const char *message, const char *option, const char *beside,
                      const char *word)
 {
@@ -126,7 +125,7 @@ static int refuse_by(cli_run *run, const char *message, const char *option, cons
         const char *const put = *p != '%'     ? NULL
                                 : p[1] == 'o' ? option
                                 : p[1] == 'b' ? beside
-                                : p[1] == 'i' ? cli_input_name(run->options->input[0])
+                                : p[1] == 'i' ? cli_first_name(run)
                                 : p[1] == 'f' ? run->options->output
                                 : p[1] == 'a' ? cli_way_around(run->options->output, 1)
                                 : p[1] == 'w' ? word

@@ -21,7 +21,6 @@ static void stand_for_file(const bvx_grid *part, bvx_grid *whole)
     if (whole->words == NULL) whole->words = &whole->word_capacity; /* a volume has none */
 }
 
-/* The part that was read gets its place on the side-car's lattice. */
 static bvx_status take_lattice(cli_run *run, const cli_bytes *b, bvx_grid *grid)
 {
     bvx_grid whole;

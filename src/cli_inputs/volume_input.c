@@ -67,7 +67,7 @@ int cli_check_volume_options(cli_run *run)
     if (given == NULL) return CLI_DONE;
     /* Which of several inputs is meant is not said: one volume among them is enough. */
     if (volumes == 0) return refuse_for_input(run, given, o->input[0]);
-    return cli_check_rules(run, selection_rules, raw != 0 ? IS_RAW : 0, cli_input_name(o->input[0]));
+    return cli_check_rules(run, selection_rules, raw != 0 ? IS_RAW : 0, cli_first_name(run));
 }
 
 int cli_check_selection(cli_run *run, const char *path)
@@ -182,7 +182,6 @@ void cli_volume_strides(const bvx_volume_view *view, int64_t stride[3])
     stride[2] = stride[1] * view->size[1];
 }
 
-/* A view of a window, counted from the file's first voxel. */
 static int take_window(cli_run *run, const char *path, const bvx_window *window, cli_volume *v)
 {
     const bvx_volume_view *const whole = &v->volume.view;

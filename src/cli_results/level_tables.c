@@ -44,8 +44,8 @@ void cli_tell_mesh_of(const cli_run *run, int n, const char *title, cli_made *ma
 void cli_tell_input(const cli_run *run, uint64_t triangles, const bvx_certificate *in, double diagonal,
                     cli_made *made)
 {
-    cli_tell(made, "%s: %" PRIu64 " triangles, %s, %s, %s; diagonal %.6g\n",
-             cli_input_name(run->options->input[0]), triangles, in->closed ? "closed" : "not closed",
+    cli_tell(made, "%s: %" PRIu64 " triangles, %s, %s, %s; diagonal %.6g\n", cli_first_name(run), triangles,
+             in->closed ? "closed" : "not closed",
              in->edge_manifold && in->vertex_manifold ? "manifold" : "not manifold",
              in->oriented ? "oriented" : "not oriented", diagonal);
 }
@@ -55,7 +55,6 @@ static int is_length(double diagonal)
     return diagonal > 0.0 && diagonal - diagonal == 0.0;
 }
 
-/* One thing after the other, with a comma between. */
 static void add_words(char *text, size_t room, const char *words, uint64_t count, const char *from)
 {
     size_t const used = strlen(text);
@@ -87,7 +86,6 @@ void cli_tell_collapsed(const cli_run *run, int count, double diagonal, const bv
         const bvx_level_report *const l = m->level;
         char target[32], sound[160];
 
-        /* What was requested: triangles, or a distance in percent of the diagonal. */
         size_t const room = sizeof target;
         if (l->target_error > 0.0 && is_length(diagonal))
             snprintf(target, room, "%.4g%%", 100.0 * l->target_error / diagonal);

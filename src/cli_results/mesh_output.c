@@ -100,7 +100,7 @@ int cli_check_level_names(cli_run *run, int count)
 
 int cli_check_carry(cli_run *run, const bvx_mesh *mesh)
 {
-    const char *const in = cli_input_name(run->options->input[0]), *const out = run->options->output;
+    const char *const in = cli_first_name(run), *const out = run->options->output;
 
     if (!run->options->carry) return CLI_DONE;
     if (mesh->colours == NULL && mesh->uvs == NULL)
@@ -136,13 +136,12 @@ int cli_carry(cli_run *run, const bvx_mesh *input, bvx_mesh *mesh, const char *s
             run, BVX_WARN_LOST,
             "%s: seams of its texture are not kept: triangles across them stretch; levels of the mesh as it "
             "is keep them",
-            cli_input_name(run->options->input[0]));
+            cli_first_name(run));
     run->report.seams = 1;
     cli_stage_begin(run, "%s", stage);
     return cli_stage_check(run, bvx_mesh_carry(run->context, input, mesh), about);
 }
 
-/* What files of a format hold of CLI_HAS_... */
 static uint32_t attributes_of_format(int32_t format)
 {
     return format == BVX_FORMAT_GLB ? CLI_HAS_COLOURS | CLI_HAS_UVS | CLI_HAS_SECOND_UVS | CLI_HAS_MATERIALS
@@ -151,7 +150,6 @@ static uint32_t attributes_of_format(int32_t format)
                                                                   : CLI_HAS_COLOURS | CLI_HAS_UVS;
 }
 
-/* The attributes by name, as in "colours, texture coordinates and 3 materials". */
 static void name_attributes(uint32_t which, int materials, cli_text *text)
 {
     static const char *const names[] = {"colours", "texture coordinates", "second texture coordinates"};
@@ -223,7 +221,6 @@ int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
     double error = o->errors.value[0];
     bvx_mesh less = {0};
     bvx_simplify_options s = {.struct_size = sizeof s};
-    bvx_mesh_view view;
     cli_box box;
 
     r->before = mesh->triangle_count;
@@ -236,7 +233,7 @@ int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
     s.targets.error_kind = o->error_kind;
     s.reports = &r->level;
 
-    bvx_mesh_view_of(mesh, &view);
+    bvx_mesh_view const view = cli_view(mesh);
     CLI_TRY(CLI_STAGE(run, "simplify", bvx_mesh_simplify(run->context, &view, &s, 1, &less),
                       run->options->output));
 
@@ -308,10 +305,9 @@ static int refuse_rounding(cli_run *run, const bvx_mesh *placed, const char *pat
     int32_t const format = bvx_format_of_name(path);
     double origin[3];
     bvx_certificate box = {0};
-    bvx_mesh_view view;
     char advice[128] = "";
 
-    bvx_mesh_view_of(placed, &view);
+    bvx_mesh_view const view = cli_view(placed);
     /* The advice is worth a check: it names an origin that can be copied. */
     if (!run->options->quantize && bvx_mesh_check(run->context, &view, 0, &box) == BVX_OK &&
         near_origin(&box, origin))
@@ -330,7 +326,6 @@ static int refuse_rounding(cli_run *run, const bvx_mesh *placed, const char *pat
         advice);
 }
 
-/* What a file that is written all the same makes worse. */
 static void warn_of_rounding(cli_run *run, const bvx_mesh *placed, const char *path,
                              const bvx_write_report *r)
 {
@@ -338,7 +333,6 @@ static void warn_of_rounding(cli_run *run, const bvx_mesh *placed, const char *p
     int const quantized = run->options->quantize;
     const char *const what = quantized ? "quantized positions" : "32-bit floats";
     bvx_certificate own;
-    bvx_mesh_view view;
 
     if (r->spoilt != 0)
         cli_warn(run, BVX_WARN_ROUNDED,
@@ -352,8 +346,8 @@ static void warn_of_rounding(cli_run *run, const bvx_mesh *placed, const char *p
                  quantized ? "" : "; --output-origin brings the mesh near 0");
     if (cli_is_sound(&r->file)) return;
 
+    bvx_mesh_view const view = cli_view(placed);
     /* Only a mesh that was sound can lose that by its file. */
-    bvx_mesh_view_of(placed, &view);
     if (bvx_mesh_check(run->context, &view, 0, &own) != BVX_OK || !cli_is_sound(&own)) return;
     cli_warn(
         run, BVX_WARN_ROUNDED,
@@ -413,10 +407,10 @@ static int certify_file(cli_run *run, const bvx_mesh *placed, int count, int num
 int cli_check_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *path, const char *stage)
 {
     cli_mesh_entry *const entry = &run->report.mesh[number];
-    bvx_mesh_view view;
+
+    bvx_mesh_view const view = cli_view(mesh);
 
     /* The stage may have %d in its name: levels are checked one by one. */
-    bvx_mesh_view_of(mesh, &view);
     cli_stage_begin(run, stage, number);
     CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &view, 0, &entry->certificate), path));
     entry->path = path;

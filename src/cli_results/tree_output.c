@@ -39,7 +39,7 @@ int cli_take_tree(cli_run *run, bvx_octree *tree, cli_tree *t)
     bvx_status status = bvx_octree_lattice(run->context, tree, 0, &t->base);
     if (status == BVX_OK) status = bvx_octree_lattice(run->context, tree, t->levels, &run->report.lattice);
     if (status == BVX_OK) status = bvx_octree_count(run->context, tree, t->level, CLI_TREE_LEVELS + 1);
-    CLI_TRY(cli_check_call(run, status, cli_input_name(run->options->input[0])));
+    CLI_TRY(cli_check_call(run, status, cli_first_name(run)));
     run->report.has_lattice = 1;
     return CLI_DONE;
 }

@@ -9,7 +9,6 @@ static bvx_octree_level sum_of(const cli_tree *t)
 {
     bvx_octree_level sum;
     memset(&sum, 0, sizeof sum);
-    /* Level 0 is the base; the last one has no split voxels. */
     for (int32_t i = 0; i <= t->levels; i++) {
         sum.voxels += t->level[i].voxels;
         sum.split += t->level[i].split;

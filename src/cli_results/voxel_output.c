@@ -26,14 +26,13 @@ bvx_status cli_measure_source(cli_run *run, const bvx_mesh *source, const bvx_gr
     const bvx_lattice *const l = &solid->lattice;
     double const spacing = fmax(l->spacing[0], fmax(l->spacing[1], l->spacing[2]));
     bvx_field_options o = {.struct_size = sizeof o};
-    bvx_mesh_view view;
 
     o.sign = BVX_FILL_NONE;
     o.features = 1;
     o.half_width = 2.0 + far / spacing; /* both ends of an edge that the wall passes */
     memcpy(o.window.low, solid->low, sizeof o.window.low);
     memcpy(o.window.size, solid->size, sizeof o.window.size);
-    bvx_mesh_view_of(source, &view);
+    bvx_mesh_view const view = cli_view(source);
     bvx_status const status = bvx_measure_field(run->context, &view, l, &o, field);
     if (status != BVX_OK) return status;
 
@@ -47,7 +46,6 @@ static bvx_status make_source_surface(cli_run *run, cli_voxels *v)
 {
     bvx_field own = {0};
     bvx_field_surface_options s = {.struct_size = sizeof s};
-    bvx_mesh_view view;
     bvx_status status = BVX_OK;
 
     /* A command that moved walls has measured already, farther out. */
@@ -56,7 +54,7 @@ static bvx_status make_source_surface(cli_run *run, cli_voxels *v)
     s.grid = v->grid;
     s.offset = v->offset;
     s.report = &v->surface;
-    bvx_mesh_view_of(v->source, &view);
+    bvx_mesh_view const view = cli_view(v->source);
     if (status == BVX_OK)
         status = bvx_extract_field_surface(run->context, v->field != NULL ? v->field : &own, &view, &s,
                                            &v->mesh);
@@ -103,7 +101,6 @@ static double cylinder_cut(const cli_drill *d, const bvx_grid *g, int32_t axis, 
     double start[3], s;
     for (int32_t a = 0; a < 3; a++)
         start[a] = g->lattice.origin[a] + (g->low[a] + low[a] + 0.5) * g->lattice.spacing[a] - d->at[a];
-    /* Half the chord that the circle cuts out of the edge's line. */
     double const half = sqrt(fmax(0.0, d->radius * d->radius - start[across] * start[across]));
     double const middle = start[axis] + 0.5 * g->lattice.spacing[axis];
     s = ((middle < 0.0 ? -half : half) - start[axis]) / g->lattice.spacing[axis];

@@ -41,7 +41,6 @@ static void name_input(const cli_run *run, const char *message, char *prefix, si
     tame(prefix);
 }
 
-/* Keep an error for the report and say it. */
 static int tell_error(cli_run *run, int status, const char *code, const char *message)
 {
     cli_report *const r = &run->report;
@@ -135,7 +134,6 @@ int cli_stage_check(cli_run *run, bvx_status status, const char *about)
     return cli_check_call(run, status, about);
 }
 
-/* Keep a copy of a warning, with its text, for the report. */
 static void keep_warning(cli_run *run, const cli_warning *warning, char *text)
 {
     cli_report *const r = &run->report;

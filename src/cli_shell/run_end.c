@@ -33,7 +33,6 @@ int cli_end_of_output(cli_run *run)
     return cli_fail(run, "standard output cannot be written");
 }
 
-/* The last words: the report of --json, or what is left of the text. */
 int cli_end_of_run(cli_run *run, int status)
 {
     /* A report that cannot be written turns a success into a failure, and leaves a failure what it is. */

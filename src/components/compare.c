@@ -104,7 +104,6 @@ static bvx_status compare_words(bvx_context *ctx, compare_work *w, compare_sums 
     return BVX_OK;
 }
 
-/* What happens with each run of the difference, in the order of their voxels. */
 typedef void compare_run_fn(void *user, int32_t begin, int32_t end, int32_t y, int32_t z);
 
 /* What one grid has and the other does not: within the box of the difference. */
@@ -166,7 +165,6 @@ static bvx_status join_difference(bvx_context *ctx, const compare_side *s, bvxi_
         for (int32_t y = all->low[1]; y <= all->high[1]; y++) {
             size_t const at = compare_row_at(s, y, z);
             uint64_t *const words = bvxi_components_row(c, y - all->low[1], z - all->low[2]);
-            /* A row's difference exists in the components' own row only: no grid is made for it. */
             for (int32_t k = 0; k < s->one->words_per_row; k++)
                 words[k] = s->one->words[at + (size_t)k] & ~s->other->words[at + (size_t)k];
             bvxi_components_add(c, y - all->low[1], z - all->low[2]);
@@ -198,7 +196,6 @@ static bvx_status count_components(bvx_context *ctx, const char *function, const
     compare_side const measured = {.one = one, .other = other, .all = all, .from = middle, .to = to};
     bvxi_components c;
 
-    /* Nothing to join, and no memory for it. */
     if (all->runs[side] == 0) return BVX_OK;
     BVXI_TRY(bvxi_components_open(ctx, function, BVXI_CONNECT_6, box, all->runs[side], &c));
     BVXI_TRY(join_difference(ctx, &joined, &c));

@@ -150,7 +150,6 @@ BVXI_VECTOR_INLINE component_pairs all_component_pairs(component_word r, compone
     return p;
 }
 
-/* Join the words k of a row and of those after it. */
 BVXI_VECTOR_INLINE void join_component_word(uint32_t *parent, component_row row,
                                             const component_row behind[4], int32_t k, int32_t connectivity,
                                             int fast)
@@ -187,7 +186,6 @@ BVXI_VECTOR_INLINE void join_component_word(uint32_t *parent, component_row row,
     join_component_pairs(parent, of_d, r, row.before[k], d, behind[3].before[k], fast);
 }
 
-/* Number the runs of a row; each begins as a tree of its own. */
 BVXI_VECTOR_INLINE uint64_t rank_component_row(bvxi_components *c, const uint64_t *words, uint32_t *before,
                                                int fast)
 {

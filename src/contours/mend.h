@@ -69,18 +69,4 @@ bvx_status bvxi_mend_trace(bvxi_mend_work *work, bvxi_mended *mended);
 bvx_status bvxi_mended_add_loop(bvxi_mended *mended, uint32_t section, int32_t label);
 bvx_status bvxi_mended_add_point(bvxi_mended *mended, const double at[3], int32_t u, int32_t v);
 
-/* A stop of a path: the node, and the ends of edges by which it came and went. */
-typedef struct bvxi_mend_stop {
-    uint32_t node, in, out;
-} bvxi_mend_stop;
-
-typedef struct bvxi_mend_paths {
-    const bvxi_mend_work *w;
-    const uint32_t *edge; /* kept ones; ends are numbered 2 * edge, 2 * edge + 1 */
-    const uint32_t *rank; /* of each end: where it stands in its node's turn, counter-clockwise */
-    const bvxi_mend_stop *stop;
-    const uint32_t *loop; /* where each loop's stops begin */
-    uint32_t stop_count, loop_count;
-} bvxi_mend_paths;
-
 #endif

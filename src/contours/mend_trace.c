@@ -6,6 +6,27 @@
 
 #include <math.h>
 
+/* A stop of a path: the node, and the ends of edges by which it came and went. */
+typedef struct mend_stop {
+    uint32_t node, in, out;
+} mend_stop;
+
+typedef struct mend_trace {
+    bvxi_mend_work *w;
+    bvxi_mended *mended;
+    uint32_t *edge; /* kept ones; ends are numbered 2 * edge, 2 * edge + 1 */
+    uint32_t edge_count;
+    uint32_t *start; /* of each node: its first end in turn; one more */
+    uint32_t *end;   /* ends of edges by node, counter-clockwise */
+    uint32_t *rank;  /* of each end: where it stands in its node's turn */
+    uint8_t *used;   /* edges */
+    uint32_t *place; /* of each node: its stop on the path, or none */
+    mend_stop *path; /* all stops of one path */
+    mend_stop *stop; /* those of all loops, loop by loop */
+    uint32_t *loop;  /* where each loop's stops begin */
+    uint32_t stop_count, loop_count;
+} mend_trace;
+
 /* ---- loops moved apart at a node ---- */
 
 /* At a node stops of loops lie in each other or beside each other like brackets, as no path crosses another. One
@@ -35,7 +56,7 @@ typedef struct apart_stop {
 } apart_stop;
 
 typedef struct apart_work {
-    const bvxi_mend_paths *paths;
+    const mend_trace *trace;
     apart_stop *stop;
     uint32_t *first, *at_node; /* stops by node [Size: nodes + 1], [Size: stops] */
     double *steps;             /* of each node: how far what lies innermost moves */
@@ -45,21 +66,22 @@ typedef struct apart_work {
     uint32_t segments;
 } apart_work;
 
-static void mend_direction(const bvxi_mend_work *w, const uint32_t *edge, uint32_t end, int64_t d[2])
+static void mend_direction(const mend_trace *t, uint32_t end, int64_t d[2])
 {
-    const uint32_t *const node = w->edge[edge[end >> 1]].node;
-    for (int k = 0; k < 2; k++) d[k] = (int64_t)w->node[node[~end & 1]].q[k] - w->node[node[end & 1]].q[k];
+    const uint32_t *const node = t->w->edge[t->edge[end >> 1]].node;
+    for (int k = 0; k < 2; k++)
+        d[k] = (int64_t)t->w->node[node[~end & 1]].q[k] - t->w->node[node[end & 1]].q[k];
 }
 
 /* The middle of the angle from one end counter-clockwise to another, of length 1 or 0; returns
  * the cosine of half of it. */
-static double mend_middle(const bvxi_mend_paths *p, uint32_t from, uint32_t to, double middle[2])
+static double mend_middle(const mend_trace *p, uint32_t from, uint32_t to, double middle[2])
 {
     double u[2], v[2], length;
     int64_t d[2], e[2];
 
-    mend_direction(p->w, p->edge, from, d);
-    mend_direction(p->w, p->edge, to, e);
+    mend_direction(p, from, d);
+    mend_direction(p, to, e);
     length = sqrt((double)d[0] * (double)d[0] + (double)d[1] * (double)d[1]);
     for (int k = 0; k < 2; k++) u[k] = (double)d[k] / length;
     length = sqrt((double)e[0] * (double)e[0] + (double)e[1] * (double)e[1]);
@@ -75,30 +97,30 @@ static double mend_middle(const bvxi_mend_paths *p, uint32_t from, uint32_t to, 
 
 /* ---- brackets at a node ---- */
 
-static int stands_between(const bvxi_mend_paths *p, uint32_t from, uint32_t end, uint32_t to)
+static int stands_between(const mend_trace *p, uint32_t from, uint32_t end, uint32_t to)
 {
     uint32_t const r = p->rank[end], a = p->rank[from], b = p->rank[to];
     return a < b ? a < r && r < b : r > a || r < b;
 }
 
 /* The ends of the angle that a stop moves into: counter-clockwise, without the stop that stays. */
-static void far_angle(const bvxi_mend_paths *p, uint32_t stop, uint32_t stays, uint32_t angle[2])
+static void far_angle(const mend_trace *p, uint32_t stop, uint32_t stays, uint32_t angle[2])
 {
-    const bvxi_mend_stop *const s = &p->stop[stop];
+    const mend_stop *const s = &p->stop[stop];
     int const turned = stands_between(p, s->out, p->stop[stays].in, s->in);
     angle[0] = turned ? s->in : s->out;
     angle[1] = turned ? s->out : s->in;
 }
 
 /* Stops in a stop's angle come before it: by how many ends stand there. */
-static uint32_t ends_within(const bvxi_mend_paths *p, const uint32_t angle[2], uint32_t all)
+static uint32_t ends_within(const mend_trace *p, const uint32_t angle[2], uint32_t all)
 {
     return (p->rank[angle[1]] + all - p->rank[angle[0]]) % all;
 }
 
 static void aim_stops(apart_work *w, uint32_t node, uint32_t stays)
 {
-    const bvxi_mend_paths *const p = w->paths;
+    const mend_trace *const p = w->trace;
     uint32_t *const here = w->at_node + w->first[node];
     uint32_t const count = w->first[node + 1] - w->first[node], all = 2 * count;
     uint32_t deepest = 0;
@@ -139,7 +161,7 @@ static void aim_stops(apart_work *w, uint32_t node, uint32_t stays)
 
 static void aim_nodes(apart_work *w, const uint32_t *stays)
 {
-    const bvxi_mend_paths *const p = w->paths;
+    const mend_trace *const p = w->trace;
     uint32_t const nodes = p->w->node_count;
 
     memset(w->first, 0, ((size_t)nodes + 1) * 4);
@@ -162,7 +184,7 @@ static void aim_nodes(apart_work *w, const uint32_t *stays)
     }
 }
 
-static void stop_nudge(const bvxi_mend_paths *p, const apart_work *w, uint32_t stop, int32_t nudge[2])
+static void stop_nudge(const mend_trace *p, const apart_work *w, uint32_t stop, int32_t nudge[2])
 {
     const apart_stop *const s = &w->stop[stop];
     double steps = w->steps[p->stop[stop].node];
@@ -172,7 +194,7 @@ static void stop_nudge(const bvxi_mend_paths *p, const apart_work *w, uint32_t s
 
 static void put_segments(apart_work *w)
 {
-    const bvxi_mend_paths *const p = w->paths;
+    const mend_trace *const p = w->trace;
     const bvxi_mend_work *const m = p->w;
 
     w->segments = 0;
@@ -211,7 +233,7 @@ static int segments_collide(const apart_segment *s, const apart_segment *t)
 
 static uint32_t node_of_end(const apart_work *w, const apart_segment *s, int end)
 {
-    return s->stop[end] == BVXI_NONE ? BVXI_NONE : w->paths->stop[s->stop[end]].node;
+    return s->stop[end] == BVXI_NONE ? BVXI_NONE : w->trace->stop[s->stop[end]].node;
 }
 
 /* Segments that meet at a node of both are too near to each other there; at other nodes they move too far. */
@@ -249,7 +271,7 @@ static int change_steps(apart_work *w, uint32_t node, int round)
 
 static bvx_status choose_steps(apart_work *w)
 {
-    uint32_t const nodes = w->paths->w->node_count;
+    uint32_t const nodes = w->trace->w->node_count;
     int again = 1;
 
     for (int round = 0; again && round < APART_ROUNDS; round++) {
@@ -259,7 +281,7 @@ static bvx_status choose_steps(apart_work *w)
         put_segments(w);
         for (uint32_t i = 0; i < w->segments; i++)
             w->box[i] = bvxi_box_segment(w->segment[i].q[0], w->segment[i].q[1], i);
-        BVXI_TRY(bvxi_sweep(w->paths->w->s->ctx, w->box, w->segments, find_collision, w));
+        BVXI_TRY(bvxi_sweep(w->trace->w->s->ctx, w->box, w->segments, find_collision, w));
         for (uint32_t n = 0; n < nodes; n++) again |= change_steps(w, n, round);
     }
     return BVX_OK;
@@ -268,7 +290,7 @@ static bvx_status choose_steps(apart_work *w)
 /* By how many steps each stop moves. stays: of each node, the stop that does not. */
 static bvx_status move_apart(apart_work *w, const uint32_t *stays, int16_t (*nudge)[2])
 {
-    const bvxi_mend_paths *const p = w->paths;
+    const mend_trace *const p = w->trace;
     bvx_context *const ctx = p->w->s->ctx;
     uint64_t const stops = p->stop_count, nodes = p->w->node_count;
 
@@ -322,22 +344,6 @@ bvx_status bvxi_mended_add_point(bvxi_mended *m, const double at[3], int32_t u, 
  * one's point is moved in fixed point by some steps. What is written to the mesh is the point
  * itself; only the decisions about what lies where see that it was moved. */
 
-typedef struct mend_trace {
-    bvxi_mend_work *w;
-    bvxi_mended *mended;
-    uint32_t *edge; /* kept ones; ends are numbered 2 * edge, 2 * edge + 1 */
-    uint32_t edge_count;
-    uint32_t *start;      /* of each node: its first end in turn; one more */
-    uint32_t *end;        /* ends of edges by node, counter-clockwise */
-    uint32_t *rank;       /* of each end: where it stands in its node's turn */
-    uint8_t *used;        /* edges */
-    uint32_t *place;      /* of each node: its stop on the path, or none */
-    bvxi_mend_stop *path; /* all stops of one path */
-    bvxi_mend_stop *stop; /* those of all loops, loop by loop */
-    uint32_t *loop;       /* where each loop's stops begin */
-    uint32_t stop_count, loop_count;
-} mend_trace;
-
 static uint32_t mend_end_node(const mend_trace *t, uint32_t end)
 {
     return t->w->edge[t->edge[end >> 1]].node[end & 1];
@@ -351,7 +357,7 @@ static bvx_status mend_keep_edges(mend_trace *t, uint64_t *key, uint32_t *order)
     for (uint32_t i = 0; i < w->edge_count; i++) {
         uint32_t const a = w->edge[i].node[0], b = w->edge[i].node[1];
         if (!w->changed[w->edge[i].loop]) continue;
-        key[count] = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+        key[count] = bvxi_edge_key(a, b);
         order[count++] = i;
     }
     BVXI_TRY(bvxi_radix_sort(w->s->ctx, key, order, count));
@@ -367,8 +373,8 @@ static bvx_status mend_keep_edges(mend_trace *t, uint64_t *key, uint32_t *order)
 static int mend_turns_before(const mend_trace *t, uint32_t a, uint32_t b)
 {
     int64_t d[2], e[2];
-    mend_direction(t->w, t->edge, a, d);
-    mend_direction(t->w, t->edge, b, e);
+    mend_direction(t, a, d);
+    mend_direction(t, b, e);
     /* Directions of the lower half-plane come after those of
      * the upper one; within one, the cross product decides. */
     int const low = d[1] < 0 || (d[1] == 0 && d[0] < 0);
@@ -404,7 +410,7 @@ static void mend_cut_loop(mend_trace *t, uint32_t from, uint32_t *count, uint32_
 {
     t->loop[t->loop_count++] = t->stop_count;
     for (uint32_t i = from; i < *count; i++) {
-        bvxi_mend_stop *const s = &t->stop[t->stop_count++];
+        mend_stop *const s = &t->stop[t->stop_count++];
         *s = t->path[i];
         if (i == from) s->in = back;
         else t->place[s->node] = BVXI_NONE;
@@ -440,25 +446,24 @@ static void mend_follow(mend_trace *t, uint32_t edge)
 
 /* How narrow the angle is between a stop's ends that no other end lies in: the cosine of half of it, or 2
  * where both have some. */
-static double mend_narrowness(const mend_trace *t, const bvxi_mend_paths *p, const bvxi_mend_stop *s)
+static double mend_narrowness(const mend_trace *t, const mend_stop *s)
 {
     uint32_t const all = t->start[s->node + 1] - t->start[s->node], i = t->rank[s->out], j = t->rank[s->in];
     double middle[2];
-    if ((i + 1) % all == j) return mend_middle(p, s->out, s->in, middle);
-    return (j + 1) % all == i ? mend_middle(p, s->in, s->out, middle) : 2.0;
+    if ((i + 1) % all == j) return mend_middle(t, s->out, s->in, middle);
+    return (j + 1) % all == i ? mend_middle(t, s->in, s->out, middle) : 2.0;
 }
 
 /* At a node the stop in the narrowest angle stays, or one between others. narrowest: scratch, by node. */
-static void mend_choose_stay(const mend_trace *t, const bvxi_mend_paths *p, double *narrowest,
-                             uint32_t *stays)
+static void mend_choose_stay(const mend_trace *t, double *narrowest, uint32_t *stays)
 {
     for (uint32_t i = 0; i < t->w->node_count; i++) {
         narrowest[i] = -2.0;
         stays[i] = BVXI_NONE;
     }
     for (uint32_t i = 0; i < t->stop_count; i++) {
-        const bvxi_mend_stop *const s = &t->stop[i];
-        double const narrow = mend_narrowness(t, p, s);
+        const mend_stop *const s = &t->stop[i];
+        double const narrow = mend_narrowness(t, s);
         if (narrow <= narrowest[s->node]) continue;
         narrowest[s->node] = narrow;
         stays[s->node] = i;
@@ -517,10 +522,9 @@ bvx_status bvxi_mend_trace(bvxi_mend_work *w, bvxi_mended *mended)
         if (!t.used[i]) mend_follow(&t, i);
 
     /* The stop that stays is chosen first, as all others move away from it. */
-    bvxi_mend_paths paths = {w, t.edge, t.rank, t.stop, t.loop, t.stop_count, t.loop_count};
-    mend_choose_stay(&t, &paths, narrowest, stays);
+    mend_choose_stay(&t, narrowest, stays);
     BVXI_TRY(BVXI_ZEROS(w->s->ctx, t.stop_count, "the steps of points", nudge));
-    apart_work apart = {.paths = &paths};
+    apart_work apart = {.trace = &t};
     BVXI_TRY(BVXI_SCOPE(w->s->ctx, move_apart(&apart, stays, nudge)));
     return mend_give_loops(&t, (const int16_t(*)[2])nudge);
 }

@@ -12,25 +12,6 @@
 
 /* ---- one plane ---- */
 
-/* One plane, with messages; these are what planes are gone over again with when something is wrong. */
-static bvx_status place_on_plane(bvxi_stack *s, bvxi_plane *p, double low[2], double high[2])
-{
-    for (uint32_t i = 0; i < p->point_count; i++) {
-        const double *const at = s->given->points + 3 * (uint64_t)p->given[i];
-        p->uv[i][0] = bvxi_along_axis(s->axis[0], at);
-        p->uv[i][1] = bvxi_along_axis(s->axis[1], at);
-        for (int k = 0; k < 2; k++) {
-            double const c = p->uv[i][k];
-            /* Infinite or undefined: such a place is on no grid. */
-            if (c - c != 0.0)
-                return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR, "%s: point %i is too far out",
-                                     s->function, (uint64_t)p->given[i]);
-            bvxi_widen(&low[k], &high[k], &c, 1);
-        }
-    }
-    return BVX_OK;
-}
-
 int32_t bvxi_snap_steps(const bvxi_stack *s, int k, double along)
 {
     return (int32_t)floor((along - s->origin[k]) / s->step[k] * (double)(1 << (s->fine - 1)));
@@ -146,7 +127,17 @@ bvx_status bvxi_planes_place(bvxi_stack *s)
 {
     for (uint32_t i = 0; i < s->plane_count; i++) {
         BVXI_TRY(bvxi_progress(s->ctx, "sections", 0.25 * i / s->plane_count));
-        BVXI_TRY(place_on_plane(s, &s->plane[i], s->low, s->high));
+        for (uint32_t n = 0; n < s->plane[i].point_count; n++) {
+            uint32_t const given = s->plane[i].given[n];
+            double *const uv = s->plane[i].uv[n];
+            for (int k = 0; k < 2; k++)
+                uv[k] = bvxi_along_axis(s->axis[k], s->given->points + 3 * (uint64_t)given);
+            /* Infinite or undefined: such a place is on no grid. */
+            if (uv[0] - uv[0] != 0.0 || uv[1] - uv[1] != 0.0)
+                return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR, "%s: point %i is too far out",
+                                     s->function, (uint64_t)given);
+            bvxi_widen(s->low, s->high, uv, 2);
+        }
     }
     return BVX_OK;
 }

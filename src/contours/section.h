@@ -439,6 +439,11 @@ uint32_t bvxi_map_find(const bvxi_map *map, uint64_t key);
 void bvxi_map_clear(bvxi_map *map);
 /* The same for maps that do not grow in views. */
 bvx_status bvxi_stack_map_add(const bvxi_stack *s, bvxi_map *map, uint64_t key, uint32_t **value);
+/* The key of an edge, whichever end comes first. */
+static inline uint64_t bvxi_edge_key(uint32_t a, uint32_t b)
+{
+    return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+}
 
 /* Keep a place in a report. */
 static inline void bvxi_report_place(bvx_sections_report *report, const double at[3])

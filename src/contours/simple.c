@@ -46,6 +46,18 @@ int bvxi_folds_back(const int32_t *shared, const int32_t *a, const int32_t *b)
     return bvxi_turn_sign(shared, a, b) == 0 && dot > 0;
 }
 
+/* place: of each point; NULL where no two are at one place. */
+static int pair_meets(const bvxi_plane *p, const uint32_t *place, uint32_t i, uint32_t j)
+{
+    uint32_t const in = p->next[i], jn = p->next[j];
+    int const after = place == NULL ? in == j : place[in] == place[j];
+    int const before = place == NULL ? jn == i : place[jn] == place[i];
+    if (after && before) return 1; /* there and back: two different segments between the same two points */
+    if (after) return bvxi_folds_back(p->q[j], p->q[i], p->q[jn]);
+    if (before) return bvxi_folds_back(p->q[i], p->q[in], p->q[j]);
+    return bvxi_segments_meet(p->q[i], p->q[in], p->q[j], p->q[jn]);
+}
+
 /* ---- Pairs whose boxes meet ---- */
 
 /* order: of the boxes by their left sides; NULL: they are in it. active: scratch, one a box. */
@@ -130,12 +142,7 @@ static int sort_boxes(const bvxi_segment_box *box, uint32_t n, bvxi_segment_box 
 
 static bvx_status quick_pair(void *user, uint32_t i, uint32_t j)
 {
-    const bvxi_plane *const p = user;
-    uint32_t const in = p->next[i], jn = p->next[j];
-    int const meets = in == j   ? jn == i || bvxi_folds_back(p->q[j], p->q[i], p->q[jn])
-                      : jn == i ? bvxi_folds_back(p->q[i], p->q[in], p->q[j])
-                                : bvxi_segments_meet(p->q[i], p->q[in], p->q[j], p->q[jn]);
-    return meets ? BVX_ERR_FORMAT : BVX_OK;
+    return pair_meets(user, NULL, i, j) ? BVX_ERR_FORMAT : BVX_OK;
 }
 
 int bvxi_plane_is_simple(bvxi_plane *p, bvxi_segment_box *sorted, bvxi_segment_box *box)
@@ -177,16 +184,6 @@ static void find_places(const bvxi_plane *p, uint32_t *place)
             place[i] = i > c->first && at_one_place(p->q[i], p->q[i - 1]) ? place[i - 1] : i;
         for (uint32_t i = c->first; i < start; i++) place[i] = place[last];
     }
-}
-
-static int pair_meets(const bvxi_plane *p, const uint32_t *place, uint32_t i, uint32_t j)
-{
-    uint32_t const in = p->next[i], jn = p->next[j];
-    int const after = place[in] == place[j], before = place[jn] == place[i];
-    if (after && before) return 1; /* there and back: two different segments between the same two points */
-    if (after) return bvxi_folds_back(p->q[j], p->q[i], p->q[jn]);
-    if (before) return bvxi_folds_back(p->q[i], p->q[in], p->q[j]);
-    return bvxi_segments_meet(p->q[i], p->q[in], p->q[j], p->q[jn]);
 }
 
 static bvx_status refuse_pair(bvxi_stack *s, const bvxi_plane *p, uint32_t i, uint32_t j)

@@ -212,11 +212,6 @@ static bvx_status list_by_plane(slice_work *w)
 
 /* ---- one plane ---- */
 
-static uint64_t edge_key(uint32_t a, uint32_t b)
-{
-    return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
-}
-
 static void edge_place(const slice_work *w, uint64_t key, double position, double p[3])
 {
     uint32_t const a = (uint32_t)(key >> 32), b = (uint32_t)key;
@@ -254,23 +249,13 @@ static uint64_t gather_pieces(slice_work *w, uint64_t plane)
             uint32_t const a = c[k], b = c[(k + 1) % 3];
             int const up = w->height[a] < z && w->height[b] >= z;
             int const down = w->height[a] >= z && w->height[b] < z;
-            if (up) w->to[n] = edge_key(a, b);
-            if (down) w->from[n] = edge_key(a, b);
+            if (up) w->to[n] = bvxi_edge_key(a, b);
+            if (down) w->from[n] = bvxi_edge_key(a, b);
         }
         w->order[n] = (uint32_t)n;
         n++;
     }
     return n;
-}
-
-static void add_slice_point(bvx_sections *s, bvx_section_loop *l, const double p[3])
-{
-    if (l->point_count > 0) { /* else the stack may have no point at all */
-        const double *const last = s->points + 3 * (s->point_count - 1);
-        if (bvxi_vec_is_same(last, p)) return;
-    }
-    memcpy(s->points + 3 * s->point_count++, p, 24);
-    l->point_count++;
 }
 
 /* 1 when a loop is so narrow that it encloses no area: twice the area is the width times the way round. */
@@ -328,7 +313,10 @@ static bvx_status follow_pieces(slice_work *w, uint64_t plane, uint64_t n)
             double p[3];
             w->used[i] = 1;
             edge_place(w, key, z, p);
-            add_slice_point(s, &l, p);
+            if (l.point_count == 0 || !bvxi_vec_is_same(s->points + 3 * (s->point_count - 1), p)) {
+                memcpy(s->points + 3 * s->point_count++, p, 24);
+                l.point_count++;
+            }
             if (key == first) break;
             i = find_piece(w, w->from, n, key);
             if (i == n) return open_contour(w, z, key);

@@ -121,6 +121,10 @@ BVXI_COLD bvx_status bvxi_fail(bvx_context *ctx, bvx_status status, const char *
 /* The same where callers may want to know why: reason is BVX_REASON_.... */
 BVXI_COLD bvx_status bvxi_fail_for(bvx_context *ctx, bvx_status status, int32_t reason, const char *format,
                                    ...);
+/* The same of a file, "STL: ", or with a unit of a place in it, "STL: line 7: ", before the message. A reason of
+ * BVX_REASON_NONE is the status's own. Without a context nothing is kept. */
+BVXI_COLD bvx_status bvxi_fail_at(bvx_context *ctx, const char *file, const char *unit, uint64_t place,
+                                  bvx_status status, int32_t reason, const char *format, ...);
 /* After a failure of a public function without BVXI_CALL, whose works may
  * not know its name: that name. Returns the status. */
 BVXI_COLD bvx_status bvxi_fail_in(bvx_context *ctx, const char *function, bvx_status status);

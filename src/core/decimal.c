@@ -41,12 +41,9 @@ static uint64_t decimal_round(uint64_t top, int sticky, int32_t e, const decimal
     if (q > kind->high_exponent) return decimal_infinity(kind);
     if (cut > 64) return 0; /* below half of the smallest */
     uint64_t c = cut == 64 ? 0 : top >> cut;
-    /* What is cut off against half of the last bit. */
     uint64_t const half = UINT64_C(1) << (cut - 1);
     uint64_t const rest = cut == 64 ? top : top & ((half << 1) - 1);
-    /* Up above the middle; in the middle to the even one. */
     c += rest > half || (rest == half && (sticky || (c & 1)));
-    /* c's leading one adds 1 to the field */
     c += (uint64_t)(q - kind->low_exponent) << (kind->precision - 1);
     return c < decimal_infinity(kind) ? c : decimal_infinity(kind);
 }
@@ -66,7 +63,6 @@ static unsigned decimal_digit(char c)
     return (unsigned)(unsigned char)c - '0'; /* 10 or more: not a digit */
 }
 
-/* The exponent after e or E at text, if there is a whole one. */
 static const char *decimal_scan_exponent(const char *text, const char *end, int64_t *exponent)
 {
     const char *p = text + 1;
@@ -88,7 +84,6 @@ static void decimal_keep_19(decimal_scan *s, int64_t count)
 {
     const char *p = s->digits;
 
-    /* Leading zeros do not count. */
     for (; p < s->end && (*p == '0' || *p == '.'); p++) count -= *p == '0';
     if (count <= 19) return;
     s->w = 0;
@@ -262,7 +257,6 @@ size_t bvxi_parse_double(const char *text, const char *end, double *value)
 
     if (decimal_begin(text, end, &decimal_f64, &s, &bits, &used)) {
         double v;
-        /* Nearly all numbers in files end here. */
         if (decimal_short(&s, &v)) {
             *value = s.negative ? -v : v;
             return used;

@@ -24,7 +24,6 @@ static inline void hash_part(bvxi_hash *hash, uint64_t value, unsigned n)
 {
     unsigned const have = (unsigned)(hash->size & 7);
     hash->pending |= value << 8 * have;
-    /* Eight bytes make a word; what remains of the value begins the next. */
     hash->size += n;
     if (have + n >= 8) {
         hash->state = hash_step(hash->state, hash->pending);
@@ -49,7 +48,6 @@ void bvxi_hash_bytes(bvxi_hash *hash, const void *bytes, size_t count)
 {
     const unsigned char *b = bytes;
 
-    /* Byte by byte to a border of words, then word by word. */
     while ((hash->size & 7) != 0 && count != 0) {
         hash_part(hash, *b++, 1);
         count--;
@@ -66,12 +64,10 @@ void bvxi_hash_bytes(bvxi_hash *hash, const void *bytes, size_t count)
     while (count-- != 0) hash_part(hash, *b++, 1);
 }
 
-/* count numbers of 4 bytes at p, in this machine's byte order. */
 static void hash_fours(bvxi_hash *hash, const unsigned char *p, size_t count)
 {
     uint32_t v[2];
 
-    /* Two numbers are a word, where one begins here. */
     if ((hash->size & 7) == 0 && count >= 2) {
         uint64_t h = hash->state;
         size_t const words = count / 2;
@@ -90,7 +86,6 @@ static void hash_fours(bvxi_hash *hash, const unsigned char *p, size_t count)
     }
 }
 
-/* count numbers of 8 bytes at p, in this machine's byte order. */
 static void hash_eights(bvxi_hash *hash, const unsigned char *p, size_t count)
 {
     uint64_t v;

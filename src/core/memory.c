@@ -86,7 +86,6 @@ static void arena_free(bvxi_arena *a, void *block)
     pop_scratch(a);
 }
 
-/* The bytes that a block of scratch was requested. */
 static uint64_t arena_size(const bvxi_arena *a, const void *block)
 {
     return header_at(a, offset_of(a, block))->used;
@@ -162,7 +161,6 @@ static inline void forget_scratch(bvx_context *ctx, uint32_t at)
     uint32_t const after = --ctx->scratch_count - at;
     /* Serial numbers rise along the table, so what stands behind a gap moves up. */
     if (after != 0) memmove(ctx->scratch + at, ctx->scratch + at + 1, (size_t)after * sizeof *ctx->scratch);
-    /* Empty again: the larger table goes too. */
     if (ctx->scratch != ctx->scratch_first && ctx->scratch_count == 0) close_table(ctx);
 }
 
@@ -192,7 +190,6 @@ static bvx_status fail_memory(bvx_context *ctx, uint64_t want, const char *what)
                      ctx->memory_used);
 }
 
-/* What is in use grows by a block that is there. */
 static inline void count_block(bvx_context *ctx, uint64_t size, void *p, void *block)
 {
     ctx->memory_used += size;

@@ -64,7 +64,6 @@ static void message_put_format(message_line *l, const char *format, va_list args
     char number[32];
 
     for (const char *p = format; *p != 0; p++) {
-        /* Text up to the next value. */
         if (*p != '%') {
             message_put(l, p, 1);
             continue;
@@ -125,7 +124,6 @@ static int32_t reason_of_status(bvx_status status)
 static const char *behind_function(const char *message)
 {
     const char *p = message;
-    /* A function's name ends at a colon or a comma. */
     if (p[0] != 'b' || p[1] != 'v' || p[2] != 'x' || p[3] != '_') return message;
     while (*p == '_' || (*p >= 'a' && *p <= 'z') || (*p >= '0' && *p <= '9')) p++;
     return (*p == ':' || *p == ',') && p[1] == ' ' ? p + 2 : message;
@@ -137,8 +135,25 @@ static const char *named_function(const char *format, va_list args)
     return format[0] == '%' && format[1] == 's' && format[2] == ':' ? va_arg(args, const char *) : "";
 }
 
-static void keep_failure(bvx_context *ctx, bvx_status status, int32_t reason, const char *format,
-                         va_list args)
+typedef struct message_place {
+    const char *file, *unit;
+    uint64_t number;
+} message_place;
+
+static void message_put_place(message_line *l, const message_place *at)
+{
+    message_put(l, at->file, bvxi_text_length(at->file));
+    message_put(l, ": ", 2);
+    if (at->unit == NULL) return;
+    message_put(l, at->unit, bvxi_text_length(at->unit));
+    message_put(l, " ", 1);
+    message_put_unsigned(l, at->number);
+    message_keep(l, (double)at->number);
+    message_put(l, ": ", 2);
+}
+
+static void keep_failure(bvx_context *ctx, bvx_status status, int32_t reason, const message_place *at,
+                         const char *format, va_list args)
 {
     bvx_error *const e = &ctx->error;
     message_line l = {ctx->message, sizeof ctx->message, 0, e};
@@ -146,14 +161,14 @@ static void keep_failure(bvx_context *ctx, bvx_status status, int32_t reason, co
 
     /* Outside of a public call, as the few are that report no progress, the message knows whose it is. */
     va_copy(again, args);
-    e->function = ctx->calls != 0 ? ctx->function : named_function(format, again);
+    e->function = ctx->calls != 0 ? ctx->function : at != NULL ? at->file : named_function(format, again);
     va_end(again);
 
     e->status = status;
     e->reason = reason;
     e->index = -1;
     e->value_count = 0;
-    /* A message is made once; the rest points into it. */
+    if (at != NULL) message_put_place(&l, at);
     message_put_format(&l, format, args);
     e->text = behind_function(ctx->message);
 }
@@ -162,7 +177,7 @@ bvx_status bvxi_fail(bvx_context *ctx, bvx_status status, const char *format, ..
 {
     va_list args;
     va_start(args, format);
-    keep_failure(ctx, status, reason_of_status(status), format, args);
+    keep_failure(ctx, status, reason_of_status(status), NULL, format, args);
     va_end(args);
     return status;
 }
@@ -171,7 +186,20 @@ bvx_status bvxi_fail_for(bvx_context *ctx, bvx_status status, int32_t reason, co
 {
     va_list args;
     va_start(args, format);
-    keep_failure(ctx, status, reason, format, args);
+    keep_failure(ctx, status, reason, NULL, format, args);
+    va_end(args);
+    return status;
+}
+
+bvx_status bvxi_fail_at(bvx_context *ctx, const char *file, const char *unit, uint64_t place,
+                        bvx_status status, int32_t reason, const char *format, ...)
+{
+    const message_place at = {file, unit, place};
+    va_list args;
+    if (ctx == NULL) return status;
+    va_start(args, format);
+    keep_failure(ctx, status, reason == BVX_REASON_NONE ? reason_of_status(status) : reason, &at, format,
+                 args);
     va_end(args);
     return status;
 }

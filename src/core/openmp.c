@@ -99,7 +99,6 @@ void bvxi_pool_run(bvxi_pool *pool, int32_t count, bvx_task_fn *task, void *user
         int const worker = omp_get_thread_num();
         int64_t const used = bvxi_processor_time();
 
-        /* All threads were started. */
         if (worker == 0) restore_signals(&before);
 #pragma omp for schedule(dynamic, 1) nowait
         for (int32_t i = first; i < count; i++) task(user, i, worker);

@@ -138,7 +138,6 @@ BVXI_COLD static bvx_status fail_reserved_option(bvx_context *ctx, const char *f
 bvx_status bvxi_check_options(bvx_context *ctx, const char *function, void *options, const bvxi_option *rows,
                               size_t count)
 {
-    /* In the order of the rows, so that the first field that is wrong is named. */
     for (const bvxi_option *row = rows; row != rows + count; row++) {
         unsigned char *const at = (unsigned char *)options + row->at;
 

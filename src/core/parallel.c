@@ -20,7 +20,6 @@ static const bvxi_share *present_share(const bvx_context *ctx)
     return &ctx->share[ctx->shares < BVXI_SHARES ? ctx->shares : BVXI_SHARES - 1];
 }
 
-/* Where a work's fraction lies in the call. */
 static double place_in(const bvxi_share *s, double fraction)
 {
     return s->low + (s->high - s->low) * fraction;
@@ -44,7 +43,6 @@ bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status)
 {
     (void)bvxi_scope_end(ctx, status);
     if (--ctx->calls != 0) return status;
-    /* What fails has nothing to warn of. */
     if (status != BVX_OK) ctx->warnings = 0;
     /* The results are there and stay: what the callback answers is not heard. */
     if (status == BVX_OK && ctx->progress != NULL) (void)ctx->progress(ctx->progress_user, ctx->stage, 1.0);

@@ -77,7 +77,6 @@ static int32_t granted(int64_t quota, int64_t period)
 {
     if (quota <= 0 || period <= 0) return 0;
     int64_t const whole = (quota + period / 2) / period;
-    /* Less than one is one; more than can be used is as good as all. */
     return whole < 1 ? 1 : whole > BVXI_MAX_THREADS ? 0 : (int32_t)whole;
 }
 
@@ -135,7 +134,6 @@ int32_t bvxi_online_processors(void)
 #endif
 }
 
-/* Processors that the process may run on. */
 static int32_t allowed_processors(void)
 {
 #if defined(__linux__) && defined(CPU_COUNT)
@@ -257,7 +255,6 @@ void bvxi_worth_begin(bvxi_worth *w, int32_t threads)
     *w = (bvxi_worth){.most = threads - 1, .rest = REST_LEAST};
 }
 
-/* How many helpers there are processors for: all where that is not known. */
 static int32_t count_idle(bvxi_worth *w)
 {
     int32_t const running = bvxi_running_threads();
@@ -268,7 +265,6 @@ static int32_t count_idle(bvxi_worth *w)
     return idle < 0 ? 0 : idle < w->most ? idle : w->most;
 }
 
-/* 1 when there is a processor for a helper, as far as can be told. */
 static int has_processors(bvxi_worth *w, int64_t now)
 {
     if (now < w->rest_until && w->eager < 2) return 0;

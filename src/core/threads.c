@@ -114,7 +114,6 @@ static void call_helper(bvxi_pool *pool)
     pthread_attr_t attributes;
     sigset_t all, before;
 
-    /* All that there are processors for, or no tasks left. */
     if (pool->called == pool->worth.idle || look_at(&pool->next) >= pool->count) return;
     if (pool->called++ < pool->watching) return; /* it comes by itself */
     if (pool->asleep > 0) {
@@ -157,7 +156,6 @@ static void work_on_step(bvxi_pool *pool)
     /* Measured, as a helper without a processor makes all wait. */
     pool->lost += time > processor_time ? time - processor_time : 0;
     change(&pool->inside, pool->inside - 1);
-    /* The last one wakes the caller. */
     if (pool->inside == 0) pthread_cond_signal(&pool->ended);
 }
 
@@ -183,7 +181,6 @@ static void *help(void *given)
 
     pthread_mutex_lock(&pool->lock);
     while (!pool->quit) {
-        /* A step is open: help, then watch a while for the next one. */
         if (may_enter(pool)) {
             work_on_step(pool);
             watch_for_step(pool);
@@ -274,11 +271,9 @@ void bvxi_pool_run(bvxi_pool *pool, int32_t count, bvx_task_fn *task, void *user
     call_helper(pool);
     pthread_mutex_unlock(&pool->lock);
 
-    /* The caller works as any helper does, as worker 0. */
     take_tasks(pool, 0);
 
     pthread_mutex_lock(&pool->lock);
-    /* No helper enters any more; those inside are waited for. */
     change(&pool->open, 0);
     wait_for_helpers(pool);
     pthread_mutex_unlock(&pool->lock);

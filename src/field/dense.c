@@ -124,19 +124,12 @@ typedef struct propagate_job {
 static double propagate_measure(const propagate_job *job, int32_t x, int32_t y, int32_t z, uint32_t triangle,
                                 double vector[3])
 {
-    double p[3], t[3][3], q[3], d2;
-    uint32_t c[3];
+    double p[3], t[3][3], q[3];
 
     bvxi_field_centre(&job->field->band, x, y, z, p);
-    bvxi_view_triangle(job->mesh, triangle, c);
-
-    /* About the size of 1, so that squares neither vanish nor overflow. */
-    for (int k = 0; k < 3; k++) {
-        p[k] *= job->scale;
-        bvxi_view_position(job->mesh, c[k], t[k]);
-        for (int a = 0; a < 3; a++) t[k][a] *= job->scale;
-    }
-    d2 = bvxi_closest_on_triangle(p, (const double(*)[3])t, q);
+    for (int k = 0; k < 3; k++) p[k] *= job->scale;
+    bvxi_view_scaled(job->mesh, triangle, job->scale, t);
+    double const d2 = bvxi_closest_on_triangle(p, (const double(*)[3])t, q);
     for (int a = 0; a < 3; a++) vector[a] = (q[a] - p[a]) / job->scale;
     return sqrt(d2) / job->scale;
 }
@@ -277,17 +270,10 @@ static bvx_status check_sources(bvx_context *ctx, const char *function, const bv
 static void place_centres(const double low[3], const double high[3], propagate_job *job)
 {
     const bvx_grid *const g = &job->field->band;
-    double first[3], last[3], least[3], most[3];
+    double first[3];
 
     bvxi_field_centre(g, 0, 0, 0, first);
-    bvxi_field_centre(g, g->size[0] - 1, g->size[1] - 1, g->size[2] - 1, last);
-
-    /* The window may lie outside the mesh's bounds: both have to fit. */
-    for (int a = 0; a < 3; a++) {
-        least[a] = first[a] < low[a] ? first[a] : low[a];
-        most[a] = last[a] > high[a] ? last[a] : high[a];
-    }
-    job->scale = bvxi_unit_scale(least, most);
+    job->scale = bvxi_field_scale(g, low, high);
     for (int a = 0; a < 3; a++) {
         job->first[a] = first[a] * job->scale;
         job->step[a] = g->lattice.spacing[a] * job->scale;

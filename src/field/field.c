@@ -4,11 +4,7 @@
  * the values is kept. Guarantee: what bvxi_field_check has passed can be read without further checks. */
 #include "field/room.h"
 #include "grid/sparse.h"
-
-static uint64_t field_rows(const bvx_field *field)
-{
-    return field->band.words != NULL ? bvxi_grid_rows(&field->band) : 0;
-}
+#include "mesh/view.h"
 
 void bvx_field_free(bvx_context *context, bvx_field *field)
 {
@@ -19,7 +15,8 @@ void bvx_field_free(bvx_context *context, bvx_field *field)
     bvxi_free(context, field->triangles, field->value_count * 4);
     bvxi_free(context, field->vectors, field->value_count * 3 * number_bytes);
     bvxi_free(context, field->distances, field->value_count * number_bytes);
-    bvxi_free(context, field->row_values, (field_rows(field) + 1) * 8);
+    uint64_t const rows = field->band.words != NULL ? bvxi_grid_rows(&field->band) : 0;
+    bvxi_free(context, field->row_values, (rows + 1) * 8);
     bvx_grid_free(context, &field->inside);
     bvx_grid_free(context, &field->band);
     memset(field, 0, sizeof *field);
@@ -105,6 +102,20 @@ uint64_t bvx_field_value(const bvx_field *field, int32_t x, int32_t y, int32_t z
     /* Its number: the row's first one, and the bits before it. */
     for (int32_t k = 0; k < x >> 6; k++) n += bvxi_popcount(words[k]);
     return n + bvxi_popcount(words[x >> 6] & ((UINT64_C(1) << (x & 63)) - 1));
+}
+
+double bvxi_field_scale(const bvx_grid *g, const double low[3], const double high[3])
+{
+    double first[3], last[3], least[3], most[3];
+
+    bvxi_field_centre(g, 0, 0, 0, first);
+    bvxi_field_centre(g, g->size[0] - 1, g->size[1] - 1, g->size[2] - 1, last);
+    /* Centres may lie outside the mesh's bounds. */
+    for (int a = 0; a < 3; a++) {
+        least[a] = first[a] < low[a] ? first[a] : low[a];
+        most[a] = last[a] > high[a] ? last[a] : high[a];
+    }
+    return bvxi_unit_scale(least, most);
 }
 
 void bvxi_field_word(const bvx_field *field, uint64_t row, int32_t word, int32_t vectors, uint64_t *next,

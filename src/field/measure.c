@@ -231,14 +231,6 @@ static void negate_rows(void *user, uint64_t row, uint64_t end)
     }
 }
 
-static bvx_status negate_inside(bvx_context *ctx, bvx_field *field)
-{
-    uint64_t const rows = bvxi_grid_rows(&field->band), each = field->value_count / rows;
-    if (field->inside.words == NULL) return BVX_OK;
-    return BVXI_SHARE(ctx, 0.97, 1.0,
-                      bvxi_for(ctx, measure_stage, rows, 1 + MEASURE_GRAIN / (1 + each), negate_rows, field));
-}
-
 static bvx_status measure_distances_of(bvx_context *ctx, const bvx_lattice *lattice, measure_job *job)
 {
     BVXI_TRY(bvxi_nearest_open(bvxi_call_of(ctx, measure_name, measure_stage, 0.0, 0.15), job->mesh, lattice,
@@ -259,7 +251,9 @@ static bvx_status measure_steps(bvx_context *ctx, const bvx_lattice *lattice, me
     if (solid) BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.2, make_inside(ctx, lattice, job)));
     BVXI_TRY(BVXI_SHARE(ctx, solid ? 0.2 : 0.0, 1.0, measure_distances_of(ctx, lattice, job)));
     if (!solid) BVXI_TRY(make_inside(ctx, lattice, job));
-    return negate_inside(ctx, f);
+    if (f->inside.words == NULL) return BVX_OK;
+    uint64_t const rows = bvxi_grid_rows(&f->band), grain = 1 + MEASURE_GRAIN / (1 + f->value_count / rows);
+    return BVXI_SHARE(ctx, 0.97, 1.0, bvxi_for(ctx, measure_stage, rows, grain, negate_rows, f));
 }
 
 static bvx_status run_measure_field(bvx_context *context, const bvx_mesh_view *mesh,

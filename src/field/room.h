@@ -39,6 +39,9 @@ static inline void bvxi_field_centre(const bvx_grid *grid, int32_t x, int32_t y,
                     ((double)grid->low[a] + (double)at[a] + 0.5) * grid->lattice.spacing[a];
 }
 
+/* The power of two that brings a window's centres and bounds, as of a mesh, into [-1, 1]. */
+double bvxi_field_scale(const bvx_grid *grid, const double low[3], const double high[3]);
+
 /* The nearest float; infinity beyond the largest one. */
 static inline float bvxi_field_float(double v)
 {

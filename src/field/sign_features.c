@@ -72,11 +72,8 @@ static bvx_status sign_whole_band(bvxi_call call, const bvx_mesh_view *mesh, con
 
     for (int32_t z = 0; z < inside->size[2]; z++)
         for (int32_t y = 0; y < inside->size[1]; y++) {
-            uint64_t const row = (uint64_t)(z + inside->low[2]) * (uint64_t)whole.size[1] +
-                                 (uint64_t)(y + inside->low[1]);
-            const uint64_t *const from = whole.words + row * (uint64_t)whole.words_per_row;
-            uint64_t *const to = inside->words + ((uint64_t)z * (uint64_t)inside->size[1] + (uint64_t)y) *
-                                                     (uint64_t)inside->words_per_row;
+            const uint64_t *const from = bvxi_grid_row(&whole, y + inside->low[1], z + inside->low[2]);
+            uint64_t *const to = bvxi_grid_row(inside, y, z);
 
             /* The window need not begin at a word: each of its words comes from two. */
             for (int32_t k = 0; k < inside->words_per_row; k++) {

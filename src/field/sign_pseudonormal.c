@@ -36,18 +36,12 @@ static int is_rounding(double v)
 
 static int side_of(const side_job *job, int32_t x, int32_t y, int32_t z, uint64_t value)
 {
-    const bvx_mesh_view *const mesh = job->mesh;
     uint32_t const triangle = job->band->triangles[value];
     double p[3], t[3][3], q[3], away[3], outwards[3] = {0.0, 0.0, 0.0};
-    uint32_t c[3];
 
     bvxi_field_centre(&job->band->where, x, y, z, p);
-    bvxi_view_triangle(mesh, triangle, c);
-    for (int k = 0; k < 3; k++) {
-        p[k] *= job->scale;
-        bvxi_view_position(mesh, c[k], t[k]);
-        for (int a = 0; a < 3; a++) t[k][a] *= job->scale;
-    }
+    for (int k = 0; k < 3; k++) p[k] *= job->scale;
+    bvxi_view_scaled(job->mesh, triangle, job->scale, t);
     bvxi_closest_on_triangle(p, (const double(*)[3])t, q);
     /* From the closest point to the centre, in the scaled world. */
     for (int a = 0; a < 3; a++) away[a] = p[a] - q[a];
@@ -82,33 +76,15 @@ static void decide_sides(void *user, uint64_t row, uint64_t end)
     }
 }
 
-static bvx_status side_scale(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
-                             const bvx_grid *g, double *scale)
-{
-    double low[3], high[3], first[3], last[3];
-    BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
-    bvxi_field_centre(g, 0, 0, 0, first);
-    bvxi_field_centre(g, g->size[0] - 1, g->size[1] - 1, g->size[2] - 1, last);
-    /* Centres may lie outside the mesh's bounds. */
-    for (int a = 0; a < 3; a++) {
-        low[a] = first[a] < low[a] ? first[a] : low[a];
-        high[a] = last[a] > high[a] ? last[a] : high[a];
-    }
-    *scale = bvxi_unit_scale(low, high);
-    return BVX_OK;
-}
-
 static bvx_status sign_side(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,
                             bvxi_outwards_fn *outwards, const void *rule, bvx_grid *inside)
 {
     uint64_t const rows = bvxi_grid_rows(&band->where), each = band->count / rows;
-    side_job job;
-    job.mesh = mesh;
-    job.band = band;
-    job.outwards = outwards;
-    job.rule = rule;
-    job.inside = inside;
-    BVXI_TRY(side_scale(call.ctx, call.function, mesh, &band->where, &job.scale));
+    side_job job = {mesh, band, outwards, rule, inside, 1.0};
+    double low[3], high[3];
+
+    BVXI_TRY(bvxi_view_bounds(call.ctx, call.function, mesh, low, high));
+    job.scale = bvxi_field_scale(&band->where, low, high);
     return BVXI_SHARE(call.ctx, call.from, call.to,
                       bvxi_for(call.ctx, call.stage, rows, 1 + SIDE_GRAIN / (1 + each), decide_sides, &job));
 }
@@ -129,14 +105,8 @@ static void outwards_of_facet(const void *user, uint32_t triangle, int32_t featu
 {
     const normal_rule *const rule = user;
     double t[3][3];
-    uint32_t c[3];
     (void)feature;
-    /* About the size of 1, as products of lengths are taken. */
-    bvxi_view_triangle(rule->mesh, triangle, c);
-    for (int k = 0; k < 3; k++) {
-        bvxi_view_position(rule->mesh, c[k], t[k]);
-        for (int a = 0; a < 3; a++) t[k][a] *= rule->scale;
-    }
+    bvxi_view_scaled(rule->mesh, triangle, rule->scale, t);
     bvxi_facet_normal((const double(*)[3])t, outwards);
 }
 
@@ -269,11 +239,7 @@ static void pseudo_list_triangles(pseudo_rule *rule)
         pseudo_corners(rule, (uint32_t)t, c);
         for (int k = 0; k < 3; k++) rule->start[c[k]]++;
     }
-    for (uint64_t v = 0, sum = 0; v <= vertices; v++) {
-        uint32_t const n = rule->start[v];
-        rule->start[v] = (uint32_t)sum;
-        sum += n;
-    }
+    bvxi_place_counts32(rule->start, vertices + 1);
     for (uint64_t t = 0; t < rule->mesh->triangle_count; t++) {
         pseudo_corners(rule, (uint32_t)t, c);
         for (int k = 0; k < 3; k++) rule->list[rule->start[c[k]]++] = (uint32_t)t;

@@ -115,14 +115,6 @@ static bvx_status look_at_edges(bvx_context *ctx, auto_work *w, int copies)
 
 /* ---- Closed meshes whose rows are deeper ---- */
 
-static uint64_t count_parts(const bvxi_patches *p)
-{
-    /* A part is named after its least triangle. */
-    uint64_t n = 0;
-    for (uint64_t t = 0; t < p->triangles; t++) n += p->part[t] == t;
-    return n;
-}
-
 /* By part, at its least triangle: the volume that it encloses, 0 where it is open; counts those that are
  * inside out. */
 static uint64_t sum_volumes(const auto_work *w, double *volume)
@@ -147,17 +139,22 @@ static bvxi_welded welded_choice(const auto_work *w)
     return welded;
 }
 
+#define AUTO_DEPTHS 0.3 /* of the choice: rows have been looked at */
+#define AUTO_EDGES  0.4 /* and edges */
+
 /* Turn the parts that are inside out and cross others: two that overlap would cancel out. One that crosses
  * none is a cavity, or inside by any rule. */
-static bvx_status turn_inverted(bvx_context *ctx, auto_work *w, const double *volume, uint64_t pair_count)
+static bvx_status turn_inverted(bvx_context *ctx, auto_work *w, const double *volume)
 {
     bvxi_welded const welded = welded_choice(w);
-    uint32_t *pairs = NULL;
-    uint8_t *crosses = NULL;
+    uint64_t pair_count;
+    uint32_t *pairs;
+    uint8_t *crosses;
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, pair_count * 8, "the crossing triangles", &pairs));
+    BVXI_TRY(
+        BVXI_SHARE(ctx, AUTO_EDGES, 1.0, bvxi_mesh_crossings(ctx, &welded, UINT64_MAX, &pairs, &pair_count)));
+    if (pair_count == 0) return BVX_OK;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->patches.triangles, "the parts that cross", &crosses));
-    BVXI_TRY(bvxi_mesh_crossings(ctx, w->job.function, &welded, &pair_count, pairs, pair_count));
 
     /* A part that crosses itself only is one surface: turning it would not change what nonzero makes of
      * it. */
@@ -175,29 +172,13 @@ static bvx_status turn_inverted(bvx_context *ctx, auto_work *w, const double *vo
     return turn_triangles(ctx, w);
 }
 
-#define AUTO_DEPTHS 0.3 /* of the choice: rows have been looked at */
-#define AUTO_EDGES  0.4 /* and edges */
-
-/* Counted first without a list: most meshes have none, and then no memory is needed for it. */
-static bvx_status count_pairs(bvx_context *ctx, const auto_work *w, uint64_t *pairs)
-{
-    bvxi_welded const welded = welded_choice(w);
-
-    return BVXI_SHARE(ctx, AUTO_EDGES, 1.0,
-                      bvxi_mesh_crossings(ctx, w->job.function, &welded, pairs, NULL, 0));
-}
-
-/* pairs: how many triangles cross, 0 where they have not been counted. */
-static bvx_status turn_closed_parts(bvx_context *ctx, auto_work *w, uint64_t pairs)
+static bvx_status turn_closed_parts(bvx_context *ctx, auto_work *w)
 {
     uint64_t const bytes = w->patches.triangles * sizeof(double);
     double *volume;
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the parts' volumes", &volume));
-    if (sum_volumes(w, volume) != 0) {
-        if (pairs == 0) BVXI_TRY(count_pairs(ctx, w, &pairs));
-        if (pairs != 0) BVXI_TRY(turn_inverted(ctx, w, volume, pairs));
-    }
+    if (sum_volumes(w, volume) != 0) BVXI_TRY(turn_inverted(ctx, w, volume));
     bvxi_drop(ctx, volume);
     return BVX_OK;
 }
@@ -284,16 +265,21 @@ static bvx_status choose_by_depths(bvx_context *ctx, auto_work *w, int32_t depth
     if (w->representative == NULL) BVXI_TRY(look_at_edges(ctx, w, 0));
 
     /* A closed surface of one part that crosses itself nowhere is one deep: nothing need be searched. */
-    if (count_parts(&w->patches) == 1) return choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP);
+    uint64_t parts = 0; /* each is named after its least triangle */
+    for (uint64_t t = 0; t < w->patches.triangles; t++) parts += w->patches.part[t] == t;
+    if (parts == 1) return choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP);
 
-    uint64_t pairs = 0;
+    bvxi_welded const welded = welded_choice(w);
+    uint64_t pair_count;
+    uint32_t *unlisted;
 
-    BVXI_TRY(count_pairs(ctx, w, &pairs));
-    if (pairs == 0)
+    /* Not listed: most meshes have none. */
+    BVXI_TRY(BVXI_SHARE(ctx, AUTO_EDGES, 1.0, bvxi_mesh_crossings(ctx, &welded, 0, &unlisted, &pair_count)));
+    if (pair_count == 0)
         return choose_auto(w, BVX_FILL_PARITY,
                            (depths & BVXI_DEPTH_DEEP) != 0 ? BVX_FILL_REASON_NESTED : BVX_FILL_REASON_SOUND);
     BVXI_TRY(choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP));
-    return turn_closed_parts(ctx, w, pairs);
+    return turn_closed_parts(ctx, w);
 }
 
 /* By the edges of triangles that are there once each. */
@@ -306,16 +292,10 @@ static bvx_status choose_by_patches(bvx_context *ctx, auto_work *w, const bvx_la
         return choose_auto(w, BVX_FILL_VOTE, BVX_FILL_REASON_UNORIENTABLE);
     if (w->patches.open_edges != 0) {
         BVXI_TRY(choose_auto(w, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN));
-        return turn_closed_parts(ctx, w, 0);
+        return turn_closed_parts(ctx, w);
     }
     BVXI_TRY(look_for_depths(ctx, w, lattice, &depths));
     return choose_by_depths(ctx, w, depths);
-}
-
-static bvx_status choose_unbalanced(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice)
-{
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, AUTO_EDGES, look_at_edges(ctx, w, 1)));
-    return BVXI_SHARE(ctx, AUTO_EDGES, 1.0, choose_by_patches(ctx, w, lattice));
 }
 
 /* Edges balance. Where no row is ever inside, each triangle may be there
@@ -351,7 +331,11 @@ static bvx_status choose_or_fill(bvx_context *ctx, auto_work *w, bvx_grid *solid
         BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.2, cover_each_other(ctx, w, &w->cracked)));
         balanced = w->cracked;
     }
-    if (!balanced) return BVXI_SHARE(ctx, 0.2, AUTO_CHOSEN, choose_unbalanced(ctx, w, &solid->lattice));
+    if (!balanced) {
+        BVXI_TRY(BVXI_SHARE(ctx, 0.2, 0.2 + (AUTO_CHOSEN - 0.2) * AUTO_EDGES, look_at_edges(ctx, w, 1)));
+        return BVXI_SHARE(ctx, 0.2 + (AUTO_CHOSEN - 0.2) * AUTO_EDGES, AUTO_CHOSEN,
+                          choose_by_patches(ctx, w, &solid->lattice));
+    }
 
     /* Filling by parity also says how deep rows are, so a sound mesh is done when it has been examined. */
     BVXI_TRY(choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND));

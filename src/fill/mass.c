@@ -82,9 +82,7 @@ static void sum_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 
     for (uint64_t t = begin; t < end; t++) {
         double p[3][3];
-        bvxi_view_corners(w->view, t, p);
-        for (int k = 0; k < 3; k++)
-            for (int a = 0; a < 3; a++) p[k][a] *= w->scale;
+        bvxi_view_scaled(w->view, t, w->scale, p);
         add_tetrahedron(w->centre, p, &s);
     }
     w->pieces[piece] = s;

@@ -184,7 +184,7 @@ static bvx_status find_holes_and_ask(bvx_context *ctx, bvxi_solid_job *job, vote
     /* Back along x, since the last vote has left the vertices turned. */
     BVXI_TRY(bvxi_snap_turn(ctx, 0, from, &job->snapped));
     if (job->holes != NULL) return move_sheet(ctx, job, w, job->holes, from, to);
-    BVXI_TRY(BVXI_SHARE(ctx, from, part, bvxi_holes_open(ctx, job->view, &job->snapped, &holes)));
+    BVXI_TRY(BVXI_SHARE(ctx, from, part, bvxi_holes_open(ctx, job->view, &job->snapped, 1, &holes)));
     return move_sheet(ctx, job, w, &holes, part, to);
 }
 

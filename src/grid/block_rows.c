@@ -36,7 +36,6 @@ BVXI_VECTOR_INLINE void count_row(block_counter *c, uint32_t n, const uint64_t w
     for (uint32_t l = 0; l < BLOCK_LANES; l++) c->pending[p][l] = x[l];
 }
 
-/* What is pending after n rows joins the sums. */
 BVXI_VECTOR_INLINE void end_count(block_counter *c, uint32_t n, int32_t planes)
 {
     uint64_t carry[BLOCK_LANES] = {0};
@@ -101,7 +100,6 @@ BVXI_VECTOR_INLINE uint64_t count_columns(const bvxi_blocks *b, const block_box 
     return seen;
 }
 
-/* The OR of the box's rows, of set voxels or of empty ones. */
 BVXI_VECTOR_INLINE uint64_t join_columns(const bvxi_blocks *b, const block_box *box, uint64_t *to)
 {
     const bvx_grid *const g = b->grid;
@@ -195,7 +193,6 @@ typedef struct gathered_bits {
     int32_t have;
 } gathered_bits;
 
-/* The next count bits; those above are 0. */
 BVXI_VECTOR_INLINE void append_bits(gathered_bits *g, uint64_t bits, int32_t count)
 {
     g->held |= bits << g->have;
@@ -272,7 +269,6 @@ BVXI_VECTOR_INLINE const uint64_t *make_block_row(const bvxi_blocks *b, int32_t 
     for (int32_t p = 0; p < *digits; p++) {
 #if BVXI_HAVE_AVX2
         if (b->cpu == BVX_CPU_AVX2) {
-            /* The same bits by one instruction. */
             gather_row_bmi2(b, sum + (size_t)p * words, to + (size_t)p * (size_t)b->count_words);
             continue;
         }

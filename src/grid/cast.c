@@ -107,7 +107,6 @@ enum {
     CAST_BRICK_WORDS = 2048
 };
 
-/* One axis of a ray. */
 typedef struct cast_axis {
     double u, step, per; /* start and direction in voxels of the lattice; 1 / step */
     double low;          /* of the window */
@@ -207,7 +206,6 @@ static void cast_row(cast_ray *r, int32_t low, int32_t high, int32_t y, int32_t 
     }
 }
 
-/* Is there a brick that holds something among those of voxels low..high? */
 static int cast_bricks_hold(const voxel_bricks *b, int32_t low, int32_t high, int32_t y, int32_t z)
 {
     const uint64_t *const row = b->words +

@@ -42,7 +42,6 @@ BVXI_VECTOR_INLINE int64_t cover_rows(const bvxi_sample_axis *x, const uint64_t 
     uint64_t const mask = n < 64 ? (UINT64_C(1) << n) - 1 : ~UINT64_C(0);
     uint64_t whole = 0, first = 0, last = 0; /* set voxels: all, the first of each row, the last */
 
-    /* A box wider than a word is summed up part by part. */
     if (n > 64) {
         int64_t sum = 0;
         for (int32_t a = 0; a < rows; a++, row += words) sum += cover_row(x, row, words, i, fast);

@@ -150,7 +150,6 @@ static void gather_rows(const bvxi_downsample *d, int32_t j, int32_t k, sample_r
     }
 }
 
-/* Weighted bits of the four rows at voxel i. */
 static inline int64_t sum_at(const sample_rows *s, int32_t i, int32_t voxels)
 {
     int64_t sum = 0;

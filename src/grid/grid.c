@@ -197,7 +197,6 @@ bvx_status bvxi_grid_same(bvx_context *ctx, const char *function, const bvx_grid
         {"the window's low along x", "the window's low along y", "the window's low along z"},
         {"the window's size along x", "the window's size along y", "the window's size along z"}};
 
-    /* The first field that differs is named; doubles hold each of them exactly. */
     for (int32_t f = 0; f < 5; f++)
         for (int32_t i = 0; i < 3; i++) {
             double const of_a[5] = {a->lattice.origin[i], a->lattice.spacing[i], (double)a->lattice.dims[i],

@@ -20,7 +20,6 @@ typedef struct permute_job {
     uint64_t *second;  /* bvxi_turn_back's, or NULL */
 } permute_job;
 
-/* Place of voxel i of the result's axis along the grid's. */
 static int32_t flipped(const permute_job *job, int32_t axis, int32_t i)
 {
     return job->flips[axis] ? job->result->size[axis] - 1 - i : i;
@@ -137,7 +136,6 @@ static bvx_status take_axes(bvx_context *ctx, const char *function, const int32_
     return BVX_OK;
 }
 
-/* Lattice and window with their axes changed. */
 static void permute_place(const permute_job *job, bvx_lattice *lattice, bvx_window *window)
 {
     const bvx_grid *const g = job->grid;

@@ -161,7 +161,6 @@ static void reduce_row(const reduce_job *job, int32_t worker, int32_t j, int32_t
     } else {
         for (size_t w = 0; w < words; w++) row[w] = job->rule == BVX_REDUCE_ALL ? ~planes[w] : planes[w];
     }
-    /* Inverted planes have bits past the last block. */
     row[words - 1] &= bvxi_tail_mask(b->window.size[0]);
 }
 
@@ -216,7 +215,6 @@ typedef struct coverage_job {
     int32_t pieces;
 } coverage_job;
 
-/* Planes turned over are counts. */
 static void put_counts(const bvxi_blocks *b, const uint64_t *planes, int32_t digits, uint32_t *to)
 {
     for (int32_t k = 0; k < b->count_words; k++) {

@@ -56,7 +56,6 @@ static double sample_point(const bvx_grid *g, const double point[3], double grad
     for (int32_t a = 0; a < 3; a++)
         if (!sample_cell(g, a, point[a], &c[a], &f[a])) return 0.0;
 
-    /* Along x first, then y, then z; slopes are blended alike, as the blend's gradient. */
     for (int32_t k = 0; k < 2; k++) {
         for (int32_t j = 0; j < 2; j++) {
             double pair[2];
@@ -153,7 +152,6 @@ static bvx_status lay_resample_tables(bvx_context *ctx, resample_job *job)
     /* Voxels of the grid between two centres have the next one's place. */
     for (int32_t i = 0; i < to->size[0]; i++)
         for (int32_t const v = source_voxel(job, 0, i); next <= v; next++) job->first[next] = i;
-    /* Those after the last centre end where the row does. */
     for (; next <= g->size[0]; next++) job->first[next] = to->size[0];
     return BVX_OK;
 }

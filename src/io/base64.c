@@ -44,7 +44,6 @@ static int base64_group(bvxi_base64 *b)
     return 1;
 }
 
-/* Up to groups of four digits with nothing between; returns how many there were. */
 static uint64_t base64_plain(bvxi_base64 *b, uint8_t *BVXI_RESTRICT bytes, uint64_t groups)
 {
     const uint8_t *const digit = b->digit;

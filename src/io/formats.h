@@ -27,11 +27,19 @@ static inline bvx_status bvxi_source_at(bvxi_source *source, const char *at)
     return BVXI_LIKELY(at < source->ask) ? BVX_OK : bvxi_source_ask(source, at);
 }
 
-/* Pieces of a file may be read at the same time. Each has a source of its own without context: there a
- * failure is a status only, and the piece that failed first is read again with the context, for its
- * message. */
-#define BVXI_SOURCE_FAIL(source, status, ...) \
-    ((source)->ctx == NULL ? (status) : bvxi_fail((source)->ctx, (status), __VA_ARGS__))
+/* Keep a message and return the status, a BVX_ERR_... before the format. Pieces of a file may be read at the
+ * same time. Each has a source of its own without context: there a failure is a status only, and the piece
+ * that failed first is read again with the context, for its message. */
+#define BVXI_FILE_FAIL(source, status, ...) BVXI_FILE_FAIL_FOR(source, status, BVX_REASON_NONE, __VA_ARGS__)
+#define BVXI_LINE_FAIL(source, at, status, ...) \
+    BVXI_LINE_FAIL_FOR(source, at, status, BVX_REASON_NONE, __VA_ARGS__)
+#define BVXI_BYTE_FAIL(source, at, status, ...)                                                           \
+    bvxi_fail_at((source)->ctx, (source)->format, "byte",                                                 \
+                 (uint64_t)((const char *)(at) - (const char *)(source)->begin), status, BVX_REASON_NONE, \
+                 __VA_ARGS__)
+#define BVXI_FILE_FAIL_FOR(source, ...) bvxi_fail_at((source)->ctx, (source)->format, NULL, 0, __VA_ARGS__)
+#define BVXI_LINE_FAIL_FOR(source, at, ...) \
+    bvxi_fail_at((source)->ctx, (source)->format, "line", bvxi_source_line(source, at), __VA_ARGS__)
 
 /* Run count tasks, each for about BVXI_PIECE_BYTES of the file, as the part [from, to] of the work. */
 enum { BVXI_PIECE_BYTES = 1 << 19 };
@@ -40,7 +48,7 @@ bvx_status bvxi_source_pieces(bvxi_source *source, double from, double to, int32
 
 /* "STL: line 7: expected ..., found '...'": what stands at a place of a text file. */
 BVXI_COLD bvx_status bvxi_fail_expected(const bvxi_source *source, const char *at, const char *expected);
-/* Lines are counted from 1. */
+/* Lines are counted from 1; 0 without a context, as a piece knows no line. */
 BVXI_COLD uint64_t bvxi_source_line(const bvxi_source *source, const char *at);
 static inline uint64_t bvxi_source_byte(const bvxi_source *source, const void *at)
 {

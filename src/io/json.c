@@ -24,11 +24,9 @@ BVXI_COLD static bvx_status json_fail(const json_walk *w, const char *at, const 
 {
     uint64_t const byte = bvxi_source_byte(w->source, at);
     if (at == w->end)
-        return bvxi_fail(w->source->ctx, BVX_ERR_FORMAT,
-                         "%s: the JSON ends at byte %u, where %s was expected", w->source->format, byte,
-                         what);
-    return bvxi_fail(w->source->ctx, BVX_ERR_FORMAT, "%s: JSON, byte %u: expected %s", w->source->format,
-                     byte, what);
+        return BVXI_FILE_FAIL(w->source, BVX_ERR_FORMAT, "the JSON ends at byte %u, where %s was expected",
+                              byte, what);
+    return BVXI_FILE_FAIL(w->source, BVX_ERR_FORMAT, "JSON, byte %u: expected %s", byte, what);
 }
 
 static void json_skip(json_walk *w)
@@ -160,7 +158,6 @@ static uint32_t json_begin(json_walk *w)
     return i;
 }
 
-/* It ends at p, with all that it holds. */
 static void json_end(json_walk *w, uint32_t i, uint32_t kind, uint32_t items)
 {
     bvxi_json_value *const v = w->json->value;
@@ -189,9 +186,9 @@ static bvx_status json_take_name(json_walk *w)
 static bvx_status json_open(json_walk *w)
 {
     if (w->depth == BVXI_JSON_DEPTH)
-        return bvxi_fail(w->source->ctx, BVX_ERR_FORMAT,
-                         "%s: JSON, byte %u: more than %d arrays and objects in each other",
-                         w->source->format, bvxi_source_byte(w->source, w->p), (int64_t)BVXI_JSON_DEPTH);
+        return BVXI_FILE_FAIL(w->source, BVX_ERR_FORMAT,
+                              "JSON, byte %u: more than %d arrays and objects in each other",
+                              bvxi_source_byte(w->source, w->p), (int64_t)BVXI_JSON_DEPTH);
     w->open[w->depth] = json_begin(w);
     w->items[w->depth] = 0;
     w->close[w->depth++] = *w->p++ == '{' ? '}' : ']';
@@ -255,9 +252,9 @@ bvx_status bvxi_json_read(bvxi_source *source, const char *text, uint64_t size, 
     json_walk w = {.source = source, .json = json};
 
     if (size > BVXI_JSON_LIMIT)
-        return bvxi_fail_for(source->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: %u bytes of JSON, the limit is %u; keep buffers in files of their own",
-                             source->format, size, (uint64_t)BVXI_JSON_LIMIT);
+        return BVXI_FILE_FAIL_FOR(source, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                  "%u bytes of JSON, the limit is %u; keep buffers in files of their own",
+                                  size, (uint64_t)BVXI_JSON_LIMIT);
     json->source = source;
     json->text = text;
     json->value = NULL;

@@ -17,7 +17,6 @@ bvx_status bvxi_source_ask(bvxi_source *source, const char *at)
 {
     double const done = (double)(at - source->begin) / (double)(source->end - source->begin);
     double const fraction = source->from + (source->to - source->from) * done;
-    /* The next report is due a megabyte further on; at the end of the bytes none is made. */
     source->ask = source->end - at > SOURCE_ASK_BYTES ? at + SOURCE_ASK_BYTES : source->end;
     if (source->ask == at) return BVX_OK;
     if (fraction > source->reached) source->reached = fraction;
@@ -57,6 +56,7 @@ bvx_status bvxi_source_pieces(bvxi_source *source, double from, double to, int32
 uint64_t bvxi_source_line(const bvxi_source *source, const char *at)
 {
     uint64_t n = 1;
+    if (source->ctx == NULL) return 0;
     for (const char *p = source->begin; p < at; p++) /* a lone carriage return ends a line too */
         n += *p == '\n' || (*p == '\r' && (p + 1 == source->end || p[1] != '\n'));
     return n;
@@ -72,19 +72,16 @@ bvx_status bvxi_fail_expected(const bvxi_source *source, const char *at, const c
     /* Pieces that are read side by side are silent: the first that failed is read again with a context. */
     if (source->ctx == NULL) return BVX_ERR_FORMAT;
     if (at == source->end)
-        return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "%s: line %u: the file ends where %s was expected",
-                         source->format, bvxi_source_line(source, at), expected);
+        return BVXI_LINE_FAIL(source, at, BVX_ERR_FORMAT, "the file ends where %s was expected", expected);
     if (n == 0)
-        return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "%s: line %u: the line ends where %s was expected",
-                         source->format, bvxi_source_line(source, at), expected);
+        return BVXI_LINE_FAIL(source, at, BVX_ERR_FORMAT, "the line ends where %s was expected", expected);
     memcpy(word, at, shown);
 
     /* A message ends at a zero byte, so one in the word must not cut it short. */
     for (size_t i = 0; i < shown; i++)
         if (word[i] == 0) word[i] = '?';
     memcpy(word + shown, n > shown ? "..." : "", n > shown ? 4 : 1);
-    return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "%s: line %u: expected %s, found '%s'", source->format,
-                     bvxi_source_line(source, at), expected, word);
+    return BVXI_LINE_FAIL(source, at, BVX_ERR_FORMAT, "expected %s, found '%s'", expected, word);
 }
 
 bvx_status bvxi_check_bytes(bvx_context *ctx, const char *function, const void *bytes, uint64_t size)

@@ -21,7 +21,6 @@ static int xml_starts(const char *p, const char *end, const char *word)
     return (size_t)(end - p) >= n && memcmp(p, word, n) == 0;
 }
 
-/* Take one character of a value. */
 static char xml_character(bvxi_xml_text *t)
 {
     for (int i = 0; i < 5 && *t->p == '&'; i++)
@@ -122,7 +121,6 @@ static bvx_status xml_take_open(bvxi_xml *x)
     bvxi_xml_text const name = xml_take_name(x);
     if (name.p == name.end) return xml_expected(x, "an element's name");
 
-    /* The name stays open until its closing tag: that is compared with the last one here. */
     x->open[x->depth++] = name;
     x->attributes.p = x->attributes.end = x->p;
     for (;;) {
@@ -161,7 +159,6 @@ static bvx_status xml_take_close(bvxi_xml *x)
     return BVX_OK;
 }
 
-/* Behind the end of a comment or instruction. */
 static bvx_status xml_skip_to(bvxi_xml *x, const char *mark)
 {
     const char *p = x->p;

@@ -12,14 +12,13 @@ static uint64_t contour_line(const bvxi_contour_file *f, const char *at)
 
 bvx_status bvxi_contour_fail(const bvxi_contour_file *f, const char *at, bvx_status status, const char *what)
 {
-    return bvxi_fail(f->ctx, status, "%s: line %u: %s", f->format, contour_line(f, at), what);
+    return BVXI_FILE_FAIL(f, status, "line %u: %s", contour_line(f, at), what);
 }
 
 bvx_status bvxi_contour_fail_number(const bvxi_contour_file *f, const char *at, const char *what,
                                     uint64_t number, const char *rest)
 {
-    return bvxi_fail(f->ctx, BVX_ERR_FORMAT, "%s: line %u: %s%u%s", f->format, contour_line(f, at), what,
-                     number, rest);
+    return BVXI_FILE_FAIL(f, BVX_ERR_FORMAT, "line %u: %s%u%s", contour_line(f, at), what, number, rest);
 }
 
 static bvx_status contour_room(bvxi_contour_file *f, void *block, uint64_t count, uint64_t *room,
@@ -29,8 +28,7 @@ static bvx_status contour_room(bvxi_contour_file *f, void *block, uint64_t count
     uint64_t const larger = *room < 64 ? 64 : *room + *room / 2;
     if (count < *room) return BVX_OK;
     if (larger > INT32_MAX)
-        return bvxi_fail_for(f->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY, "%s: more than 2^31 of %s",
-                             f->format, what);
+        return BVXI_FILE_FAIL_FOR(f, BVX_ERR_RANGE, BVX_REASON_TOO_MANY, "more than 2^31 of %s", what);
     BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, block, *room * item, larger * item, what));
     *room = larger;
     return BVX_OK;
@@ -75,7 +73,6 @@ bvx_status bvxi_contour_add_point(bvxi_contour_file *f, const double p[3])
 
 bvx_status bvxi_contour_finish(bvxi_contour_file *f, bvx_sections *sections)
 {
-    if (f->sections.loop_count == 0)
-        return bvxi_fail(f->ctx, BVX_ERR_EMPTY, "%s: the file holds no loop", f->format);
+    if (f->sections.loop_count == 0) return BVXI_FILE_FAIL(f, BVX_ERR_EMPTY, "the file holds no loop");
     return bvxi_sections_give(f->ctx, &f->sections, f->normal_room, sections);
 }

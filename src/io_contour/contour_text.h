@@ -3,7 +3,7 @@
 #ifndef BVXI_CONTOUR_TEXT_H
 #define BVXI_CONTOUR_TEXT_H
 
-#include "core/core.h"
+#include "io/formats.h"
 
 typedef struct bvxi_contour_file {
     bvx_context *ctx;

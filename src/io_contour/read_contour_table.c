@@ -47,7 +47,6 @@ typedef struct table_reader {
     int planes;             /* each has a normal of its own, and points have a z */
 } table_reader;
 
-/* Without space and quotes around it. */
 static table_word trim_word(const char *p, const char *end)
 {
     table_word w;
@@ -99,17 +98,16 @@ static bvx_status read_table_head(table_reader *r, const char *p, const char *en
 
     for (int i = 0; i < TABLE_LABEL; i++)
         if (r->column[i] < 0)
-            return bvxi_fail(
-                r->f->ctx, BVX_ERR_FORMAT,
-                "%s: line 1: the head line has no column %s (section, position, loop, x, y are needed)",
-                r->f->format, name[i]);
+            return BVXI_FILE_FAIL(
+                r->f, BVX_ERR_FORMAT,
+                "line 1: the head line has no column %s (section, position, loop, x, y are needed)", name[i]);
     /* A z without normals was always left alone; a part of a normal is a mistake. */
     r->planes = r->column[TABLE_NX] >= 0 || r->column[TABLE_NY] >= 0 || r->column[TABLE_NZ] >= 0;
     for (int i = TABLE_Z; i <= TABLE_NZ && r->planes; i++)
         if (r->column[i] < 0)
-            return bvxi_fail(r->f->ctx, BVX_ERR_FORMAT,
-                             "%s: line 1: the head line has no column %s (normals need z, nx, ny, nz)",
-                             r->f->format, name[i]);
+            return BVXI_FILE_FAIL(r->f, BVX_ERR_FORMAT,
+                                  "line 1: the head line has no column %s (normals need z, nx, ny, nz)",
+                                  name[i]);
     return BVX_OK;
 }
 
@@ -197,7 +195,6 @@ static void section_key(const void *user, uint64_t number, uint32_t key[BVXI_KEY
     key[1] = (uint32_t)(r->section_hash[number] >> 32);
 }
 
-/* Lines of one section have one plane. */
 static bvx_status compare_plane(table_reader *r, uint32_t section, double position, const double normal[3])
 {
     const bvx_sections *const s = &r->f->sections;
@@ -288,7 +285,6 @@ static bvx_status read_table_line(table_reader *r, const char *p, const char *en
         r->section = r->word[TABLE_SECTION];
     }
 
-    /* Lines of a loop agree with its first one. */
     BVXI_TRY(compare_plane(r, s->loops[s->loop_count - 1].section, position, normal));
     if (s->loops[s->loop_count - 1].label != (int32_t)label)
         return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT,
@@ -310,12 +306,11 @@ static bvx_status refuse_parted_loops(table_reader *r)
     status = bvxi_radix_sort(r->f->ctx, r->loop_hash, order, n);
     for (uint64_t i = 1; i < n && status == BVX_OK; i++)
         if (r->loop_hash[i] == r->loop_hash[i - 1])
-            status = bvxi_fail(
-                r->f->ctx, BVX_ERR_FORMAT,
-                "%s: loops %u and %u of the file (section at %g) have one name in one section: lines of a "
+            status = BVXI_FILE_FAIL(
+                r->f, BVX_ERR_FORMAT,
+                "loops %u and %u of the file (section at %g) have one name in one section: lines of a "
                 "loop stand together",
-                r->f->format, (uint64_t)order[i - 1], (uint64_t)order[i],
-                s->positions[s->loops[order[i]].section]);
+                (uint64_t)order[i - 1], (uint64_t)order[i], s->positions[s->loops[order[i]].section]);
     bvxi_drop(r->f->ctx, order);
     return status;
 }
@@ -339,7 +334,7 @@ static bvx_status read_table_lines(table_reader *r)
         if ((++lines & 0xffff) == 0)
             BVXI_TRY(bvxi_progress(f->ctx, "read", (double)(f->p - f->begin) / (double)(f->end - f->begin)));
     }
-    if (!headed) return bvxi_fail(f->ctx, BVX_ERR_EMPTY, "%s: the file has no head line", f->format);
+    if (!headed) return BVXI_FILE_FAIL(f, BVX_ERR_EMPTY, "the file has no head line");
 
     /* The last loop has no line after it that would end it. */
     BVXI_TRY(end_table_loop(r, f->end));

@@ -72,7 +72,6 @@ static bvx_status csl_plane_normal(bvxi_contour_file *f, const char *at, const d
     if (!(length > 0.0) || !(length < 1e300))
         return bvxi_contour_fail(f, at, BVX_ERR_FORMAT, "the plane's normal has no length");
     for (int i = 0; i < 3; i++) unit[i] = equation[i] / length;
-    /* The first plane gives the direction of the stack; the others are compared with it. */
     memcpy(n, first ? unit : f->sections.normal, sizeof n);
     memcpy(f->sections.normal, n, sizeof n);
     *position = -equation[3] / length;
@@ -122,7 +121,6 @@ static bvx_status csl_points(bvxi_contour_file *f, const char *start, const doub
         double *const p = points + 3 * i;
         for (int k = 0; k < 3; k++) BVXI_TRY(csl_real(f, "expected a point's coordinate", &p[k]));
         double const height = csl_height(n, p);
-        /* The span of the heights, and the largest coordinate: rounding grows with it. */
         low = height < low ? height : low;
         high = height > high ? height : high;
         for (int k = 0; k < 3; k++) largest = bvxi_absolute(p[k]) > largest ? bvxi_absolute(p[k]) : largest;

@@ -95,7 +95,6 @@ static void put_table(const bvx_sections *s, bvxi_output *o)
 
         state_sections(s, stated, l->section, o);
         if (stated <= l->section) stated = (uint64_t)l->section + 1;
-        /* One line a point, with all that is known of its section and loop: tables have no other way. */
         for (uint64_t j = 0; j < l->point_count; j++) {
             const double *const p = s->points + 3 * (l->first_point + j);
             bvxi_output_print(o, "%u,%g,%u,%d,%g,%g", (uint64_t)l->section, s->positions[l->section], i,
@@ -253,7 +252,6 @@ static bvx_status run_write_sections(bvx_context *context, const bvx_sections *s
                                                                                           : sections->normal,
                                 axis));
     BVXI_TRY(check_section_format(context, function, sections, format, (const double(*)[3])axis));
-    /* The first run counts, as o has no bytes; the second writes the same ones. */
     put_sections(sections, format, (const double(*)[3])axis, &out);
     BVXI_TRY(bvxi_alloc(context, BVXI_RESULT, out.size, "the contour file", &made.bytes));
     made.size = made.capacity = out.size;

@@ -46,7 +46,7 @@
 #ifndef BVXI_BVX_FILE_H
 #define BVXI_BVX_FILE_H
 
-#include "io/bytes.h"
+#include "io_grid/grid_formats.h"
 
 enum {
     BVXI_BVX_VERSION = 1,
@@ -71,16 +71,19 @@ enum {
     BVXI_BVX_AT_CHECK = 120
 };
 
-/* The first 8 bytes; the first 4 say what it is, the last 4 that it came through whole. */
-static inline const uint8_t *bvxi_bvx_magic(void)
-{
-    static const uint8_t magic[8] = {0x89, 'B', 'V', 'X', 0x0d, 0x0a, 0x1a, 0x0a};
-    return magic;
-}
-
-/* Refuses a head that is not of a file of this kind, of another version or damaged. */
+/* What heads of files of grids and of octrees have in common; the sides are the lattice's dims, for a tree
+ * those of its base. Taken, it is refused where it is not of a file of this kind, of another version or
+ * damaged. */
 enum { BVXI_BVX_GRID, BVXI_BVX_TREE };
-bvx_status bvxi_bvx_check_start(bvx_context *context, int kind, const uint8_t *head, uint64_t size);
+bvx_status bvxi_bvx_take_start(const bvxi_grid_source *source, int kind, bvx_lattice *lattice);
+void bvxi_bvx_put_start(uint8_t *head, int kind, const bvx_lattice *lattice, const int32_t sides[3]);
+
+/* Numbers beyond int32 become -1, which no field allows. */
+static inline int32_t bvxi_load_side(const uint8_t *p)
+{
+    uint32_t const v = bvxi_load_u32(p, 0);
+    return v <= INT32_MAX ? (int32_t)v : -1;
+}
 
 /* The seed of the slices' checksums. */
 static inline uint64_t bvxi_bvx_frame(const uint8_t *head)

@@ -5,28 +5,44 @@
  * a large one. */
 #include "io_grid/grid_formats.h"
 
-bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double origin[3],
-                         const double spacing[3], const uint64_t dims[3], bvx_lattice *box)
+bvx_status bvxi_take_grid_file(bvx_context *ctx, const char *function, const void *bytes, uint64_t size,
+                               int32_t format, bvxi_grid_source *source)
+{
+    static const char *const names[] = {
+        [BVX_FORMAT_BINVOX] = "BINVOX", [BVX_FORMAT_VOX] = "VOX", [BVX_FORMAT_NPY] = "NPY",
+        [BVX_FORMAT_NRRD] = "NRRD",     [BVX_FORMAT_VTI] = "VTI", [BVX_FORMAT_BVX] = "BVX",
+        [BVX_FORMAT_RAW] = "RAW"};
+    BVXI_TRY(bvxi_check_bytes(ctx, function, bytes, size));
+    memset(source, 0, sizeof *source);
+    source->ctx = ctx;
+    source->begin = bytes;
+    source->end = source->begin + (size_t)size;
+    if (format >= 0 && format < (int32_t)(sizeof names / sizeof names[0])) source->format = names[format];
+    return BVX_OK;
+}
+
+bvx_status bvxi_file_box(const bvxi_grid_source *source, const double origin[3], const double spacing[3],
+                         const uint64_t dims[3], bvx_lattice *box)
 {
     bvx_lattice made = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, BVXI_MIN_FRACTION};
     int32_t longest = 1;
 
     for (int a = 0; a < 3; a++) {
         if (dims[a] == 0)
-            return bvxi_fail(ctx, BVX_ERR_FORMAT, "%s: the file has no voxels along %s", format,
-                             bvxi_axis_name[a]);
+            return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "the file has no voxels along %s",
+                                  bvxi_axis_name[a]);
         if (dims[a] > BVXI_MAX_SIDE)
-            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                                 "%s: the file has %u voxels along %s; 1 to %d are possible", format, dims[a],
-                                 bvxi_axis_name[a], (int64_t)BVXI_MAX_SIDE);
+            return BVXI_FILE_FAIL_FOR(source, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                      "the file has %u voxels along %s; 1 to %d are possible", dims[a],
+                                      bvxi_axis_name[a], (int64_t)BVXI_MAX_SIDE);
         /* x - x is 0 for every finite number, and NaN for the others. */
         if (!(origin[a] - origin[a] == 0.0))
-            return bvxi_fail_for(ctx, BVX_ERR_FORMAT, BVX_REASON_NOT_FINITE,
-                                 "%s: the origin is not finite along %s", format, bvxi_axis_name[a]);
+            return BVXI_FILE_FAIL_FOR(source, BVX_ERR_FORMAT, BVX_REASON_NOT_FINITE,
+                                      "the origin is not finite along %s", bvxi_axis_name[a]);
         if (!(spacing[a] - spacing[a] == 0.0) || !(spacing[a] > 0.0))
-            return bvxi_fail(ctx, BVX_ERR_FORMAT,
-                             "%s: the spacing along %s is %g; it must be above 0 and finite", format,
-                             bvxi_axis_name[a], spacing[a]);
+            return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT,
+                                  "the spacing along %s is %g; it must be above 0 and finite",
+                                  bvxi_axis_name[a], spacing[a]);
         made.origin[a] = origin[a];
         made.spacing[a] = spacing[a];
         made.dims[a] = (int32_t)dims[a];
@@ -40,8 +56,7 @@ bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double orig
 }
 
 /* What is wanted of a file, counted from its first voxel; NULL or all zero stands for all of it. */
-static bvx_status take_file_part(const bvxi_grid_source *source, const char *format, const int32_t size[3],
-                                 bvx_window *part)
+static bvx_status take_file_part(const bvxi_grid_source *source, const int32_t size[3], bvx_window *part)
 {
     static const bvx_window none = {{0, 0, 0}, {0, 0, 0}};
     const bvx_window *const w = source->window;
@@ -55,22 +70,22 @@ static bvx_status take_file_part(const bvxi_grid_source *source, const char *for
     /* Written as low > size - wanted, as low + wanted might overflow. */
     for (int a = 0; a < 3; a++)
         if (w->low[a] < 0 || w->size[a] < 1 || w->low[a] > size[a] - w->size[a])
-            return bvxi_fail_for(source->ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
-                                 "%s: the window's voxels %d to %d along %s are not inside the file's %d",
-                                 format, (int64_t)w->low[a], (int64_t)w->low[a] + w->size[a] - 1,
-                                 bvxi_axis_name[a], (int64_t)size[a]);
+            return BVXI_FILE_FAIL_FOR(source, BVX_ERR_RANGE, BVX_REASON_INDEX,
+                                      "the window's voxels %d to %d along %s are not inside the file's %d",
+                                      (int64_t)w->low[a], (int64_t)w->low[a] + w->size[a] - 1,
+                                      bvxi_axis_name[a], (int64_t)size[a]);
     *part = *w;
     return BVX_OK;
 }
 
-bvx_status bvxi_open_file_grid(const bvxi_grid_source *source, const char *format, const bvx_lattice *lattice,
+bvx_status bvxi_open_file_grid(const bvxi_grid_source *source, const bvx_lattice *lattice,
                                const bvx_window *file_window, bvx_window *part, bvx_grid *grid)
 {
     bvx_window whole, wanted;
 
-    BVXI_TRY(bvxi_lattice_check(source->ctx, format, lattice));
-    BVXI_TRY(bvxi_window_take(source->ctx, format, lattice, file_window, &whole));
-    BVXI_TRY(take_file_part(source, format, whole.size, part));
+    BVXI_TRY(bvxi_lattice_check(source->ctx, source->format, lattice));
+    BVXI_TRY(bvxi_window_take(source->ctx, source->format, lattice, file_window, &whole));
+    BVXI_TRY(take_file_part(source, whole.size, part));
     for (int a = 0; a < 3; a++) {
         wanted.low[a] = whole.low[a] + part->low[a];
         wanted.size[a] = part->size[a];
@@ -95,9 +110,8 @@ enum { TEXT_ASK_BYTES = 1 << 20 };
 
 bvx_status bvxi_fail_short_array(const bvxi_source *source, const char *array, uint64_t size, const char *at)
 {
-    return bvxi_fail(source->ctx, BVX_ERR_FORMAT,
-                     "%s: line %u: the array's %u bytes are not all there (byte %u)", source->format,
-                     bvxi_source_line(source, array), size, bvxi_source_byte(source, at));
+    return BVXI_LINE_FAIL(source, array, BVX_ERR_FORMAT, "the array's %u bytes are not all there (byte %u)",
+                          size, bvxi_source_byte(source, at));
 }
 
 bvx_status bvxi_unpack_dense(const bvxi_grid_source *source, const bvxi_dense *d, uint8_t *bytes)
@@ -105,12 +119,11 @@ bvx_status bvxi_unpack_dense(const bvxi_grid_source *source, const bvxi_dense *d
     const bvx_read_volume_options *const o = source->volume;
     bvxi_base64 b = d->base64;
 
-    /* The unpacker is the caller's, as the library brings none. */
     if (d->encoding == BVXI_DENSE_GZIP) {
         if (o->inflate(o->inflate_user, d->begin, (uint64_t)(d->end - d->begin), bytes, d->size) == 0)
             return BVX_OK;
-        return bvxi_fail(source->ctx, BVX_ERR_FORMAT,
-                         "%s: the packed samples are damaged or do not make %u bytes", d->format, d->size);
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT,
+                              "the packed samples are damaged or do not make %u bytes", d->size);
     }
     if (d->encoding == BVXI_DENSE_BLOCKS) return bvxi_unpack_blocks(source, d, bytes);
     if (!bvxi_base64_take(&b, bytes, d->size))
@@ -155,7 +168,7 @@ bvx_status bvxi_read_dense_grid(const bvxi_grid_source *source, const bvxi_dense
     bvx_window part;
 
     if (dense->encoding == BVXI_DENSE_RAW || dense->encoding == BVXI_DENSE_TEXT) {
-        BVXI_TRY(bvxi_open_file_grid(source, dense->format, &dense->box, NULL, &part, grid));
+        BVXI_TRY(bvxi_open_file_grid(source, &dense->box, NULL, &part, grid));
         return dense->encoding == BVXI_DENSE_TEXT ? read_text_grid(source, dense, &part, grid)
                                                   : bvxi_pack_samples(source->ctx, &samples, &part, grid);
     }
@@ -164,7 +177,7 @@ bvx_status bvxi_read_dense_grid(const bvxi_grid_source *source, const bvxi_dense
     BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, dense->size, "the unpacked samples", &bytes));
     samples.first = bytes;
     BVXI_TRY(bvxi_unpack_dense(source, dense, bytes));
-    BVXI_TRY(bvxi_open_file_grid(source, dense->format, &dense->box, NULL, &part, grid));
+    BVXI_TRY(bvxi_open_file_grid(source, &dense->box, NULL, &part, grid));
     BVXI_TRY(bvxi_pack_samples(source->ctx, &samples, &part, grid));
     bvxi_drop(source->ctx, bytes);
     return BVX_OK;

@@ -34,13 +34,9 @@ static bvx_status run_read_grid(bvx_context *context, const void *bytes, uint64_
     bvxi_grid_source source;
 
     if (grid == NULL) return bvxi_fail_null(context, function, "grid");
-    BVXI_TRY(bvxi_check_bytes(context, function, bytes, size));
+    BVXI_TRY(bvxi_take_grid_file(context, function, bytes, size, format, &source));
     if (size == 0) return bvxi_fail(context, BVX_ERR_FORMAT, "%s: the file has no bytes", function);
-    source.ctx = context;
-    source.begin = bytes;
-    source.end = source.begin + (size_t)size;
     source.window = window;
-    source.volume = NULL;
     bvx_grid made = *grid; /* brings the caller's words along */
     bvx_status const status = read_grid_as(&source, format, &made);
     /* The words may have been freed and made anew: the caller's grid must name those that exist. */

@@ -11,10 +11,19 @@
 
 typedef struct bvxi_grid_source {
     bvx_context *ctx;
+    const char *format; /* "BVX", for messages */
     const uint8_t *begin, *end;
     const bvx_window *window;              /* voxels of the file that are wanted; NULL: all */
     const bvx_read_volume_options *volume; /* the samples themselves are wanted; NULL: a grid */
 } bvxi_grid_source;
+
+/* The source of a file, refused where it is no bytes. */
+bvx_status bvxi_take_grid_file(bvx_context *ctx, const char *function, const void *bytes, uint64_t size,
+                               int32_t format, bvxi_grid_source *source);
+static inline uint64_t bvxi_grid_byte(const bvxi_grid_source *source, const void *at)
+{
+    return (uint64_t)((const uint8_t *)at - source->begin);
+}
 
 bvx_status bvxi_read_binvox(const bvxi_grid_source *source, bvx_grid *grid);
 bvx_status bvxi_read_vox(const bvxi_grid_source *source, bvx_grid *grid);
@@ -22,13 +31,13 @@ bvx_status bvxi_read_bvx(const bvxi_grid_source *source, bvx_grid *grid);
 
 /* The box that a file says it holds: refused (with the format's name in the message) when it is no
  * lattice. */
-bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double origin[3],
-                         const double spacing[3], const uint64_t dims[3], bvx_lattice *box);
+bvx_status bvxi_file_box(const bvxi_grid_source *source, const double origin[3], const double spacing[3],
+                         const uint64_t dims[3], bvx_lattice *box);
 /* Make the grid for the wanted part of the file's window: all bits zero. *part becomes what is wanted,
  * counted from the file's first voxel. Refuses a window outside the file. Call it only when the file's size
  * agrees with its head, so that a small file cannot require much memory (packed formats: at most what their
  * bytes can stand for). */
-bvx_status bvxi_open_file_grid(const bvxi_grid_source *source, const char *format, const bvx_lattice *lattice,
+bvx_status bvxi_open_file_grid(const bvxi_grid_source *source, const bvx_lattice *lattice,
                                const bvx_window *file_window, bvx_window *part, bvx_grid *grid);
 
 /* A run of set voxels of the file, [x, end) in row (y, z) of the file's
@@ -70,7 +79,6 @@ enum { BVXI_DENSE_RAW = 0, BVXI_DENSE_TEXT, BVXI_DENSE_BASE64, BVXI_DENSE_GZIP, 
 /* What a file of samples says of itself, checked: sizes agree with the
  * bytes that are there as far as is known. */
 typedef struct bvxi_dense {
-    const char *format; /* "NRRD", for messages */
     bvx_lattice box;
     int32_t placed;   /* 0: the file tells no lattice */
     int32_t encoding; /* BVXI_DENSE_... */

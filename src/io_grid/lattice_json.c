@@ -6,7 +6,6 @@
 #include "io/json.h"
 #include "io_grid/grid_formats.h"
 
-/* The centre of the window's first voxel. */
 static void json_center0(const bvx_lattice *lattice, const int32_t low[3], double center[3])
 {
     for (int a = 0; a < 3; a++) center[a] = lattice->origin[a] + ((double)low[a] + 0.5) * lattice->spacing[a];
@@ -38,7 +37,6 @@ static bvx_status run_write_lattice(bvx_context *context, const bvx_grid *grid, 
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     BVXI_TRY(bvxi_check_written_corner(context, function, grid));
 
-    /* Written twice: once without bytes, to learn how many there are. */
     json_put_lattice(grid, &out);
     BVXI_TRY(bvxi_make_buffer(context, out.size, "the lattice's file", &made));
     out.bytes = made.bytes;

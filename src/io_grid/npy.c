@@ -15,18 +15,18 @@ typedef struct npy_head {
 
 /* The dictionary, and where reading stands in it. */
 typedef struct npy_text {
-    bvx_context *ctx;
-    const char *file, *p, *end;
+    const bvxi_grid_source *source;
+    const char *p, *end;
 } npy_text;
 
 static BVXI_COLD bvx_status npy_expected(const npy_text *t, const char *what)
 {
     char found[2] = {0, 0};
     if (t->p == t->end)
-        return bvxi_fail(t->ctx, BVX_ERR_FORMAT, "NPY: the head ends where %s was expected", what);
+        return BVXI_FILE_FAIL(t->source, BVX_ERR_FORMAT, "the head ends where %s was expected", what);
     found[0] = *t->p == 0 ? '?' : *t->p;
-    return bvxi_fail(t->ctx, BVX_ERR_FORMAT, "NPY: byte %u: expected %s, found '%s'",
-                     (uint64_t)(t->p - t->file), what, found);
+    return BVXI_FILE_FAIL(t->source, BVX_ERR_FORMAT, "byte %u: expected %s, found '%s'",
+                          bvxi_grid_byte(t->source, t->p), what, found);
 }
 
 /* 1 when c comes next, after any space; it is taken. */
@@ -47,7 +47,6 @@ static int npy_take_word(npy_text *t, const char *word)
     return 1;
 }
 
-/* What stands between quotes of either kind. */
 static bvx_status npy_take_string(npy_text *t, const char *what, const char **text, size_t *length)
 {
     char quote;
@@ -77,8 +76,8 @@ static bvx_status npy_take_type(npy_text *t, npy_head *h)
     size_t n;
     t->p = bvxi_skip_space(t->p, t->end);
     if (t->p < t->end && *t->p == '[')
-        return bvxi_fail(t->ctx, BVX_ERR_UNSUPPORTED,
-                         "NPY: the array's elements are records; save one field of them");
+        return BVXI_FILE_FAIL(t->source, BVX_ERR_UNSUPPORTED,
+                              "the array's elements are records; save one field of them");
     BVXI_TRY(npy_take_string(t, "the type of the array's elements", &text, &n));
     if (n == 3 && (*text == '<' || *text == '>' || *text == '|' || *text == '='))
         for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
@@ -92,9 +91,9 @@ static bvx_status npy_take_type(npy_text *t, npy_head *h)
     if (n > sizeof shown - 1) n = sizeof shown - 1;
     memcpy(shown, text, n);
     shown[n] = 0;
-    return bvxi_fail(
-        t->ctx, BVX_ERR_UNSUPPORTED,
-        "NPY: elements of type '%s'; bool, whole numbers and floats of 2, 4 and 8 bytes are read", shown);
+    return BVXI_FILE_FAIL(
+        t->source, BVX_ERR_UNSUPPORTED,
+        "elements of type '%s'; bool, whole numbers and floats of 2, 4 and 8 bytes are read", shown);
 }
 
 static bvx_status npy_take_number(npy_text *t, uint64_t *value)
@@ -124,8 +123,8 @@ static bvx_status npy_take_shape(npy_text *t, npy_head *h)
         break;
     }
     if (axes != 3)
-        return bvxi_fail(t->ctx, BVX_ERR_UNSUPPORTED, "NPY: an array of %u axes; a grid has three: [x,y,z]",
-                         axes);
+        return BVXI_FILE_FAIL(t->source, BVX_ERR_UNSUPPORTED,
+                              "an array of %u axes; a grid has three: [x,y,z]", axes);
     return BVX_OK;
 }
 
@@ -160,11 +159,11 @@ static bvx_status npy_read_head(const bvxi_grid_source *source, npy_head *h)
     npy_text t;
 
     if (size < 10 || memcmp(b, magic, sizeof magic) != 0)
-        return bvxi_fail(source->ctx, BVX_ERR_FORMAT,
-                         "NPY: the file does not begin with \\x93NUMPY and a version");
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT,
+                              "the file does not begin with \\x93NUMPY and a version");
     if (b[6] < 1 || b[6] > 3 || b[7] != 0)
-        return bvxi_fail(source->ctx, BVX_ERR_UNSUPPORTED, "NPY: version %u.%u; 1.0, 2.0 and 3.0 are read",
-                         (uint64_t)b[6], (uint64_t)b[7]);
+        return BVXI_FILE_FAIL(source, BVX_ERR_UNSUPPORTED, "version %u.%u; 1.0, 2.0 and 3.0 are read",
+                              (uint64_t)b[6], (uint64_t)b[7]);
 
     /* The head's length has two bytes in version 1 and four after it. */
     uint64_t const prefix = b[6] == 1 ? 10 : 12;
@@ -172,11 +171,9 @@ static bvx_status npy_read_head(const bvxi_grid_source *source, npy_head *h)
                             : size < 12 ? UINT32_MAX
                                         : bvxi_load_u32(b + 8, 0);
     if (size < prefix || length > size - prefix)
-        return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "NPY: a head of %u bytes in a file of %u", length,
-                         size);
-    t.ctx = source->ctx;
-    t.file = (const char *)b;
-    t.p = t.file + prefix;
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "a head of %u bytes in a file of %u", length, size);
+    t.source = source;
+    t.p = (const char *)b + prefix;
     t.end = t.p + length;
     h->data = b + prefix + length;
     int seen = 0;
@@ -188,7 +185,7 @@ static bvx_status npy_read_head(const bvxi_grid_source *source, npy_head *h)
         break;
     }
     if (seen != 7)
-        return bvxi_fail(t.ctx, BVX_ERR_FORMAT, "NPY: the head lacks one of descr, fortran_order and shape");
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "the head lacks one of descr, fortran_order and shape");
     t.p = bvxi_skip_space(t.p, t.end);
     return t.p == t.end ? BVX_OK : npy_expected(&t, "the end of the head");
 }
@@ -201,9 +198,9 @@ static bvx_status npy_check_size(const bvxi_grid_source *source, const npy_head 
     uint64_t n = bvxi_sample_size(h->kind);
     for (int a = 0; a < 3; a++) n = bvxi_mul(n, h->shape[a], &fits);
     if (fits && n == have) return BVX_OK;
-    return bvxi_fail(source->ctx, BVX_ERR_FORMAT,
-                     "NPY: %u x %u x %u elements of %u bytes, but %u bytes follow the head", h->shape[0],
-                     h->shape[1], h->shape[2], (uint64_t)bvxi_sample_size(h->kind), have);
+    return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT,
+                          "%u x %u x %u elements of %u bytes, but %u bytes follow the head", h->shape[0],
+                          h->shape[1], h->shape[2], (uint64_t)bvxi_sample_size(h->kind), have);
 }
 
 bvx_status bvxi_find_npy(const bvxi_grid_source *source, bvxi_dense *dense)
@@ -212,7 +209,7 @@ bvx_status bvxi_find_npy(const bvxi_grid_source *source, bvxi_dense *dense)
     npy_head h = {{0, 0, 0}, 0, 0, 0, NULL};
 
     BVXI_TRY(npy_read_head(source, &h));
-    BVXI_TRY(bvxi_file_box(source->ctx, "NPY", zero, one, h.shape, &dense->box));
+    BVXI_TRY(bvxi_file_box(source, zero, one, h.shape, &dense->box));
 
     /* The size is checked by now, so none of these products can overflow. */
     BVXI_TRY(npy_check_size(source, &h));
@@ -220,7 +217,6 @@ bvx_status bvxi_find_npy(const bvxi_grid_source *source, bvxi_dense *dense)
     int64_t const nx = (int64_t)h.shape[0];
     int64_t const ny = (int64_t)h.shape[1];
     int64_t const nz = (int64_t)h.shape[2];
-    dense->format = "NPY";
     dense->size = (uint64_t)(source->end - h.data);
     dense->samples.first = h.data;
     dense->samples.kind = h.kind;

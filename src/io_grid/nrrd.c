@@ -53,25 +53,25 @@ static bvx_status nrrd_find_samples(const nrrd_head *h, const char *p, const cha
     for (int64_t i = 0; i < h->line_skip; i++) {
         p = bvxi_nrrd_line(p, file_end, &end);
         if (p == NULL)
-            return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "NRRD: fewer than %d lines to skip after the head",
-                             h->line_skip);
+            return BVXI_FILE_FAIL(s, BVX_ERR_FORMAT, "fewer than %d lines to skip after the head",
+                                  h->line_skip);
     }
     /* Skipping inside packed samples would require unpacking them here. */
     if (h->encoding == NRRD_GZIP && h->byte_skip != 0)
-        return bvxi_fail(s->ctx, BVX_ERR_UNSUPPORTED, "NRRD: bytes to be skipped in packed samples");
+        return BVXI_FILE_FAIL(s, BVX_ERR_UNSUPPORTED, "bytes to be skipped in packed samples");
     if (h->byte_skip > file_end - p)
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "NRRD: %d bytes to skip, but %d follow the head",
-                         h->byte_skip, (int64_t)(file_end - p));
+        return BVXI_FILE_FAIL(s, BVX_ERR_FORMAT, "%d bytes to skip, but %d follow the head", h->byte_skip,
+                              (int64_t)(file_end - p));
     if (h->byte_skip > 0) p += h->byte_skip;
 
     uint64_t const have = (uint64_t)(file_end - p);
     if (h->encoding == NRRD_GZIP  ? have < size / 1100 /* what deflate can do at most is 1032 to 1 */
         : h->encoding == NRRD_RAW ? have < size || (have > size && h->byte_skip != -1)
                                   : have < size)
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT,
-                         "NRRD: %u x %u x %u samples are %s%u bytes, but the file has %u for them",
-                         h->sizes[0], h->sizes[1], h->sizes[2], h->encoding == NRRD_RAW ? "" : "at least ",
-                         h->encoding == NRRD_GZIP ? size / 1100 : size, have);
+        return BVXI_FILE_FAIL(
+            s, BVX_ERR_FORMAT, "%u x %u x %u samples are %s%u bytes, but the file has %u for them",
+            h->sizes[0], h->sizes[1], h->sizes[2], h->encoding == NRRD_RAW ? "" : "at least ",
+            h->encoding == NRRD_GZIP ? size / 1100 : size, have);
     /* -1 means that the samples are the last bytes of the file. */
     *samples = h->byte_skip == -1 ? file_end - size : p;
     return BVX_OK;
@@ -119,7 +119,7 @@ bvx_status bvxi_find_nrrd(const bvxi_grid_source *source, bvxi_dense *dense)
 
     /* The place needs the head only; it is checked as that of every file is. */
     nrrd_place(&h, origin, spacing);
-    BVXI_TRY(bvxi_file_box(source->ctx, "NRRD", origin, spacing, h.sizes, &dense->box));
+    BVXI_TRY(bvxi_file_box(source, origin, spacing, h.sizes, &dense->box));
     uint64_t const sample = bvxi_sample_size(h.kind);
     uint64_t const voxels = bvxi_mul(bvxi_mul(h.sizes[0], h.sizes[1], &fits), h.sizes[2], &fits);
     /* a digit and a space */
@@ -127,13 +127,11 @@ bvx_status bvxi_find_nrrd(const bvxi_grid_source *source, bvxi_dense *dense)
 
     /* The product is a file's claim: checked before it is compared with any size. */
     if (!fits || size > INT64_MAX)
-        return bvxi_fail(source->ctx, BVX_ERR_FORMAT,
-                         "NRRD: %u x %u x %u samples are more than any file holds", h.sizes[0], h.sizes[1],
-                         h.sizes[2]);
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "%u x %u x %u samples are more than any file holds",
+                              h.sizes[0], h.sizes[1], h.sizes[2]);
 
     /* From here on, sizes fit in 64 bits, and the bytes decide whether they are true. */
     const char *const begin = h.files != NULL ? source->volume->data : h.data;
-    dense->format = "NRRD";
     dense->placed = 1;
     dense->size = size;
     dense->source = h.source;
@@ -154,7 +152,6 @@ bvx_status bvxi_find_nrrd(const bvxi_grid_source *source, bvxi_dense *dense)
     return BVX_OK;
 }
 
-/* A file's number as text, at least digits wide. */
 static size_t nrrd_print_number(const nrrd_file_name *f, char text[48])
 {
     uint64_t v = f->number < 0 ? 0 - (uint64_t)f->number : (uint64_t)f->number;
@@ -177,18 +174,15 @@ bvx_status bvx_volume_data_name(bvx_context *context, const void *bytes, uint64_
                                 char *name, uint64_t capacity, uint64_t *count)
 {
     static const char function[] = "bvx_volume_data_name";
-    bvxi_grid_source source = {0};
+    bvxi_grid_source source;
     nrrd_file_name f = {0};
     nrrd_head h;
     char number[48];
     uint64_t files = 0;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
-    BVXI_TRY(bvxi_check_bytes(context, function, bytes, size));
+    BVXI_TRY(bvxi_take_grid_file(context, function, bytes, size, BVX_FORMAT_NRRD, &source));
     if (count == NULL) return bvxi_fail_null(context, function, "count");
-    source.ctx = context;
-    source.begin = bytes;
-    source.end = source.begin + (size_t)size;
     nrrd_head_source(&source, &h);
     BVXI_TRY(bvxi_nrrd_head_read(&h));
     if (h.files != NULL) BVXI_TRY(bvxi_nrrd_data_file(&h, index, &f, &files));

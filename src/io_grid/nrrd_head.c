@@ -25,8 +25,7 @@ static BVXI_COLD bvx_status nrrd_expected(const nrrd_head *h, const nrrd_value *
 
 bvx_status bvxi_nrrd_unsupported(const nrrd_head *h, int32_t reason, const char *at, const char *why)
 {
-    return bvxi_fail_for(h->source.ctx, BVX_ERR_UNSUPPORTED, reason, "NRRD: line %u: %s",
-                         bvxi_source_line(&h->source, at), why);
+    return BVXI_LINE_FAIL_FOR(&h->source, at, BVX_ERR_UNSUPPORTED, reason, "%s", why);
 }
 
 static BVXI_COLD bvx_status nrrd_unsupported(const nrrd_head *h, const nrrd_value *v, const char *why)
@@ -230,7 +229,6 @@ static bvx_status nrrd_field_directions(nrrd_head *h, nrrd_value *v)
     return nrrd_take_end(h, v);
 }
 
-/* The next word of a list with one for each axis. */
 static const char *nrrd_take_word(nrrd_value *v, size_t *n)
 {
     nrrd_skip_blank(v);
@@ -390,11 +388,9 @@ static bvx_status nrrd_take_lines(nrrd_head *h)
 
     /* The magic is one line; an unknown version may have other rules, so it is not guessed at. */
     if (end - s->begin != 8 || memcmp(s->begin, "NRRD000", 7) != 0)
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT,
-                         "NRRD: the file does not begin with a line NRRD0001 to NRRD0005");
+        return BVXI_FILE_FAIL(s, BVX_ERR_FORMAT, "the file does not begin with a line NRRD0001 to NRRD0005");
     if (s->begin[7] < '1' || s->begin[7] > '5')
-        return bvxi_fail(s->ctx, BVX_ERR_UNSUPPORTED,
-                         "NRRD: line 1: a version other than NRRD0001 to NRRD0005");
+        return BVXI_FILE_FAIL(s, BVX_ERR_UNSUPPORTED, "line 1: a version other than NRRD0001 to NRRD0005");
     while (next != NULL) {
         const char *const line = next;
         next = bvxi_nrrd_line(line, s->end, &end);
@@ -410,8 +406,8 @@ static bvx_status nrrd_take_lines(nrrd_head *h)
         return BVX_OK;
     }
     if (h->files != NULL) return BVX_OK;
-    return bvxi_fail(s->ctx, BVX_ERR_FORMAT,
-                     "NRRD: the file ends in its head: no blank line with samples after it");
+    return BVXI_FILE_FAIL(s, BVX_ERR_FORMAT,
+                          "the file ends in its head: no blank line with samples after it");
 }
 
 bvx_status bvxi_nrrd_head_read(nrrd_head *h)
@@ -427,9 +423,9 @@ bvx_status bvxi_nrrd_head_read(nrrd_head *h)
 
     /* The first that is missing is named; a byte order only matters for samples of several bytes. */
     if (missing != NULL)
-        return bvxi_fail(h->source.ctx, BVX_ERR_FORMAT, "NRRD: the head has no field '%s'", missing);
+        return BVXI_FILE_FAIL(&h->source, BVX_ERR_FORMAT, "the head has no field '%s'", missing);
     if (h->byte_skip < 0 && h->encoding != NRRD_RAW)
-        return bvxi_fail(h->source.ctx, BVX_ERR_FORMAT, "NRRD: byte skip -1 requires encoding raw");
+        return BVXI_FILE_FAIL(&h->source, BVX_ERR_FORMAT, "byte skip -1 requires encoding raw");
     return BVX_OK;
 }
 
@@ -526,7 +522,6 @@ static bvx_status find_in_list(const nrrd_head *h, uint64_t index, nrrd_file_nam
     return n != 0 ? BVX_OK : bvxi_fail_expected(&h->source, h->list, "the name of a file on each line");
 }
 
-/* With its list; at least the line with the version. */
 static uint64_t nrrd_head_size(const nrrd_head *h)
 {
     const char *const end = h->list != NULL ? h->list_end : h->data != NULL ? h->data : h->source.end;

@@ -147,7 +147,6 @@ bvx_status bvxi_pack_samples(bvx_context *ctx, const bvxi_samples *samples, cons
 
     rule.size = bvxi_sample_size(samples->kind);
 
-    /* The mask is made once: a number counts as set by one AND, without turning its bytes. */
     rule.mask = pack_mask(samples, rule.size);
     walk.first = samples->first;
     for (int a = 0; a < 3; a++) {
@@ -180,9 +179,8 @@ bvx_status bvxi_take_sample(const bvxi_source *source, const int32_t dims[3], ui
     *p = bvxi_skip_space(*p, source->end);
     size_t const used = pack_text_number(*p, source->end, value);
     if (*p == source->end)
-        return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "%s: line %u: the samples end after %u of %u x %u x %u",
-                         source->format, bvxi_source_line(source, *p), done, (uint64_t)dims[0],
-                         (uint64_t)dims[1], (uint64_t)dims[2]);
+        return BVXI_LINE_FAIL(source, *p, BVX_ERR_FORMAT, "the samples end after %u of %u x %u x %u", done,
+                              (uint64_t)dims[0], (uint64_t)dims[1], (uint64_t)dims[2]);
     if (used == 0) return bvxi_fail_expected(source, *p, "a number");
     *p += used;
     return BVX_OK;
@@ -199,7 +197,6 @@ static inline void unpack_eight(uint8_t *p, uint64_t bits)
     bvxi_store_u64(p, bytes);
 }
 
-/* One row of voxels as bytes 0 and 1. */
 static void unpack_row(const uint64_t *row, int32_t nx, uint8_t *bytes)
 {
     int32_t x = 0;

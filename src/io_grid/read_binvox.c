@@ -33,7 +33,7 @@ typedef struct binvox_reading {
 
 static bvx_status binvox_fail_line(const binvox_reading *r, const char *what)
 {
-    return bvxi_fail(r->source->ctx, BVX_ERR_FORMAT, "BINVOX: line %u: %s", r->line, what);
+    return BVXI_FILE_FAIL(r->source, BVX_ERR_FORMAT, "line %u: %s", r->line, what);
 }
 
 static void binvox_skip_blank(binvox_reading *r)
@@ -121,13 +121,12 @@ static bvx_status binvox_take_header(binvox_reading *r)
     /* The scale may be missing; then a voxel is 1 / d wide. */
     r->scale = 1.0;
     if (!binvox_next_line(r, &next) || !binvox_take_word(r, "#binvox"))
-        return bvxi_fail(r->source->ctx, BVX_ERR_FORMAT,
-                         "BINVOX: line 1: the file does not begin with #binvox");
+        return BVXI_FILE_FAIL(r->source, BVX_ERR_FORMAT, "line 1: the file does not begin with #binvox");
     if (!binvox_take_whole(r, &version) || !binvox_line_ends(r))
         return binvox_fail_line(r, "#binvox wants a version");
     if (version < 1 || version > 2)
-        return bvxi_fail(r->source->ctx, BVX_ERR_UNSUPPORTED,
-                         "BINVOX: line 1: version %u; 1 and 2 can be read", version);
+        return BVXI_FILE_FAIL(r->source, BVX_ERR_UNSUPPORTED, "line 1: version %u; 1 and 2 can be read",
+                              version);
     while (!done) {
         if (!binvox_next_line(r, &next))
             return binvox_fail_line(r, "the file ends before the line that says data");
@@ -146,12 +145,11 @@ static bvx_status binvox_make_box(const binvox_reading *r, bvx_lattice *box)
         if (r->dims[a] > longest) longest = r->dims[a];
     /* no side at all gives what the box refuses */
     spacing[0] = spacing[1] = spacing[2] = r->scale / (double)longest;
-    return bvxi_file_box(r->source->ctx, "BINVOX", r->translate, spacing, r->dims, box);
+    return bvxi_file_box(r->source, r->translate, spacing, r->dims, box);
 }
 
 /* ---- pairs ---- */
 
-/* The pairs must be whole and add up to all voxels. */
 static bvx_status binvox_check_pairs(const binvox_reading *r)
 {
     bvx_context *const ctx = r->source->ctx;
@@ -246,7 +244,7 @@ bvx_status bvxi_read_binvox(const bvxi_grid_source *source, bvx_grid *grid)
     BVXI_TRY(binvox_take_header(&r));
     BVXI_TRY(binvox_make_box(&r, &box));
     BVXI_TRY(binvox_check_pairs(&r));
-    BVXI_TRY(bvxi_open_file_grid(source, "BINVOX", &box, NULL, &part, grid));
+    BVXI_TRY(bvxi_open_file_grid(source, &box, NULL, &part, grid));
     bvx_status const status = binvox_fill(&r, &part, &turned, &layers, grid);
     bvx_grid_free(source->ctx, &layers);
     bvx_grid_free(source->ctx, &turned);

@@ -6,10 +6,8 @@
  * filling run in parallel over slices; the first slice in the file that is wrong is the one reported,
  * whatever the threads. */
 #include "io_grid/bvx_file.h"
-#include "io_grid/grid_formats.h"
 #include "io_grid/tree_file.h"
 
-/* What can be wrong with a slice. */
 enum { BVX_SLICE_GOOD = 0, BVX_SLICE_CHECKSUM, BVX_SLICE_RUN, BVX_SLICE_TOTAL, BVX_SLICE_PADDING };
 
 typedef struct bvx_wrong {
@@ -32,85 +30,105 @@ typedef struct bvx_unpacking {
 
 /* ---- head ---- */
 
-/* Numbers beyond int32 become -1, which no field allows. */
-static int32_t bvx_load_side(const uint8_t *p)
-{
-    uint32_t const v = bvxi_load_u32(p, 0);
-    return v <= INT32_MAX ? (int32_t)v : -1;
-}
-
 /* What files of grids and of octrees differ in. */
 static const struct {
-    const uint8_t *(*magic)(void);
+    uint8_t magic[8]; /* the first 4 say what it is, the last 4 that it came through whole */
     const char *other, *start, *name;
     uint32_t reserved; /* bytes from here to the checksum */
-} bvx_kinds[] = {
-    {bvxi_bvx_magic, "BVX: byte 3: the file holds a grid, no octree: bvx_read_grid reads it",
-     "BVX: byte 0: the file does not begin as .bvx files do (89 42 56 58 0d 0a 1a 0a)", "file",
-     BVXI_BVX_AT_RESERVED},
-    {bvxi_tree_magic, "BVX: byte 3: the file holds an octree, no grid: bvx_read_octree reads it",
-     "BVX: byte 0: the file does not begin as .bvx files of octrees do (89 42 56 4f 0d 0a 1a 0a)", "octree",
-     BVXI_TREE_AT_RESERVED}};
+} bvx_kinds[] = {{{0x89, 'B', 'V', 'X', 0x0d, 0x0a, 0x1a, 0x0a},
+                  "byte 3: the file holds a grid, no octree: bvx_read_grid reads it",
+                  "byte 0: the file does not begin as .bvx files do (89 42 56 58 0d 0a 1a 0a)",
+                  "file",
+                  BVXI_BVX_AT_RESERVED},
+                 {{0x89, 'B', 'V', 'O', 0x0d, 0x0a, 0x1a, 0x0a},
+                  "byte 3: the file holds an octree, no grid: bvx_read_octree reads it",
+                  "byte 0: the file does not begin as .bvx files of octrees do (89 42 56 4f 0d 0a 1a 0a)",
+                  "octree",
+                  BVXI_TREE_AT_RESERVED}};
 
-bvx_status bvxi_bvx_check_start(bvx_context *ctx, int kind, const uint8_t *head, uint64_t size)
+static bvx_status bvx_check_start(const bvxi_grid_source *source, int kind)
 {
-    const uint8_t *const magic = bvx_kinds[kind].magic();
+    const uint8_t *const magic = bvx_kinds[kind].magic, *const head = source->begin;
+    uint64_t const size = (uint64_t)(source->end - head);
 
-    /* First what kind of file it is, then its version, and only then its bytes. */
-    if (size >= 4 && memcmp(head, bvx_kinds[!kind].magic(), 4) == 0)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "%s", bvx_kinds[!kind].other);
+    if (size >= 4 && memcmp(head, bvx_kinds[!kind].magic, 4) == 0)
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "%s", bvx_kinds[!kind].other);
     if (size < 8 || memcmp(head, magic, 4) != 0)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "%s", bvx_kinds[kind].start);
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "%s", bvx_kinds[kind].start);
     if (memcmp(head, magic, 8) != 0)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT,
-                         "BVX: bytes 4 to 7 are not 0d 0a 1a 0a: a transfer took the file for text");
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT,
+                              "bytes 4 to 7 are not 0d 0a 1a 0a: a transfer took the file for text");
     if (size < BVXI_BVX_AT_VERSION + 4)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file ends in its head", size);
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "byte %u: the file ends in its head", size);
     if (bvxi_load_u32(head + BVXI_BVX_AT_VERSION, 0) > BVXI_BVX_VERSION)
-        return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED,
-                         "BVX: the %s is of version %u, this library reads version %u", bvx_kinds[kind].name,
-                         (uint64_t)bvxi_load_u32(head + BVXI_BVX_AT_VERSION, 0), (uint64_t)BVXI_BVX_VERSION);
+        return BVXI_FILE_FAIL(source, BVX_ERR_UNSUPPORTED,
+                              "the %s is of version %u, this library reads version %u", bvx_kinds[kind].name,
+                              (uint64_t)bvxi_load_u32(head + BVXI_BVX_AT_VERSION, 0),
+                              (uint64_t)BVXI_BVX_VERSION);
     if (size < BVXI_BVX_HEAD)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file ends in its head of %u bytes", size,
-                         (uint64_t)BVXI_BVX_HEAD);
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "byte %u: the file ends in its head of %u bytes", size,
+                              (uint64_t)BVXI_BVX_HEAD);
 
     /* From here on the head is as it was written; what is wrong now is the writer's. */
     if (bvxi_load_u64(head + BVXI_BVX_AT_CHECK, 0) != bvx_hash(head, BVXI_BVX_AT_CHECK, 0))
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: bytes 0 to %u: the head is damaged, its checksum differs",
-                         (uint64_t)BVXI_BVX_HEAD - 1);
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT,
+                              "bytes 0 to %u: the head is damaged, its checksum differs",
+                              (uint64_t)BVXI_BVX_HEAD - 1);
     if (bvxi_load_u32(head + BVXI_BVX_AT_VERSION, 0) != BVXI_BVX_VERSION)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: there is no version 0",
-                         (uint64_t)BVXI_BVX_AT_VERSION);
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "byte %u: there is no version 0",
+                              (uint64_t)BVXI_BVX_AT_VERSION);
     if (bvxi_load_u32(head + BVXI_BVX_AT_HEAD_SIZE, 0) != BVXI_BVX_HEAD)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: a head of %u bytes; version %u has %u",
-                         (uint64_t)BVXI_BVX_AT_HEAD_SIZE,
-                         (uint64_t)bvxi_load_u32(head + BVXI_BVX_AT_HEAD_SIZE, 0), (uint64_t)BVXI_BVX_VERSION,
-                         (uint64_t)BVXI_BVX_HEAD);
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "byte %u: a head of %u bytes; version %u has %u",
+                              (uint64_t)BVXI_BVX_AT_HEAD_SIZE,
+                              (uint64_t)bvxi_load_u32(head + BVXI_BVX_AT_HEAD_SIZE, 0),
+                              (uint64_t)BVXI_BVX_VERSION, (uint64_t)BVXI_BVX_HEAD);
     /* Reserved bytes may get a meaning in a later version, which this one would misread. */
     for (uint32_t i = bvx_kinds[kind].reserved; i < BVXI_BVX_AT_CHECK; i++)
         if (head[i] != 0)
-            return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: a reserved byte is not 0", (uint64_t)i);
+            return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "byte %u: a reserved byte is not 0", (uint64_t)i);
     return BVX_OK;
+}
+
+bvx_status bvxi_bvx_take_start(const bvxi_grid_source *source, int kind, bvx_lattice *lattice)
+{
+    const uint8_t *const head = source->begin;
+    BVXI_TRY(bvx_check_start(source, kind));
+    for (int32_t a = 0; a < 3; a++) {
+        lattice->origin[a] = bvxi_load_f64(head + BVXI_BVX_AT_ORIGIN + 8 * a, 0);
+        lattice->spacing[a] = bvxi_load_f64(head + BVXI_BVX_AT_SPACING + 8 * a, 0);
+        lattice->dims[a] = bvxi_load_side(head + BVXI_BVX_AT_DIMS + 4 * a);
+    }
+    lattice->fraction_bits = bvxi_load_side(head + BVXI_BVX_AT_FRACTION);
+    return BVX_OK;
+}
+
+void bvxi_bvx_put_start(uint8_t *head, int kind, const bvx_lattice *lattice, const int32_t sides[3])
+{
+    memset(head, 0, BVXI_BVX_HEAD);
+    memcpy(head, bvx_kinds[kind].magic, 8);
+    bvxi_store_u32(head + BVXI_BVX_AT_VERSION, BVXI_BVX_VERSION);
+    bvxi_store_u32(head + BVXI_BVX_AT_HEAD_SIZE, BVXI_BVX_HEAD);
+    for (int32_t a = 0; a < 3; a++) {
+        bvxi_store_f64(head + BVXI_BVX_AT_ORIGIN + 8 * a, lattice->origin[a]);
+        bvxi_store_f64(head + BVXI_BVX_AT_SPACING + 8 * a, lattice->spacing[a]);
+        bvxi_store_u32(head + BVXI_BVX_AT_DIMS + 4 * a, (uint32_t)sides[a]);
+    }
+    bvxi_store_u32(head + BVXI_BVX_AT_FRACTION, (uint32_t)lattice->fraction_bits);
 }
 
 static bvx_status bvx_take_head(bvx_unpacking *job)
 {
-    bvx_context *const ctx = job->source->ctx;
     const uint8_t *const head = job->source->begin;
     bvx_window *const w = &job->window;
 
-    BVXI_TRY(bvxi_bvx_check_start(ctx, BVXI_BVX_GRID, head, (uint64_t)(job->source->end - head)));
+    BVXI_TRY(bvxi_bvx_take_start(job->source, BVXI_BVX_GRID, &job->lattice));
 
     /* The head's fields of x and y stand side by side; those of z stand apart. */
     for (int32_t a = 0; a < 3; a++) {
-        job->lattice.origin[a] = bvxi_load_f64(head + BVXI_BVX_AT_ORIGIN + 8 * a, 0);
-        job->lattice.spacing[a] = bvxi_load_f64(head + BVXI_BVX_AT_SPACING + 8 * a, 0);
-        job->lattice.dims[a] = bvx_load_side(head + BVXI_BVX_AT_DIMS + 4 * a);
-        w->low[a] = bvx_load_side(head + (a < 2 ? BVXI_BVX_AT_LOW + 4 * a : BVXI_BVX_AT_Z));
-        w->size[a] = bvx_load_side(head + (a < 2 ? BVXI_BVX_AT_SIZE + 4 * a : BVXI_BVX_AT_Z + 4));
+        w->low[a] = bvxi_load_side(head + (a < 2 ? BVXI_BVX_AT_LOW + 4 * a : BVXI_BVX_AT_Z));
+        w->size[a] = bvxi_load_side(head + (a < 2 ? BVXI_BVX_AT_SIZE + 4 * a : BVXI_BVX_AT_Z + 4));
     }
-    job->lattice.fraction_bits = bvx_load_side(head + BVXI_BVX_AT_FRACTION);
-    bvx_status const status = bvxi_lattice_check(ctx, "BVX", &job->lattice);
+    bvx_status const status = bvxi_lattice_check(job->source->ctx, "BVX", &job->lattice);
     /* the argument at fault is the file */
     if (status != BVX_OK) return status == BVX_ERR_RANGE ? BVX_ERR_RANGE : BVX_ERR_FORMAT;
 
@@ -118,9 +136,10 @@ static bvx_status bvx_take_head(bvx_unpacking *job)
     for (int32_t a = 0; a < 3; a++)
         if (w->size[a] < 1 || w->low[a] < 0 || w->size[a] > job->lattice.dims[a] ||
             w->low[a] > job->lattice.dims[a] - w->size[a])
-            return bvxi_fail(
-                ctx, BVX_ERR_FORMAT, "BVX: the window has %d voxels from %d on along %s, the lattice has %d",
-                (int64_t)w->size[a], (int64_t)w->low[a], bvxi_axis_name[a], (int64_t)job->lattice.dims[a]);
+            return BVXI_FILE_FAIL(job->source, BVX_ERR_FORMAT,
+                                  "the window has %d voxels from %d on along %s, the lattice has %d",
+                                  (int64_t)w->size[a], (int64_t)w->low[a], bvxi_axis_name[a],
+                                  (int64_t)job->lattice.dims[a]);
     job->frame = bvxi_bvx_frame(head);
     job->raw = (uint64_t)w->size[1] * (uint64_t)bvxi_row_words(w->size[0]) * 8;
     return BVX_OK;
@@ -145,35 +164,36 @@ static void bvx_choose_slices(bvx_unpacking *job)
 
 static bvx_status bvx_check_slice_head(const bvx_unpacking *job, const uint8_t *p, int32_t k)
 {
-    bvx_context *const ctx = job->source->ctx;
     uint64_t const left = (uint64_t)(job->source->end - p), at = (uint64_t)(p - job->source->begin);
     int64_t const z = (int64_t)job->window.low[2] + k;
 
     if (left < BVXI_BVX_SLICE_HEAD)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file ends before slice z %d", at + left, z);
+        return BVXI_FILE_FAIL(job->source, BVX_ERR_FORMAT, "byte %u: the file ends before slice z %d",
+                              at + left, z);
     /* Slices stand in order and name their z: a lost one is found at the next. */
     if (bvxi_load_u32(p + 8, 0) != (uint32_t)z)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: slice z %u in place of z %d", at + 8,
-                         (uint64_t)bvxi_load_u32(p + 8, 0), z);
+        return BVXI_FILE_FAIL(job->source, BVX_ERR_FORMAT, "byte %u: slice z %u in place of z %d", at + 8,
+                              (uint64_t)bvxi_load_u32(p + 8, 0), z);
     if (bvxi_load_u32(p + 12, 0) > BVXI_BVX_RUNS)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: slice z %d has encoding %u; there are 0 and 1",
-                         at + 12, z, (uint64_t)bvxi_load_u32(p + 12, 0));
+        return BVXI_FILE_FAIL(job->source, BVX_ERR_FORMAT,
+                              "byte %u: slice z %d has encoding %u; there are 0 and 1", at + 12, z,
+                              (uint64_t)bvxi_load_u32(p + 12, 0));
 
     /* The length is all that finds the next slice, so it must stay inside the file. */
     uint64_t const n = bvxi_load_u64(p + 16, 0);
     if (n > left - BVXI_BVX_SLICE_HEAD)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: slice z %d has %u bytes, the file has %u more",
-                         at + 16, z, n, left - BVXI_BVX_SLICE_HEAD);
+        return BVXI_FILE_FAIL(job->source, BVX_ERR_FORMAT,
+                              "byte %u: slice z %d has %u bytes, the file has %u more", at + 16, z, n,
+                              left - BVXI_BVX_SLICE_HEAD);
     /* Words have one length; runs are checked for theirs when they are decoded. */
     if (bvxi_load_u32(p + 12, 0) == BVXI_BVX_RAW && n != job->raw)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: slice z %d has %u bytes, its words are %u",
-                         at + 16, z, n, job->raw);
+        return BVXI_FILE_FAIL(job->source, BVX_ERR_FORMAT,
+                              "byte %u: slice z %d has %u bytes, its words are %u", at + 16, z, n, job->raw);
     return BVX_OK;
 }
 
 static bvx_status bvx_find_slices(bvx_unpacking *job)
 {
-    bvx_context *const ctx = job->source->ctx;
     const uint8_t *p = job->source->begin + BVXI_BVX_HEAD;
 
     for (int32_t k = 0; k < job->window.size[2]; k++) {
@@ -184,8 +204,8 @@ static bvx_status bvx_find_slices(bvx_unpacking *job)
         p += BVXI_BVX_SLICE_HEAD + bvxi_load_u64(p + 16, 0);
     }
     if (p != job->source->end)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: %u bytes after the last slice",
-                         (uint64_t)(p - job->source->begin), (uint64_t)(job->source->end - p));
+        return BVXI_FILE_FAIL(job->source, BVX_ERR_FORMAT, "byte %u: %u bytes after the last slice",
+                              (uint64_t)(p - job->source->begin), (uint64_t)(job->source->end - p));
     return BVX_OK;
 }
 
@@ -261,10 +281,9 @@ static bvx_status bvx_check_slices(bvx_unpacking *job)
                              bvx_check_piece, job));
     for (int32_t i = 0; i < job->pieces; i++)
         if (job->wrong[i].why != BVX_SLICE_GOOD)
-            return bvxi_fail(job->source->ctx, BVX_ERR_FORMAT, "BVX: byte %u: slice z %d: %s",
-                             job->place[job->wrong[i].slice],
-                             (int64_t)job->window.low[2] + job->first + job->wrong[i].slice,
-                             words[job->wrong[i].why]);
+            return BVXI_FILE_FAIL(
+                job->source, BVX_ERR_FORMAT, "byte %u: slice z %d: %s", job->place[job->wrong[i].slice],
+                (int64_t)job->window.low[2] + job->first + job->wrong[i].slice, words[job->wrong[i].why]);
     return BVX_OK;
 }
 
@@ -359,19 +378,17 @@ bvx_status bvxi_read_bvx(const bvxi_grid_source *source, bvx_grid *grid)
 
     /* A slice takes at least its head and a byte, so counts cannot allocate more than the file. */
     if ((size - BVXI_BVX_HEAD) / least < (uint64_t)job.window.size[2])
-        return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "BVX: %u bytes cannot hold %d slices", size,
-                         (int64_t)job.window.size[2]);
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "%u bytes cannot hold %d slices", size,
+                              (int64_t)job.window.size[2]);
     bvx_choose_slices(&job);
 
-    /* Pieces are slices, in as many groups as their bytes are worth. */
     job.pieces = bvxi_piece_count(job.raw < 65536 ? job.raw * (uint64_t)job.count : UINT64_MAX, 65536);
     if (job.pieces > job.count) job.pieces = job.count;
     BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, (uint64_t)job.count * sizeof *job.place,
                         "the places of slices", &job.place));
-    /* Find, check, make the grid, fill: nothing large is allocated for a file that is wrong. */
     BVXI_TRY(bvx_find_slices(&job));
     BVXI_TRY(bvx_check_slices(&job));
-    BVXI_TRY(bvxi_open_file_grid(job.source, "BVX", &job.lattice, &job.window, &job.part, grid));
+    BVXI_TRY(bvxi_open_file_grid(source, &job.lattice, &job.window, &job.part, grid));
     job.grid = grid;
     BVXI_TRY(bvxi_for_ranges(job.source->ctx, "read", 0.5, 1.0, job.pieces, (uint64_t)job.count,
                              bvx_fill_piece, &job));

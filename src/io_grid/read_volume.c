@@ -25,26 +25,24 @@ static bvx_status find_raw(const bvxi_grid_source *source, bvxi_dense *d)
     int fits = 1;
 
     if (bvxi_type_size(o->sample_type) == 0)
-        return bvxi_fail_for(source->ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
-                             "RAW: sample type %d is unknown", (int64_t)o->sample_type);
+        return BVXI_FILE_FAIL_FOR(source, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "sample type %d is unknown",
+                                  (int64_t)o->sample_type);
     if ((o->big_endian & ~1) != 0)
-        return bvxi_fail_for(source->ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "RAW: big_endian is 0 or 1");
+        return BVXI_FILE_FAIL_FOR(source, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "big_endian is 0 or 1");
     for (int a = 0; a < 3; a++) {
         if (o->size[a] < 1)
-            return bvxi_fail_for(source->ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "RAW: size[%d] is %d",
-                                 (int64_t)a, (int64_t)o->size[a]);
+            return BVXI_FILE_FAIL_FOR(source, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "size[%d] is %d",
+                                      (int64_t)a, (int64_t)o->size[a]);
         dims[a] = (uint64_t)o->size[a];
     }
-    BVXI_TRY(bvxi_file_box(source->ctx, "RAW", o->origin, o->spacing, dims, &d->box));
+    BVXI_TRY(bvxi_file_box(source, o->origin, o->spacing, dims, &d->box));
     d->size = bvxi_mul(bvxi_mul(bvxi_mul(dims[0], dims[1], &fits), dims[2], &fits),
                        bvxi_type_size(o->sample_type), &fits);
     /* The difference is taken only after the offset is known to be inside. */
     if (!fits || o->offset > have || d->size > have - o->offset)
-        return bvxi_fail(source->ctx, BVX_ERR_FORMAT,
-                         "RAW: %u x %u x %u samples of %u bytes after %u others, but the file has %u",
-                         dims[0], dims[1], dims[2], (uint64_t)bvxi_type_size(o->sample_type), o->offset,
-                         have);
-    d->format = "RAW";
+        return BVXI_FILE_FAIL(
+            source, BVX_ERR_FORMAT, "%u x %u x %u samples of %u bytes after %u others, but the file has %u",
+            dims[0], dims[1], dims[2], (uint64_t)bvxi_type_size(o->sample_type), o->offset, have);
     d->samples.first = source->begin + (size_t)o->offset;
     d->samples.kind = o->sample_type;
     d->samples.big = o->big_endian;
@@ -283,12 +281,12 @@ static bvx_status run_read_volume(bvx_context *context, const void *bytes, uint6
 {
     static const char name[] = "bvx_read_volume";
     bvx_read_volume_options o;
-    bvxi_grid_source source = {0};
+    bvxi_grid_source source;
     bvxi_dense dense;
     bvx_volume made;
 
     if (volume == NULL) return bvxi_fail_null(context, name, "volume");
-    BVXI_TRY(bvxi_check_bytes(context, name, bytes, size));
+    BVXI_TRY(bvxi_take_grid_file(context, name, bytes, size, format, &source));
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(context, name, &o, BVXI_OPTIONS(read_volume_rows)));
     for (int a = 0; a < 3; a++) o.spacing[a] = o.spacing[a] == 0.0 ? 1.0 : o.spacing[a];
@@ -296,9 +294,6 @@ static bvx_status run_read_volume(bvx_context *context, const void *bytes, uint6
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
                              "%s: data_size is %u, more than memory can hold", name, o.data_size);
     if (size == 0) return bvxi_fail(context, BVX_ERR_FORMAT, "%s: the file has no bytes", name);
-    source.ctx = context;
-    source.begin = bytes;
-    source.end = source.begin + (size_t)size;
     source.volume = &o;
     memset(&dense, 0, sizeof dense);
     memset(&made, 0, sizeof made);

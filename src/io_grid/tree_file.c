@@ -12,7 +12,6 @@
 
 static const char read_tree_name[] = "bvx_read_octree";
 
-/* What can be wrong within a level. */
 enum { TREE_LEVEL_GOOD = 0, TREE_LEVEL_CHECKSUM, TREE_LEVEL_BOTH, TREE_LEVEL_SPLIT, TREE_LEVEL_PADDING };
 
 typedef struct tree_level {
@@ -25,8 +24,7 @@ typedef struct tree_level {
 } tree_level;
 
 typedef struct tree_reading {
-    bvx_context *ctx;
-    const uint8_t *begin, *end;
+    bvxi_grid_source source;
     bvx_lattice lattice;
     int32_t base[3], levels, row_words;
     uint64_t frame;
@@ -36,49 +34,39 @@ typedef struct tree_reading {
 
 /* ---- head ---- */
 
-static int32_t load_tree_number(const uint8_t *p)
-{
-    uint32_t const v = bvxi_load_u32(p, 0);
-    return v <= INT32_MAX ? (int32_t)v : -1;
-}
-
 static bvx_status take_tree_head(tree_reading *job)
 {
-    bvx_context *const ctx = job->ctx;
-    const uint8_t *const head = job->begin;
+    const uint8_t *const head = job->source.begin;
     uint64_t voxels = 1;
 
-    BVXI_TRY(bvxi_bvx_check_start(ctx, BVXI_BVX_TREE, head, (uint64_t)(job->end - head)));
+    BVXI_TRY(bvxi_bvx_take_start(&job->source, BVXI_BVX_TREE, &job->lattice));
 
     /* The number of levels bounds the base: its finest lattice must stay within the longest side. */
-    job->levels = load_tree_number(head + BVXI_TREE_AT_LEVELS);
+    job->levels = bvxi_load_side(head + BVXI_TREE_AT_LEVELS);
     if (job->levels < 0 || job->levels > BVXI_OCTREE_LEVELS)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: level %u is the last; 0 to %u are possible",
-                         (uint64_t)BVXI_TREE_AT_LEVELS,
-                         (uint64_t)bvxi_load_u32(head + BVXI_TREE_AT_LEVELS, 0),
-                         (uint64_t)BVXI_OCTREE_LEVELS);
+        return BVXI_FILE_FAIL(
+            &job->source, BVX_ERR_FORMAT, "byte %u: level %u is the last; 0 to %u are possible",
+            (uint64_t)BVXI_TREE_AT_LEVELS, (uint64_t)bvxi_load_u32(head + BVXI_TREE_AT_LEVELS, 0),
+            (uint64_t)BVXI_OCTREE_LEVELS);
     for (int32_t a = 0; a < 3; a++) {
-        int32_t const n = load_tree_number(head + BVXI_TREE_AT_BASE + 4 * a);
+        int32_t const n = job->lattice.dims[a];
         if (n < 1 || n > BVXI_MAX_SIDE >> job->levels)
-            return bvxi_fail(
-                ctx, BVX_ERR_FORMAT,
-                "BVX: byte %u: a base of %u voxels along %s; 1 to %d are possible with %d levels",
-                (uint64_t)BVXI_TREE_AT_BASE + 4 * (uint64_t)a,
-                (uint64_t)bvxi_load_u32(head + BVXI_TREE_AT_BASE + 4 * a, 0), bvxi_axis_name[a],
+            return BVXI_FILE_FAIL(
+                &job->source, BVX_ERR_FORMAT,
+                "byte %u: a base of %u voxels along %s; 1 to %d are possible with %d levels",
+                (uint64_t)BVXI_BVX_AT_DIMS + 4 * (uint64_t)a,
+                (uint64_t)bvxi_load_u32(head + BVXI_BVX_AT_DIMS + 4 * a, 0), bvxi_axis_name[a],
                 (int64_t)(BVXI_MAX_SIDE >> job->levels), (int64_t)job->levels);
         job->base[a] = n;
-        job->lattice.origin[a] = bvxi_load_f64(head + BVXI_TREE_AT_ORIGIN + 8 * a, 0);
-        job->lattice.spacing[a] = bvxi_load_f64(head + BVXI_TREE_AT_SPACING + 8 * a, 0);
         job->lattice.dims[a] = n << job->levels;
         /* Stops growing above the limit, so that the product cannot overflow on the way. */
         voxels = voxels < (uint64_t)1 << 31 ? voxels * (uint64_t)n : voxels; /* at most 2^56 */
     }
     if (voxels >= (uint64_t)1 << 31)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT,
-                         "BVX: a base of %d x %d x %d voxels; fewer than 2^31 are possible",
-                         (int64_t)job->base[0], (int64_t)job->base[1], (int64_t)job->base[2]);
-    job->lattice.fraction_bits = load_tree_number(head + BVXI_TREE_AT_FRACTION);
-    bvx_status const status = bvxi_lattice_check(ctx, "BVX", &job->lattice);
+        return BVXI_FILE_FAIL(&job->source, BVX_ERR_FORMAT,
+                              "a base of %d x %d x %d voxels; fewer than 2^31 are possible",
+                              (int64_t)job->base[0], (int64_t)job->base[1], (int64_t)job->base[2]);
+    bvx_status const status = bvxi_lattice_check(job->source.ctx, "BVX", &job->lattice);
     if (status != BVX_OK) return BVX_ERR_FORMAT; /* the argument at fault is the file */
     job->row_words = bvxi_row_words(job->base[0]);
     job->frame = bvxi_tree_frame(head);
@@ -87,39 +75,37 @@ static bvx_status take_tree_head(tree_reading *job)
 
 /* ---- lengths ---- */
 
-/* The level that begins at p. */
 static bvx_status take_level_head(tree_reading *job, int32_t number, const uint8_t *p)
 {
-    bvx_context *const ctx = job->ctx;
     tree_level *const level = &job->level[number];
-    uint64_t const at = (uint64_t)(p - job->begin), left = (uint64_t)(job->end - p);
+    uint64_t const at = (uint64_t)(p - job->source.begin), left = (uint64_t)(job->source.end - p);
 
-    /* Each head is checked before its length is used to find the next one. */
     if (left < BVXI_TREE_LEVEL_HEAD)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file ends in the head of level %d",
-                         at + left, (int64_t)number);
+        return BVXI_FILE_FAIL(&job->source, BVX_ERR_FORMAT, "byte %u: the file ends in the head of level %d",
+                              at + left, (int64_t)number);
     if (bvxi_load_u32(p + 8, 0) != (uint32_t)number)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: level %u stands where %d belongs", at + 8,
-                         (uint64_t)bvxi_load_u32(p + 8, 0), (int64_t)number);
+        return BVXI_FILE_FAIL(&job->source, BVX_ERR_FORMAT, "byte %u: level %u stands where %d belongs",
+                              at + 8, (uint64_t)bvxi_load_u32(p + 8, 0), (int64_t)number);
     level->kind = bvxi_load_u32(p + 12, 0);
     /* Only the last level has no split, and it must say so. */
     if (level->kind > BVXI_SPLIT_SOME || (level->kind == BVXI_SPLIT_NONE) != (number == job->levels))
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: level %d of %d cannot be split in way %u",
-                         at + 12, (int64_t)number, (int64_t)job->levels, (uint64_t)level->kind);
+        return BVXI_FILE_FAIL(&job->source, BVX_ERR_FORMAT,
+                              "byte %u: level %d of %d cannot be split in way %u", at + 12, (int64_t)number,
+                              (int64_t)job->levels, (uint64_t)level->kind);
     level->begin = p;
     level->words = bvxi_load_u64(p + 16, 0);
     /* Divided rather than multiplied: the count is a claim, and a product might overflow. */
     if (level->words > (left - BVXI_TREE_LEVEL_HEAD) / 8 / bvxi_tree_arrays(level->kind))
-        return bvxi_fail(ctx, BVX_ERR_FORMAT,
-                         "BVX: byte %u: level %d has %u words an array, the file ends before", at + 16,
-                         (int64_t)number, level->words);
+        return BVXI_FILE_FAIL(&job->source, BVX_ERR_FORMAT,
+                              "byte %u: level %d has %u words an array, the file ends before", at + 16,
+                              (int64_t)number, level->words);
     level->size = BVXI_TREE_LEVEL_HEAD + 8 * level->words * bvxi_tree_arrays(level->kind);
     return BVX_OK;
 }
 
 static bvx_status take_level_heads(tree_reading *job)
 {
-    const uint8_t *p = job->begin + BVXI_TREE_HEAD;
+    const uint8_t *p = job->source.begin + BVXI_BVX_HEAD;
     uint64_t const rows = (uint64_t)job->base[1] * (uint64_t)job->base[2];
 
     for (int32_t l = 0; l <= job->levels; l++) {
@@ -128,19 +114,20 @@ static bvx_status take_level_heads(tree_reading *job)
     }
 
     /* The levels must end where the file does, and level 0 must have the words of its base. */
-    if (p != job->end)
-        return bvxi_fail(job->ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file continues after its last level",
-                         (uint64_t)(p - job->begin));
+    if (p != job->source.end)
+        return BVXI_FILE_FAIL(&job->source, BVX_ERR_FORMAT,
+                              "byte %u: the file continues after its last level",
+                              (uint64_t)(p - job->source.begin));
     job->level[0].octets = rows;
     if (job->level[0].words != rows * (uint64_t)job->row_words)
-        return bvxi_fail(job->ctx, BVX_ERR_FORMAT, "BVX: byte %u: level 0 has %u words, its base %u",
-                         (uint64_t)BVXI_TREE_HEAD + 16, job->level[0].words, rows * (uint64_t)job->row_words);
+        return BVXI_FILE_FAIL(&job->source, BVX_ERR_FORMAT, "byte %u: level 0 has %u words, its base %u",
+                              (uint64_t)BVXI_BVX_HEAD + 16, job->level[0].words,
+                              rows * (uint64_t)job->row_words);
     return BVX_OK;
 }
 
 /* ---- what the levels hold ---- */
 
-/* Bits of level 0's word that are voxels. */
 static inline uint64_t tree_row_mask(const tree_reading *job, uint64_t word)
 {
     return (word + 1) % (uint64_t)job->row_words == 0 ? bvxi_tail_mask(job->base[0]) : ~UINT64_C(0);
@@ -184,30 +171,29 @@ static bvx_status fail_level(const tree_reading *job, int32_t number)
                                       "has a voxel that is touched and outside",
                                       "splits a voxel that no triangle touches", "has bits past its voxels"};
     const tree_level *const level = &job->level[number];
-    uint64_t const at = (uint64_t)(level->begin - job->begin);
-    return bvxi_fail(job->ctx, BVX_ERR_FORMAT, "BVX: bytes %u to %u: level %d %s", at, at + level->size - 1,
-                     (int64_t)number, why[level->wrong]);
+    uint64_t const at = (uint64_t)(level->begin - job->source.begin);
+    return BVXI_FILE_FAIL(&job->source, BVX_ERR_FORMAT, "bytes %u to %u: level %d %s", at,
+                          at + level->size - 1, (int64_t)number, why[level->wrong]);
 }
 
-/* Each level has the octets that the one above is split into. */
 static bvx_status join_levels(tree_reading *job)
 {
     /* From the base down, since the number of octets comes from the level above. */
     for (int32_t l = 0; l <= job->levels; l++) {
         tree_level *const level = &job->level[l];
-        uint64_t const at = (uint64_t)(level->begin - job->begin);
+        uint64_t const at = (uint64_t)(level->begin - job->source.begin);
         if (level->wrong != TREE_LEVEL_GOOD) return fail_level(job, l);
         if (l == 0) continue;
         level->octets = job->level[l - 1].split;
         /* Eight voxels an octet: their number must stay below 2^31. */
         if (level->octets >= (uint64_t)1 << 28)
-            return bvxi_fail(job->ctx, BVX_ERR_FORMAT,
-                             "BVX: byte %u: level %d splits %u voxels; fewer than 2^28 are possible", at,
-                             (int64_t)l - 1, level->octets);
+            return BVXI_FILE_FAIL(&job->source, BVX_ERR_FORMAT,
+                                  "byte %u: level %d splits %u voxels; fewer than 2^28 are possible", at,
+                                  (int64_t)l - 1, level->octets);
         if (level->words != bvxi_octet_words(level->octets))
-            return bvxi_fail(job->ctx, BVX_ERR_FORMAT,
-                             "BVX: byte %u: level %d has %u words an array; %u split voxels take %u", at + 16,
-                             (int64_t)l, level->words, level->octets, bvxi_octet_words(level->octets));
+            return BVXI_FILE_FAIL(&job->source, BVX_ERR_FORMAT,
+                                  "byte %u: level %d has %u words an array; %u split voxels take %u", at + 16,
+                                  (int64_t)l, level->words, level->octets, bvxi_octet_words(level->octets));
         /* Bits past the last octet would be voxels that no parent has. */
         for (uint64_t n = level->octets; n < 8 * level->words; n++) /* the bytes past the last octet */
             for (uint64_t array = 0; array < 2; array++)
@@ -242,19 +228,18 @@ static bvx_status make_read_tree(tree_reading *job)
 {
     bvx_status status = BVX_OK;
 
-    /* Only now, with everything checked, is there a tree. */
-    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_RESULT, sizeof *job->tree, "the octree", &job->tree));
+    BVXI_TRY(bvxi_alloc_zero(job->source.ctx, BVXI_RESULT, sizeof *job->tree, "the octree", &job->tree));
     job->tree->lattice = job->lattice;
     memcpy(job->tree->base, job->base, sizeof job->tree->base);
     job->tree->levels = job->levels;
     job->tree->row_words = job->row_words;
     for (int32_t l = 0; l <= job->levels && status == BVX_OK; l++)
-        status = bvxi_octets_open(job->ctx, job->level[l].octets, job->level[l].words,
+        status = bvxi_octets_open(job->source.ctx, job->level[l].octets, job->level[l].words,
                                   (int)job->level[l].kind,
                                   l == 0 ? &job->tree->root : &job->tree->octets[l - 1]);
     if (status == BVX_OK)
-        status = bvxi_each(job->ctx, "read", 0.6, 1.0, job->levels + 1, load_tree_level, job);
-    if (status != BVX_OK) bvx_octree_free(job->ctx, job->tree);
+        status = bvxi_each(job->source.ctx, "read", 0.6, 1.0, job->levels + 1, load_tree_level, job);
+    if (status != BVX_OK) bvx_octree_free(job->source.ctx, job->tree);
     return status;
 }
 
@@ -263,14 +248,9 @@ static bvx_status run_read_octree(bvx_context *context, const void *bytes, uint6
     tree_reading job;
 
     if (tree == NULL) return bvxi_fail_null(context, read_tree_name, "tree");
-    BVXI_TRY(bvxi_check_bytes(context, read_tree_name, bytes, size));
-    if (size == 0) return bvxi_fail(context, BVX_ERR_FORMAT, "%s: the file has no bytes", read_tree_name);
-
-    /* Heads, then levels on their own in parallel, then what they say of each other, then the tree. */
     memset(&job, 0, sizeof job);
-    job.ctx = context;
-    job.begin = bytes;
-    job.end = job.begin + (size_t)size;
+    BVXI_TRY(bvxi_take_grid_file(context, read_tree_name, bytes, size, BVX_FORMAT_BVX, &job.source));
+    if (size == 0) return bvxi_fail(context, BVX_ERR_FORMAT, "%s: the file has no bytes", read_tree_name);
     BVXI_TRY(take_tree_head(&job));
     BVXI_TRY(take_level_heads(&job));
     BVXI_TRY(bvxi_each(context, "read", 0.0, 0.6, job.levels + 1, look_into_levels, &job));
@@ -330,7 +310,7 @@ bvx_status bvxi_write_tree(bvx_context *ctx, const bvx_octree *tree, bvx_buffer 
     tree_writing job = {0};
 
     job.tree = tree;
-    job.place[0] = BVXI_TREE_HEAD;
+    job.place[0] = BVXI_BVX_HEAD;
 
     /* Each level's place follows from the lengths of those above it, so levels are written in any order. */
     for (int32_t l = 0; l <= tree->levels; l++) {
@@ -342,20 +322,9 @@ bvx_status bvxi_write_tree(bvx_context *ctx, const bvx_octree *tree, bvx_buffer 
     job.bytes = file->bytes;
     /* The frame is part of every level's checksum: levels of two files cannot be mixed. */
     uint8_t *const head = job.bytes;
-    memset(head, 0, BVXI_TREE_HEAD);
-    memcpy(head, bvxi_tree_magic(), 8);
-    bvxi_store_u32(head + BVXI_TREE_AT_VERSION, BVXI_TREE_VERSION);
-    bvxi_store_u32(head + BVXI_TREE_AT_HEAD_SIZE, BVXI_TREE_HEAD);
-
-    /* The fields stand where tree_file.h says; the checksum covers all before it. */
-    for (int32_t a = 0; a < 3; a++) {
-        bvxi_store_f64(head + BVXI_TREE_AT_ORIGIN + 8 * a, tree->lattice.origin[a]);
-        bvxi_store_f64(head + BVXI_TREE_AT_SPACING + 8 * a, tree->lattice.spacing[a]);
-        bvxi_store_u32(head + BVXI_TREE_AT_BASE + 4 * a, (uint32_t)tree->base[a]);
-    }
-    bvxi_store_u32(head + BVXI_TREE_AT_FRACTION, (uint32_t)tree->lattice.fraction_bits);
+    bvxi_bvx_put_start(head, BVXI_BVX_TREE, &tree->lattice, tree->base);
     bvxi_store_u32(head + BVXI_TREE_AT_LEVELS, (uint32_t)tree->levels);
-    bvxi_store_u64(head + BVXI_TREE_AT_CHECK, bvx_hash(head, BVXI_TREE_AT_CHECK, 0));
+    bvxi_store_u64(head + BVXI_BVX_AT_CHECK, bvx_hash(head, BVXI_BVX_AT_CHECK, 0));
 
     job.frame = bvxi_tree_frame(job.bytes);
     bvx_status const status = bvxi_each(ctx, "write", 0.0, 1.0, tree->levels + 1, put_tree_level, &job);

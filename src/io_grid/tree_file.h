@@ -35,35 +35,18 @@
 #ifndef BVXI_TREE_FILE_H
 #define BVXI_TREE_FILE_H
 
-#include "io/bytes.h"
+#include "io_grid/bvx_file.h"
 #include "refine/room.h"
 
-enum { BVXI_TREE_VERSION = 1, BVXI_TREE_HEAD = 128, BVXI_TREE_LEVEL_HEAD = 24 };
+enum { BVXI_TREE_LEVEL_HEAD = 24 };
 
-/* Places in the head. */
-enum {
-    BVXI_TREE_AT_VERSION = 8,
-    BVXI_TREE_AT_HEAD_SIZE = 12,
-    BVXI_TREE_AT_ORIGIN = 16,
-    BVXI_TREE_AT_SPACING = 40,
-    BVXI_TREE_AT_BASE = 64,
-    BVXI_TREE_AT_FRACTION = 76,
-    BVXI_TREE_AT_LEVELS = 80,
-    BVXI_TREE_AT_RESERVED = 84,
-    BVXI_TREE_AT_CHECK = 120
-};
-
-/* The first 8 bytes; the first 4 say what it is, the last 4 that it came through whole. */
-static inline const uint8_t *bvxi_tree_magic(void)
-{
-    static const uint8_t magic[8] = {0x89, 'B', 'V', 'O', 0x0d, 0x0a, 0x1a, 0x0a};
-    return magic;
-}
+/* Places in the head that a grid's file has not (bvx_file.h). */
+enum { BVXI_TREE_AT_LEVELS = 80, BVXI_TREE_AT_RESERVED = 84 };
 
 /* The seed of the levels' checksums. */
 static inline uint64_t bvxi_tree_frame(const uint8_t *head)
 {
-    return bvx_hash(head + BVXI_TREE_AT_ORIGIN, BVXI_TREE_AT_CHECK - BVXI_TREE_AT_ORIGIN, 0);
+    return bvx_hash(head + BVXI_BVX_AT_ORIGIN, BVXI_BVX_AT_CHECK - BVXI_BVX_AT_ORIGIN, 0);
 }
 
 /* How a level splits its voxels: as the tree keeps it, and how many arrays its file has. */

@@ -19,40 +19,28 @@ typedef struct vox_model {
     uint64_t said;          /* by PACK; 0: nothing was said */
 } vox_model;
 
-static uint64_t vox_at(const bvxi_grid_source *source, const uint8_t *p)
-{
-    return (uint64_t)(p - source->begin);
-}
-
 static bvx_status vox_take_chunk(const bvxi_grid_source *source, const uint8_t *chunk, uint32_t n,
                                  vox_model *model)
 {
-    bvx_context *const ctx = source->ctx;
     const uint8_t *const content = chunk + VOX_HEAD;
 
     /* Of several models the first is kept and all are counted: more than one is refused with their number. */
     if (memcmp(chunk, "PACK", 4) == 0) {
         if (n != 4)
-            return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: PACK has %u bytes, not 4",
-                             vox_at(source, chunk), (uint64_t)n);
+            return BVXI_BYTE_FAIL(source, chunk, BVX_ERR_FORMAT, "PACK has %u bytes, not 4", (uint64_t)n);
         model->said = bvxi_load_u32(content, 0);
-        if (model->said == 0)
-            return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: PACK says 0 models",
-                             vox_at(source, content));
+        if (model->said == 0) return BVXI_BYTE_FAIL(source, content, BVX_ERR_FORMAT, "PACK says 0 models");
     } else if (memcmp(chunk, "SIZE", 4) == 0) {
         if (n != 12)
-            return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: SIZE has %u bytes, not 12",
-                             vox_at(source, chunk), (uint64_t)n);
+            return BVXI_BYTE_FAIL(source, chunk, BVX_ERR_FORMAT, "SIZE has %u bytes, not 12", (uint64_t)n);
         if (model->sizes++ == 0) model->size = content;
     } else if (memcmp(chunk, "XYZI", 4) == 0) {
         uint64_t const count = n < 4 ? 0 : bvxi_load_u32(content, 0);
         /* The chunk's length and the count inside it must say the same. */
         if (n < 4 || n - 4 != 4 * count)
-            return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: XYZI has %u bytes; its %u voxels take %u",
-                             vox_at(source, chunk), (uint64_t)n, count, 4 + 4 * count);
-        if (model->sizes == 0)
-            return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: XYZI before any SIZE",
-                             vox_at(source, chunk));
+            return BVXI_BYTE_FAIL(source, chunk, BVX_ERR_FORMAT, "XYZI has %u bytes; its %u voxels take %u",
+                                  (uint64_t)n, count, 4 + 4 * count);
+        if (model->sizes == 0) return BVXI_BYTE_FAIL(source, chunk, BVX_ERR_FORMAT, "XYZI before any SIZE");
         if (model->models++ == 0) {
             model->count = count;
             model->voxels = content + 4;
@@ -61,22 +49,18 @@ static bvx_status vox_take_chunk(const bvxi_grid_source *source, const uint8_t *
     return BVX_OK;
 }
 
-/* The chunks from p to end, which must be whole. */
 static bvx_status vox_walk(const bvxi_grid_source *source, const uint8_t *p, vox_model *model)
 {
-    bvx_context *const ctx = source->ctx;
-
     while (p != source->end) {
         uint64_t const left = (uint64_t)(source->end - p);
-        /* The head first: its lengths say where the next chunk begins. */
         if (left < VOX_HEAD)
-            return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: the file ends in a chunk's head",
-                             vox_at(source, p) + left);
+            return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "byte %u: the file ends in a chunk's head",
+                                  bvxi_grid_byte(source, p) + left);
         uint32_t const content = bvxi_load_u32(p + 4, 0), children = bvxi_load_u32(p + 8, 0);
         /* Added in 64 bits, as two lengths of 32 bits can be more than 32 hold. */
         if ((uint64_t)content + children > left - VOX_HEAD)
-            return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: a chunk of %u bytes, %u are left",
-                             vox_at(source, p), (uint64_t)content + children, left - VOX_HEAD);
+            return BVXI_BYTE_FAIL(source, p, BVX_ERR_FORMAT, "a chunk of %u bytes, %u are left",
+                                  (uint64_t)content + children, left - VOX_HEAD);
         BVXI_TRY(vox_take_chunk(source, p, content, model));
         p += VOX_HEAD + (size_t)content + (size_t)children;
     }
@@ -85,61 +69,57 @@ static bvx_status vox_walk(const bvxi_grid_source *source, const uint8_t *p, vox
 
 static bvx_status vox_check_start(const bvxi_grid_source *source)
 {
-    bvx_context *const ctx = source->ctx;
     const uint8_t *const p = source->begin;
     uint64_t const size = (uint64_t)(source->end - p);
 
     if (size < VOX_BEGIN || memcmp(p, "VOX ", 4) != 0)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT,
-                         "VOX: byte 0: the file does not begin with \"VOX \" and a version");
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT,
+                              "byte 0: the file does not begin with \"VOX \" and a version");
     uint32_t const version = bvxi_load_u32(p + 4, 0);
     if (version != 150 && version != 200)
-        return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "VOX: byte 4: version %u; 150 and 200 can be read",
-                         (uint64_t)version);
+        return BVXI_FILE_FAIL(source, BVX_ERR_UNSUPPORTED, "byte 4: version %u; 150 and 200 can be read",
+                              (uint64_t)version);
     if (size < VOX_BEGIN + VOX_HEAD)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: the file ends before its MAIN chunk", size);
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "byte %u: the file ends before its MAIN chunk", size);
     if (memcmp(p + VOX_BEGIN, "MAIN", 4) != 0)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte 8: the first chunk is not MAIN");
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "byte 8: the first chunk is not MAIN");
 
     uint64_t const content = bvxi_load_u32(p + VOX_BEGIN + 4, 0);
     uint64_t const children = bvxi_load_u32(p + VOX_BEGIN + 8, 0);
     if (content + children != size - VOX_BEGIN - VOX_HEAD)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte 12: MAIN holds %u bytes, the file has %u",
-                         content + children, size - VOX_BEGIN - VOX_HEAD);
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "byte 12: MAIN holds %u bytes, the file has %u",
+                              content + children, size - VOX_BEGIN - VOX_HEAD);
     return BVX_OK;
 }
 
-/* One model, its sides, and all its voxels inside them. */
 static bvx_status vox_check_model(const bvxi_grid_source *source, const vox_model *model, uint64_t dims[3])
 {
-    bvx_context *const ctx = source->ctx;
-
     if (model->models > 1 || model->sizes > 1)
-        return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED,
-                         "VOX: the file has %u models; save each in a file of its own",
-                         model->models > model->sizes ? model->models : model->sizes);
+        return BVXI_FILE_FAIL(source, BVX_ERR_UNSUPPORTED,
+                              "the file has %u models; save each in a file of its own",
+                              model->models > model->sizes ? model->models : model->sizes);
     if (model->models == 0)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: the file ends without a model (SIZE and XYZI)",
-                         vox_at(source, source->end));
+        return BVXI_BYTE_FAIL(source, source->end, BVX_ERR_FORMAT,
+                              "the file ends without a model (SIZE and XYZI)");
     if (model->said > 1)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: PACK says %u models, the file has 1", model->said);
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "PACK says %u models, the file has 1", model->said);
 
     /* Coordinates are single bytes, so no side is longer than 256. */
     for (int32_t a = 0; a < 3; a++) {
         dims[a] = bvxi_load_u32(model->size + 4 * a, 0);
         if (dims[a] < 1 || dims[a] > VOX_LONGEST_SIDE)
-            return bvxi_fail(ctx, BVX_ERR_FORMAT,
-                             "VOX: byte %u: SIZE says %u voxels along %s; 1 to %u are possible",
-                             vox_at(source, model->size) + 4 * (uint64_t)a, dims[a], bvxi_axis_name[a],
-                             (uint64_t)VOX_LONGEST_SIDE);
+            return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT,
+                                  "byte %u: SIZE says %u voxels along %s; 1 to %u are possible",
+                                  bvxi_grid_byte(source, model->size) + 4 * (uint64_t)a, dims[a],
+                                  bvxi_axis_name[a], (uint64_t)VOX_LONGEST_SIDE);
     }
     /* Every voxel is checked before there is a grid, so setting them needs no check. */
     for (uint64_t i = 0; i < model->count; i++)
         for (int32_t a = 0; a < 3; a++) {
             const uint8_t *const at = model->voxels + 4 * i + (uint64_t)a;
             if (*at >= dims[a])
-                return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: voxel %u has %s = %u, SIZE says %u",
-                                 vox_at(source, at), i, bvxi_axis_name[a], (uint64_t)*at, dims[a]);
+                return BVXI_BYTE_FAIL(source, at, BVX_ERR_FORMAT, "voxel %u has %s = %u, SIZE says %u", i,
+                                      bvxi_axis_name[a], (uint64_t)*at, dims[a]);
         }
     return BVX_OK;
 }
@@ -160,10 +140,10 @@ bvx_status bvxi_read_vox(const bvxi_grid_source *source, bvx_grid *grid)
     BVXI_TRY(vox_check_model(source, &model, dims));
     BVXI_TRY(bvxi_progress(source->ctx, "read", 0.0));
     /* A model has no place of its own: it begins at the origin with voxels of side 1. */
-    BVXI_TRY(bvxi_file_box(source->ctx, "VOX", origin, spacing, dims, &box));
+    BVXI_TRY(bvxi_file_box(source, origin, spacing, dims, &box));
     memset(whole.low, 0, sizeof whole.low);
     memcpy(whole.size, box.dims, sizeof whole.size);
-    BVXI_TRY(bvxi_open_file_grid(source, "VOX", &box, &whole, &part, grid));
+    BVXI_TRY(bvxi_open_file_grid(source, &box, &whole, &part, grid));
     for (uint64_t i = 0; i < model.count; i++) {
         const uint8_t *const p = model.voxels + 4 * i;
         bvxi_set_file_run(grid, &part, p[0], (int64_t)p[0] + 1, p[1], p[2]);
@@ -199,7 +179,6 @@ static uint8_t *vox_put_chunk(uint8_t *p, const char *name, uint64_t content, ui
 static void vox_put_voxels(const bvx_grid *grid, uint8_t *p)
 {
     const uint64_t *word = grid->words;
-    /* Each set bit once, lowest first; the last operation clears it. */
     for (int32_t z = 0; z < grid->size[2]; z++)
         for (int32_t y = 0; y < grid->size[1]; y++)
             for (int32_t k = 0; k < grid->words_per_row; k++)

@@ -29,11 +29,9 @@ typedef struct vti_file {
 
 static BVXI_COLD bvx_status vti_fail(const vti_file *f, bvx_status status, const char *at, const char *why)
 {
-    return bvxi_fail(f->xml.source.ctx, status, "VTI: line %u: %s", bvxi_source_line(&f->xml.source, at),
-                     why);
+    return BVXI_LINE_FAIL(&f->xml.source, at, status, "%s", why);
 }
 
-/* n numbers and nothing else. */
 static bvx_status vti_take_doubles(const vti_file *f, bvxi_xml_text value, int n, double *numbers)
 {
     for (int i = 0; i < n; i++) {
@@ -54,8 +52,7 @@ static bvx_status vti_take_extent(const vti_file *f, const char *name, int64_t e
     double v[6];
 
     if (!bvxi_xml_attribute(&f->xml, name, &value))
-        return bvxi_fail(f->xml.source.ctx, BVX_ERR_FORMAT, "VTI: line %u: the element has no %s",
-                         bvxi_source_line(&f->xml.source, f->xml.tag), name);
+        return BVXI_LINE_FAIL(&f->xml.source, f->xml.tag, BVX_ERR_FORMAT, "the element has no %s", name);
     BVXI_TRY(vti_take_doubles(f, value, 6, v));
     for (int i = 0; i < 6; i++) {
         /* Read as doubles, as 3.0 is written too; compared before the cast, which is undefined outside. */
@@ -245,18 +242,18 @@ static bvx_status vti_read_head(vti_file *f)
     }
 
     if (f->array.rank == VTI_NO_ARRAY)
-        return bvxi_fail(f->xml.source.ctx, BVX_ERR_FORMAT, "VTI: the file has no %s",
-                         roots == 0      ? "element VTKFile"
-                         : !f->has_image ? "element ImageData"
-                         : !f->has_piece ? "element Piece"
-                                         : "array of cells or points with one number each");
+        return BVXI_FILE_FAIL(&f->xml.source, BVX_ERR_FORMAT, "the file has no %s",
+                              roots == 0      ? "element VTKFile"
+                              : !f->has_image ? "element ImageData"
+                              : !f->has_piece ? "element Piece"
+                                              : "array of cells or points with one number each");
     if (f->array.format == VTI_APPENDED && f->appended == NULL)
         return vti_fail(f, BVX_ERR_FORMAT, f->array.tag,
                         "the array is appended, but the file has no AppendedData");
     if (f->array.format != VTI_ASCII && f->compressed && !f->unpacks)
-        return bvxi_fail_for(
-            f->xml.source.ctx, BVX_ERR_UNSUPPORTED, BVX_REASON_COMPRESSED,
-            "VTI: the data is compressed; write it without (vtkXMLImageDataWriter, SetCompressorTypeToNone)");
+        return BVXI_FILE_FAIL_FOR(
+            &f->xml.source, BVX_ERR_UNSUPPORTED, BVX_REASON_COMPRESSED,
+            "the data is compressed; write it without (vtkXMLImageDataWriter, SetCompressorTypeToNone)");
     return BVX_OK;
 }
 
@@ -276,16 +273,15 @@ static bvx_status vti_find_ascii(const vti_file *f, uint64_t voxels, bvxi_dense 
     d->behind = "the end of the array";
     /* a digit and a space each, none after the last */
     if ((uint64_t)(d->end - d->begin) / 2 + 1 >= voxels) return BVX_OK;
-    return bvxi_fail(f->xml.source.ctx, BVX_ERR_FORMAT, "VTI: line %u: %u values in %u bytes of text",
-                     bvxi_source_line(&f->xml.source, f->array.tag), voxels, (uint64_t)(d->end - d->begin));
+    return BVXI_LINE_FAIL(&f->xml.source, f->array.tag, BVX_ERR_FORMAT, "%u values in %u bytes of text",
+                          voxels, (uint64_t)(d->end - d->begin));
 }
 
 static bvx_status vti_check_size(const vti_file *f, uint64_t n, uint64_t size)
 {
     if (n == size) return BVX_OK;
-    return bvxi_fail(f->xml.source.ctx, BVX_ERR_FORMAT,
-                     "VTI: line %u: the array has %u bytes, its extent asks for %u",
-                     bvxi_source_line(&f->xml.source, f->array.tag), n, size);
+    return BVXI_LINE_FAIL(&f->xml.source, f->array.tag, BVX_ERR_FORMAT,
+                          "the array has %u bytes, its extent asks for %u", n, size);
 }
 
 static bvx_status vti_check_length(const vti_file *f, const uint8_t *length, uint64_t size)
@@ -359,14 +355,12 @@ bvx_status bvxi_find_vti(const bvxi_grid_source *source, bvxi_dense *dense)
         corner[a] = f.origin[a] + ((double)first - (is_point ? 0.5 : 0.0)) * f.spacing[a];
         voxels = bvxi_mul(voxels, dims[a], &fits);
     }
-    BVXI_TRY(bvxi_file_box(source->ctx, "VTI", corner, f.spacing, dims, &dense->box));
+    BVXI_TRY(bvxi_file_box(source, corner, f.spacing, dims, &dense->box));
     uint64_t const sample = bvxi_sample_size(f.array.kind);
     /* The size is a claim of the file; it is checked before it is compared with bytes. */
     dense->size = bvxi_mul(voxels, sample, &fits);
     if (!fits || dense->size > INT64_MAX)
-        return bvxi_fail(source->ctx, BVX_ERR_FORMAT,
-                         "VTI: the piece's extent holds more than any file does");
-    dense->format = "VTI";
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "the piece's extent holds more than any file does");
     dense->placed = 1;
     dense->source = f.xml.source;
     dense->samples.kind = f.array.kind;

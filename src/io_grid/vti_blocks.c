@@ -9,8 +9,7 @@ enum { WORST_RATIO = 1032 }; /* deflate packs no better */
 
 static BVXI_COLD bvx_status fail_blocks(const bvxi_dense *d, const char *why)
 {
-    return bvxi_fail(d->source.ctx, BVX_ERR_FORMAT, "%s: line %u: %s", d->format,
-                     bvxi_source_line(&d->source, d->array), why);
+    return BVXI_LINE_FAIL(&d->source, d->array, BVX_ERR_FORMAT, "%s", why);
 }
 
 static int take_number(const bvxi_dense *d, bvxi_base64 *from, uint64_t *number)

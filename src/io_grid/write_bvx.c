@@ -18,18 +18,7 @@ typedef struct bvx_packing {
 
 static void bvx_put_head(const bvx_lattice *lattice, const bvx_window *window, uint8_t head[BVXI_BVX_HEAD])
 {
-    memset(head, 0, BVXI_BVX_HEAD);
-    memcpy(head, bvxi_bvx_magic(), 8);
-    bvxi_store_u32(head + BVXI_BVX_AT_VERSION, BVXI_BVX_VERSION);
-    bvxi_store_u32(head + BVXI_BVX_AT_HEAD_SIZE, BVXI_BVX_HEAD);
-
-    /* Fields stand at fixed places, in any order; the checksum needs all of them. */
-    for (int32_t a = 0; a < 3; a++) {
-        bvxi_store_f64(head + BVXI_BVX_AT_ORIGIN + 8 * a, lattice->origin[a]);
-        bvxi_store_f64(head + BVXI_BVX_AT_SPACING + 8 * a, lattice->spacing[a]);
-        bvxi_store_u32(head + BVXI_BVX_AT_DIMS + 4 * a, (uint32_t)lattice->dims[a]);
-    }
-    bvxi_store_u32(head + BVXI_BVX_AT_FRACTION, (uint32_t)lattice->fraction_bits);
+    bvxi_bvx_put_start(head, BVXI_BVX_GRID, lattice, lattice->dims);
     for (int32_t a = 0; a < 2; a++) {
         bvxi_store_u32(head + BVXI_BVX_AT_LOW + 4 * a, (uint32_t)window->low[a]);
         bvxi_store_u32(head + BVXI_BVX_AT_SIZE + 4 * a, (uint32_t)window->size[a]);
@@ -102,7 +91,6 @@ static void bvx_put_slice(const bvx_packing *job, int32_t k)
     bvxi_store_u64(p + 16, n);
     if (raw) bvx_put_words(job, k, p + BVXI_BVX_SLICE_HEAD);
     else bvx_put_runs(job, k, p + BVXI_BVX_SLICE_HEAD);
-    /* The checksum covers what stands after it, so it comes last. */
     bvxi_store_u64(p, bvxi_bvx_slice_check(p, n, job->frame));
 }
 
@@ -133,7 +121,6 @@ static uint64_t bvx_place_slices(uint64_t *place, int32_t count, uint64_t first)
     return first;
 }
 
-/* The slices of a grid after a head that is given, or after nothing. */
 static bvx_status bvx_pack(bvx_context *ctx, const bvx_grid *grid, const uint8_t *head, int with_head,
                            bvx_buffer *file)
 {

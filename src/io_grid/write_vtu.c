@@ -73,7 +73,6 @@ static uint8_t *put_vtu_length(uint8_t *to, uint64_t length)
     return to + 8;
 }
 
-/* Points and the corners' numbers, both from the sorted places. */
 static uint8_t *put_vtu_corners(const vtu_leaves *v, const uint64_t size[VTU_ARRAYS], uint8_t *to)
 {
     uint64_t const mask = ((uint64_t)1 << VTU_SIDE_BITS) - 1;
@@ -81,7 +80,6 @@ static uint8_t *put_vtu_corners(const vtu_leaves *v, const uint64_t size[VTU_ARR
     uint32_t number = UINT32_MAX;
 
     for (uint64_t i = 0; i < 8 * v->count; i++) {
-        /* Equal places stand together, so a point is written where they change. */
         if (i == 0 || v->place[i] != v->place[i - 1]) {
             for (int a = 0; a < 3; a++) {
                 double const at = (double)(v->place[i] >> VTU_SIDE_BITS * a & mask);
@@ -90,7 +88,6 @@ static uint8_t *put_vtu_corners(const vtu_leaves *v, const uint64_t size[VTU_ARR
             point += 24;
             number++;
         }
-        /* Each corner of a leaf gets the number of its place, wherever in the file the leaf stands. */
         bvxi_store_u32(corners + 4 * (size_t)v->corner[i], number);
     }
     return corners + size[1];
@@ -163,7 +160,6 @@ static bvx_status write_vtu(bvx_context *ctx, const bvx_octree *tree, int32_t st
                                  bvxi_axis_name[a]);
     }
 
-    /* Leaves are counted first, so that the list is made in its exact size. */
     BVXI_TRY(
         bvxi_octree_leaves(bvxi_call_of(ctx, vtu_name, "octree", 0.0, 0.1), tree, states, NULL, 0, &v.count));
     if (v.count == 0)

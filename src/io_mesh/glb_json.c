@@ -88,7 +88,6 @@ static size_t json_inner(const char *array, const char **inner)
     return n - 1 - first;
 }
 
-/* 1 when an array of names has this one. */
 static int json_names(const char *array, const char *name)
 {
     size_t const n = array != NULL ? bvxi_text_length(array) : 0, length = bvxi_text_length(name);
@@ -98,7 +97,6 @@ static int json_names(const char *array, const char *name)
     return 0;
 }
 
-/* A member of the file, as it was. */
 static void json_copy(bvxi_output *out, const char *name, const char *array)
 {
     const char *inner;
@@ -168,7 +166,6 @@ static void glb_put_nodes(const bvxi_glb_file *file, bvxi_output *out)
         else if (file->levels > 1) bvxi_output_print(out, "\"name\":\"level_%u\",", i);
         bvxi_output_print(out, "\"mesh\":%u", i);
 
-        /* Where the positions of all levels stand in the world. */
         double const scale[3] = {file->frame.step, file->frame.step, file->frame.step};
 
         if (file->frame.origin[0] != 0.0 || file->frame.origin[1] != 0.0 || file->frame.origin[2] != 0.0)
@@ -284,7 +281,6 @@ static void glb_put_view(uint64_t at, uint64_t size, bvxi_output *out)
                       size);
 }
 
-/* Arrays that a level lacks have no view. */
 static void glb_put_level_views(const bvxi_glb *glb, bvxi_output *out)
 {
     for (int i = 0; i < BVXI_GLB_ARRAYS; i++) {
@@ -369,7 +365,6 @@ void bvxi_glb_put_json(const bvxi_glb_file *file, bvxi_output *out)
     glb_put_meshes(file, out);
     glb_put_assets(file, views, out);
 
-    /* All levels and images share one buffer, which ends where the last one does. */
     bvxi_output_print(out, "\"buffers\":[{\"byteLength\":%u}],", file->end);
     glb_put_views(file, out);
 

@@ -43,9 +43,9 @@ static bvx_status gltf_place(bvxi_gltf *f, uint64_t accessor, uint32_t object, i
 
     /* In this order no sum or product leaves 64 bits. */
     if (offset > bytes || bytes - offset < size || (bytes - offset - size) / *stride < count - 1)
-        return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT,
-                         "%s: accessor %u: %u elements of %u bytes from byte %u on lie beyond bufferView %u",
-                         f->source->format, accessor, count, *stride, offset, (uint64_t)view);
+        return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT,
+                              "accessor %u: %u elements of %u bytes from byte %u on lie beyond bufferView %u",
+                              accessor, count, *stride, offset, (uint64_t)view);
     *place += offset;
     return BVX_OK;
 }
@@ -97,8 +97,8 @@ bvx_status bvxi_gltf_array_of(bvxi_gltf *f, uint64_t accessor, bvxi_gltf_array *
     BVXI_TRY(
         bvxi_gltf_whole(f, BVXI_GLTF_ACCESSOR, accessor, value, "componentType", BVXI_GLTF_MUST, &component));
     if (!gltf_is_component(component))
-        return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "%s: accessor %u: componentType %u is unknown",
-                         f->source->format, accessor, component);
+        return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT, "accessor %u: componentType %u is unknown", accessor,
+                              component);
     a->type = (int32_t)component;
     a->normalized = bvxi_json_kind(j, bvxi_json_member(j, value, "normalized")) == BVXI_JSON_TRUE;
     BVXI_TRY(bvxi_gltf_whole(f, BVXI_GLTF_ACCESSOR, accessor, value, "count", BVXI_GLTF_MUST, &a->count));
@@ -155,9 +155,9 @@ bvx_status bvxi_gltf_each(bvxi_gltf *f, uint64_t accessor, const bvxi_gltf_array
         uint64_t const at = (uint64_t)gltf_component(a->sparse_index + i * index_size, a->sparse_type, 0);
 
         if (at >= a->count)
-            return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
-                                 "%s: accessor %u: a sparse index is %u; there are %u elements",
-                                 f->source->format, accessor, at, a->count);
+            return BVXI_FILE_FAIL_FOR(f->source, BVX_ERR_RANGE, BVX_REASON_INDEX,
+                                      "accessor %u: a sparse index is %u; there are %u elements", accessor,
+                                      at, a->count);
         gltf_element(a, a->sparse_value + i * size, v);
         BVXI_TRY(put(user, at, v));
     }

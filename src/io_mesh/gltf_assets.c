@@ -23,7 +23,6 @@ static bvx_status gltf_take_image(bvxi_gltf *f, uint32_t i)
     return BVX_OK;
 }
 
-/* What kind of image its bytes are; NULL: unknown. */
 static const char *gltf_image_type(const bvxi_gltf_bytes *image)
 {
     static const struct {
@@ -229,9 +228,9 @@ bvx_status bvxi_gltf_assets(bvxi_gltf *f, bvx_mesh *mesh)
         BVXI_TRY(gltf_take_image(f, i));
         bytes += f->image[i].size;
         if (bytes > GLTF_IMAGE_REPEATS * f->bytes)
-            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                                 "%s: its images have more than %d times the bytes of the file",
-                                 f->source->format, (int64_t)GLTF_IMAGE_REPEATS);
+            return BVXI_FILE_FAIL_FOR(f->source, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                      "its images have more than %d times the bytes of the file",
+                                      (int64_t)GLTF_IMAGE_REPEATS);
     }
     /* An image in a file of its own would not be where the kept one says. */
     if (f->bytes != held) f->parts = 0;

@@ -57,12 +57,12 @@ static bvx_status gltf_decode(const bvxi_gltf *f, const char *p, const char *end
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, found->size, "the bytes of a data URI", &found->decoded));
     found->bytes = found->decoded;
     if (!bvxi_base64_take(&b, found->decoded, found->size) || digits % 4 == 1)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "%s: byte %u: the data URI is not base64", f->source->format,
-                         at + (uint64_t)(b.p - p));
+        return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT, "byte %u: the data URI is not base64",
+                              at + (uint64_t)(b.p - p));
     for (const char *c = b.p; c < end; c++)
         if (b.digit[(unsigned char)*c] == 64)
-            return bvxi_fail(ctx, BVX_ERR_FORMAT, "%s: byte %u: the data URI is not base64",
-                             f->source->format, at + (uint64_t)(c - p));
+            return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT, "byte %u: the data URI is not base64",
+                                  at + (uint64_t)(c - p));
     return BVX_OK;
 }
 
@@ -77,9 +77,9 @@ static bvx_status gltf_open_file(bvxi_gltf *f, char *name, uint32_t size, bvxi_g
     found->bytes = found->file.bytes;
     found->size = found->bytes != NULL ? found->file.size : 0;
     if (found->size > SIZE_MAX / 2 || found->size > UINT64_MAX / 2 - f->bytes)
-        return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: a file that it names has %u bytes, more than memory can hold",
-                             f->source->format, found->size);
+        return BVXI_FILE_FAIL_FOR(f->source, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                  "a file that it names has %u bytes, more than memory can hold",
+                                  found->size);
     f->bytes += found->size;
     return BVX_OK;
 }
@@ -103,8 +103,7 @@ bvx_status bvxi_gltf_uri(bvxi_gltf *f, uint32_t uri, bvxi_gltf_bytes *found)
     if (size >= 5 && memcmp(text, data, 5) == 0) {
         comma = (uint32_t)(bvxi_find_byte(text, text + size, ',') - text);
         if (comma == size || comma < 12 || memcmp(text + comma - 7, base64, 7) != 0)
-            return bvxi_fail(ctx, BVX_ERR_FORMAT, "%s: byte %u: a data URI without ';base64,'",
-                             f->source->format, bvxi_source_byte(f->source, start));
+            return BVXI_BYTE_FAIL(f->source, start, BVX_ERR_FORMAT, "a data URI without ';base64,'");
         status = gltf_decode(f, text + comma + 1, text + size, bvxi_source_byte(f->source, start) + comma + 1,
                              found);
     } else {
@@ -155,11 +154,11 @@ static bvx_status gltf_buffer(bvxi_gltf *f, uint64_t i, bvxi_gltf_bytes **buffer
         BVXI_TRY(bvxi_gltf_uri(f, uri, b));
         gltf_name_of_uri(f, uri, shown);
         if (b->bytes == NULL)
-            return bvxi_fail(
-                f->source->ctx, BVX_ERR_FORMAT,
-                "%s: buffer %u: there is no file '%s' beside the file that names it; a .glb holds "
+            return BVXI_FILE_FAIL(
+                f->source, BVX_ERR_FORMAT,
+                "buffer %u: there is no file '%s' beside the file that names it; a .glb holds "
                 "all in one file",
-                f->source->format, i, shown);
+                i, shown);
     } else if (i == 0 && f->chunk != NULL) {
         b->bytes = f->chunk;
         b->size = f->chunk_size;
@@ -167,9 +166,8 @@ static bvx_status gltf_buffer(bvxi_gltf *f, uint64_t i, bvxi_gltf_bytes **buffer
         return bvxi_gltf_fail(f, BVXI_GLTF_BUFFER, i, "it has neither a uri nor a chunk of the file");
     }
     if (length > b->size)
-        return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT,
-                         "%s: buffer %u: byteLength is %u, there are %u bytes", f->source->format, i, length,
-                         b->size);
+        return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT, "buffer %u: byteLength is %u, there are %u bytes", i,
+                              length, b->size);
     b->size = length;
     return BVX_OK;
 }
@@ -186,10 +184,10 @@ bvx_status bvxi_gltf_view(bvxi_gltf *f, uint64_t view, const uint8_t **bytes, ui
     for (size_t k = 0; k < 2; k++)
         if (bvxi_json_member(&f->json, bvxi_json_member(&f->json, value, "extensions"), packed[k]) !=
             BVXI_JSON_NONE)
-            return bvxi_fail(f->source->ctx, BVX_ERR_UNSUPPORTED,
-                             "%s: bufferView %u is compressed by %s, which is not read; export the file "
-                             "without mesh compression",
-                             f->source->format, view, packed[k]);
+            return BVXI_FILE_FAIL(f->source, BVX_ERR_UNSUPPORTED,
+                                  "bufferView %u is compressed by %s, which is not read; export the file "
+                                  "without mesh compression",
+                                  view, packed[k]);
     BVXI_TRY(bvxi_gltf_index(f, BVXI_GLTF_VIEW, view, value, "buffer", BVXI_GLTF_BUFFER, &index));
     if (index == BVXI_JSON_NONE) return bvxi_gltf_fail(f, BVXI_GLTF_VIEW, view, "it has no buffer");
     BVXI_TRY(bvxi_gltf_whole(f, BVXI_GLTF_VIEW, view, value, "byteOffset", 0, &begin));
@@ -198,9 +196,9 @@ bvx_status bvxi_gltf_view(bvxi_gltf *f, uint64_t view, const uint8_t **bytes, ui
     BVXI_TRY(gltf_buffer(f, index, &buffer));
 
     if (begin > buffer->size || *size > buffer->size - begin)
-        return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT,
-                         "%s: bufferView %u: bytes %u to %u lie beyond the %u of buffer %u",
-                         f->source->format, view, begin, begin + *size, buffer->size, (uint64_t)index);
+        return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT,
+                              "bufferView %u: bytes %u to %u lie beyond the %u of buffer %u", view, begin,
+                              begin + *size, buffer->size, (uint64_t)index);
     if (*stride != 0 && (*stride < 4 || *stride > 252 || *stride % 4 != 0))
         return bvxi_gltf_fail(f, BVXI_GLTF_VIEW, view, "byteStride is not a multiple of 4 from 4 to 252");
     *bytes = buffer->bytes + begin;

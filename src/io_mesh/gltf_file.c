@@ -30,16 +30,14 @@ static const struct {
 
 bvx_status bvxi_gltf_fail(const bvxi_gltf *f, int list, uint64_t i, const char *what)
 {
-    return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "%s: %s %u: %s", f->source->format, gltf_lists[list].one,
-                     i, what);
+    return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT, "%s %u: %s", gltf_lists[list].one, i, what);
 }
 
 bvx_status bvxi_gltf_item(const bvxi_gltf *f, int list, uint64_t i, const char *by, uint32_t *value)
 {
     if (i >= f->list_count[list])
-        return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
-                             "%s: %s names %s %u; there are %u", f->source->format, by, gltf_lists[list].one,
-                             i, (uint64_t)f->list_count[list]);
+        return BVXI_FILE_FAIL_FOR(f->source, BVX_ERR_RANGE, BVX_REASON_INDEX, "%s names %s %u; there are %u",
+                                  by, gltf_lists[list].one, i, (uint64_t)f->list_count[list]);
     *value = f->list[list][i];
     return BVX_OK;
 }
@@ -53,12 +51,11 @@ bvx_status bvxi_gltf_whole(const bvxi_gltf *f, int list, uint64_t i, uint32_t ob
     *whole = fallback;
     if (value == BVXI_JSON_NONE && fallback != BVXI_GLTF_MUST) return BVX_OK;
     if (value == BVXI_JSON_NONE)
-        return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "%s: %s %u has no %s", f->source->format,
-                         gltf_lists[list].one, i, name);
+        return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT, "%s %u has no %s", gltf_lists[list].one, i, name);
     if (bvxi_json_kind(&f->json, value) != BVXI_JSON_NUMBER || !(v >= 0.0 && v < 9007199254740992.0) ||
         v != (double)(uint64_t)v)
-        return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "%s: %s %u: %s is not a whole number from 0 to 2^53",
-                         f->source->format, gltf_lists[list].one, i, name);
+        return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT, "%s %u: %s is not a whole number from 0 to 2^53",
+                              gltf_lists[list].one, i, name);
     *whole = (uint64_t)v;
     return BVX_OK;
 }
@@ -72,9 +69,9 @@ bvx_status bvxi_gltf_index(const bvxi_gltf *f, int list, uint64_t i, uint32_t ob
     if (bvxi_json_member(&f->json, object, name) == BVXI_JSON_NONE) return BVX_OK;
     BVXI_TRY(bvxi_gltf_whole(f, list, i, object, name, 0, &whole));
     if (whole >= f->list_count[into])
-        return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
-                             "%s: %s %u: %s is %u; there are %u %s", f->source->format, gltf_lists[list].one,
-                             i, name, whole, (uint64_t)f->list_count[into], gltf_lists[into].member);
+        return BVXI_FILE_FAIL_FOR(f->source, BVX_ERR_RANGE, BVX_REASON_INDEX,
+                                  "%s %u: %s is %u; there are %u %s", gltf_lists[list].one, i, name, whole,
+                                  (uint64_t)f->list_count[into], gltf_lists[into].member);
     *index = (uint32_t)whole;
     return BVX_OK;
 }
@@ -91,27 +88,26 @@ static bvx_status gltf_take_chunks(bvxi_gltf *f, const char **text, uint64_t *si
 
     s->format = "GLB";
     if (there < GLTF_HEAD + GLTF_CHUNK_HEAD)
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "GLB: the file ends at byte %u, in its head", there);
+        return BVXI_FILE_FAIL(s, BVX_ERR_FORMAT, "the file ends at byte %u, in its head", there);
     if (bvxi_load_u32(b + 4, 0) == 1)
-        return bvxi_fail(s->ctx, BVX_ERR_UNSUPPORTED,
-                         "GLB: the file is glTF 1.0, which is not read; convert it to glTF 2.0");
+        return BVXI_FILE_FAIL(s, BVX_ERR_UNSUPPORTED,
+                              "the file is glTF 1.0, which is not read; convert it to glTF 2.0");
     if (bvxi_load_u32(b + 4, 0) != 2)
-        return bvxi_fail(s->ctx, BVX_ERR_UNSUPPORTED, "GLB: the container's version is %u, not 2",
-                         (uint64_t)bvxi_load_u32(b + 4, 0));
+        return BVXI_FILE_FAIL(s, BVX_ERR_UNSUPPORTED, "the container's version is %u, not 2",
+                              (uint64_t)bvxi_load_u32(b + 4, 0));
     length = bvxi_load_u32(b + 8, 0);
     if (length > there)
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "GLB: the file has %u bytes, its head says %u", there,
-                         length);
+        return BVXI_FILE_FAIL(s, BVX_ERR_FORMAT, "the file has %u bytes, its head says %u", there, length);
 
     for (int i = 0; at + GLTF_CHUNK_HEAD <= length; i++) {
         uint64_t const bytes = bvxi_load_u32(b + at, 0), kind = bvxi_load_u32(b + at + 4, 0);
 
         if (bytes > length - at - GLTF_CHUNK_HEAD)
-            return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "GLB: byte %u: a chunk of %u bytes ends beyond the file",
-                             at, bytes);
+            return BVXI_FILE_FAIL(s, BVX_ERR_FORMAT, "byte %u: a chunk of %u bytes ends beyond the file", at,
+                                  bytes);
         at += GLTF_CHUNK_HEAD;
         if (i == 0 && kind != GLTF_CHUNK_JSON)
-            return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "GLB: byte %u: the first chunk is not JSON", at - 4);
+            return BVXI_FILE_FAIL(s, BVX_ERR_FORMAT, "byte %u: the first chunk is not JSON", at - 4);
         if (i == 0) {
             *text = s->begin + at;
             *size = bytes;
@@ -143,15 +139,14 @@ static bvx_status gltf_check_version(const bvxi_gltf *f)
         size = bvxi_json_plain(j, version, text);
     if ((size >= 2 && memcmp(text, "1.", 2) == 0) ||
         bvxi_json_kind(j, bvxi_json_member(j, 0, "meshes")) == BVXI_JSON_OBJECT)
-        return bvxi_fail(f->source->ctx, BVX_ERR_UNSUPPORTED,
-                         "%s: the file is glTF 1.0, which is not read; convert it to glTF 2.0",
-                         f->source->format);
+        return BVXI_FILE_FAIL(f->source, BVX_ERR_UNSUPPORTED,
+                              "the file is glTF 1.0, which is not read; convert it to glTF 2.0");
     if (size < 2 || memcmp(text, "2.", 2) != 0)
-        return bvxi_fail(f->source->ctx, size == 0 ? BVX_ERR_FORMAT : BVX_ERR_UNSUPPORTED,
-                         "%s: asset.version is not 2.0", f->source->format);
+        return BVXI_FILE_FAIL(f->source, size == 0 ? BVX_ERR_FORMAT : BVX_ERR_UNSUPPORTED,
+                              "asset.version is not 2.0");
     if (least != BVXI_JSON_NONE && !bvxi_json_is(j, least, "2.0"))
-        return bvxi_fail(f->source->ctx, BVX_ERR_UNSUPPORTED,
-                         "%s: asset.minVersion is not 2.0, which is what is read", f->source->format);
+        return BVXI_FILE_FAIL(f->source, BVX_ERR_UNSUPPORTED,
+                              "asset.minVersion is not 2.0, which is what is read");
     return BVX_OK;
 }
 
@@ -189,14 +184,13 @@ static bvx_status gltf_check_extensions(const bvxi_gltf *f)
             if ((unsigned char)*c < ' ') *c = '?'; /* a message is one line */
         for (size_t k = 0; k < sizeof packed / sizeof packed[0]; k++)
             if (bvxi_json_is(j, value, packed[k]))
-                return bvxi_fail(f->source->ctx, BVX_ERR_UNSUPPORTED,
-                                 "%s: its meshes are compressed by %s, which is not read; export the file "
-                                 "without mesh compression",
-                                 f->source->format, packed[k]);
+                return BVXI_FILE_FAIL(f->source, BVX_ERR_UNSUPPORTED,
+                                      "its meshes are compressed by %s, which is not read; export the file "
+                                      "without mesh compression",
+                                      packed[k]);
         if (!gltf_knows_extension(name))
-            return bvxi_fail(f->source->ctx, BVX_ERR_UNSUPPORTED,
-                             "%s: the file requires the extension '%s', which is not known",
-                             f->source->format, name);
+            return BVXI_FILE_FAIL(f->source, BVX_ERR_UNSUPPORTED,
+                                  "the file requires the extension '%s', which is not known", name);
     }
     return BVX_OK;
 }
@@ -214,8 +208,7 @@ static bvx_status gltf_take_lists(bvxi_gltf *f)
 
         if (array == BVXI_JSON_NONE) continue;
         if (bvxi_json_kind(j, array) != BVXI_JSON_ARRAY)
-            return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "%s: %s is not an array", f->source->format,
-                             gltf_lists[k].member);
+            return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT, "%s is not an array", gltf_lists[k].member);
         BVXI_TRY(bvxi_alloc(f->source->ctx, BVXI_SCRATCH, (uint64_t)count * 4, "the lists of a glTF file",
                             &f->list[k]));
         for (uint32_t i = 0; i < count; i++, value = j->value[value].next) {
@@ -244,7 +237,7 @@ bvx_status bvxi_gltf_open(bvxi_gltf *f)
         BVXI_TRY(gltf_take_chunks(f, &text, &size));
     BVXI_TRY(bvxi_json_read(s, text, size, &f->json));
     if (bvxi_json_kind(&f->json, 0) != BVXI_JSON_OBJECT)
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: the JSON is not an object", s->format);
+        return BVXI_FILE_FAIL(s, BVX_ERR_FORMAT, "the JSON is not an object");
     BVXI_TRY(gltf_check_version(f));
     BVXI_TRY(gltf_check_extensions(f));
     return gltf_take_lists(f);

@@ -36,13 +36,13 @@ static bvx_status gltf_take_numbers(const bvxi_gltf *f, uint64_t node, uint32_t 
     *found = array != BVXI_JSON_NONE;
     if (!*found) return BVX_OK;
     if (bvxi_json_kind(&f->json, array) != BVXI_JSON_ARRAY || bvxi_json_count(&f->json, array) != count)
-        return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "%s: node %u: %s is not %d numbers",
-                         f->source->format, node, name, (int64_t)count);
+        return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT, "node %u: %s is not %d numbers", node, name,
+                              (int64_t)count);
     for (uint32_t i = 0; i < count; i++, value = f->json.value[value].next) {
         number[i] = bvxi_json_number(&f->json, value);
         if (bvxi_json_kind(&f->json, value) != BVXI_JSON_NUMBER || !(number[i] - number[i] == 0.0))
-            return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "%s: node %u: %s holds what is no finite number",
-                             f->source->format, node, name);
+            return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT, "node %u: %s holds what is no finite number",
+                                  node, name);
     }
     return BVX_OK;
 }
@@ -86,7 +86,6 @@ static bvx_status gltf_local(const bvxi_gltf *f, uint32_t node, bvxi_gltf_world 
 
 /* ---- the tree ---- */
 
-/* The node that item value of a list names. */
 static bvx_status gltf_node_named(const bvxi_gltf *f, int list, uint64_t i, uint32_t value, uint32_t *node)
 {
     double const v = bvxi_json_number(&f->json, value);
@@ -118,9 +117,9 @@ static bvx_status gltf_take_parents(const gltf_nodes *n)
         for (uint32_t k = 0; k < count; k++, value = f->json.value[value].next) {
             BVXI_TRY(gltf_node_named(f, BVXI_GLTF_NODE, i, value, &child));
             if (n->parent[child] != BVXI_JSON_NONE)
-                return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT,
-                                 "%s: node %u is a child of node %u and of node %u; a node has one parent",
-                                 f->source->format, (uint64_t)child, (uint64_t)n->parent[child], (uint64_t)i);
+                return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT,
+                                      "node %u is a child of node %u and of node %u; a node has one parent",
+                                      (uint64_t)child, (uint64_t)n->parent[child], (uint64_t)i);
             n->parent[child] = i;
         }
     }
@@ -144,9 +143,9 @@ static bvx_status gltf_order(const gltf_nodes *n)
         uint32_t const node = n->order[i], count = gltf_children(f, node, &value);
 
         if (count > 0 && n->depth[node] == GLTF_DEEPEST)
-            return bvxi_fail(f->source->ctx, BVX_ERR_UNSUPPORTED,
-                             "%s: node %u lies below %d others, which is the most", f->source->format,
-                             (uint64_t)node, (int64_t)GLTF_DEEPEST);
+            return BVXI_FILE_FAIL(f->source, BVX_ERR_UNSUPPORTED,
+                                  "node %u lies below %d others, which is the most", (uint64_t)node,
+                                  (int64_t)GLTF_DEEPEST);
         for (uint32_t k = 0; k < count; k++, value = f->json.value[value].next) {
             uint32_t const child = (uint32_t)bvxi_json_number(&f->json, value);
             n->depth[child] = (uint16_t)(n->depth[node] + 1);
@@ -175,7 +174,7 @@ static bvx_status gltf_mark_roots(const gltf_nodes *n, uint8_t *drawn)
         return BVX_OK;
     }
     if (!(wanted >= 0.0 && wanted < 4294967295.0) || wanted != (double)(uint32_t)wanted)
-        return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "%s: scene is not an index", f->source->format);
+        return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT, "scene is not an index");
     BVXI_TRY(bvxi_gltf_item(f, BVXI_GLTF_SCENE, (uint32_t)wanted, "scene", &scene));
 
     list = bvxi_json_member(&f->json, scene, "nodes");
@@ -184,9 +183,9 @@ static bvx_status gltf_mark_roots(const gltf_nodes *n, uint8_t *drawn)
     for (uint32_t k = 0; k < count; k++, value = f->json.value[value].next) {
         BVXI_TRY(gltf_node_named(f, BVXI_GLTF_SCENE, (uint32_t)wanted, value, &node));
         if (n->parent[node] != BVXI_JSON_NONE)
-            return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT,
-                             "%s: scene %u lists node %u, which is a child of node %u", f->source->format,
-                             (uint64_t)wanted, (uint64_t)node, (uint64_t)n->parent[node]);
+            return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT,
+                                  "scene %u lists node %u, which is a child of node %u", (uint64_t)wanted,
+                                  (uint64_t)node, (uint64_t)n->parent[node]);
         drawn[node] = 1;
     }
     return BVX_OK;

@@ -9,7 +9,7 @@ enum { MODEL_PACKED = 128 };
 
 static BVXI_COLD bvx_status fail_zip(const bvxi_source *s, const uint8_t *at, const char *why)
 {
-    return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "3MF: byte %u: %s", bvxi_source_byte(s, at), why);
+    return BVXI_BYTE_FAIL(s, at, BVX_ERR_FORMAT, "%s", why);
 }
 
 static int leaves_container(const uint8_t *name, uint64_t n)
@@ -47,8 +47,8 @@ static bvx_status find_bytes(const bvxi_source *s, bvxi_model *part)
     part->size = v[0];
     part->packed = v[1];
     if ((bvxi_load_u16(e + 8, 0) & 1) != 0 || (method != 0 && method != 8))
-        return bvxi_fail(s->ctx, BVX_ERR_UNSUPPORTED,
-                         "3MF: a model is encrypted or packed by another method than deflate");
+        return BVXI_FILE_FAIL(s, BVX_ERR_UNSUPPORTED,
+                              "a model is encrypted or packed by another method than deflate");
     if (v[2] > size || size - v[2] < 30 || bvxi_load_u32(begin + v[2], 0) != 0x04034b50)
         return fail_zip(s, e, "the directory names an entry that is not there");
     data = v[2] + 30 + bvxi_load_u16(begin + v[2] + 26, 0) + bvxi_load_u16(begin + v[2] + 28, 0);
@@ -78,15 +78,14 @@ static bvx_status find_models(const bvxi_source *s, bvxi_models *m, const uint8_
         if (part.name < 6 || !bvxi_word_is((const char *)p + 40 + part.name, 6, ".model")) continue;
         BVXI_TRY(find_bytes(s, &part));
         if (part.size > left)
-            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                                 "3MF: the models would have more than %d times the bytes of the file",
-                                 (int64_t)MODEL_PACKED);
+            return BVXI_FILE_FAIL_FOR(s, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                      "the models would have more than %d times the bytes of the file",
+                                      (int64_t)MODEL_PACKED);
         left -= part.size;
         if (bvxi_word_is((const char *)p + 46, (size_t)part.name, "3d/3dmodel.model")) root = part;
         else m->model[m->count++] = part;
     }
-    if (root.text == NULL)
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "3MF: the file has no part 3D/3dmodel.model");
+    if (root.text == NULL) return BVXI_FILE_FAIL(s, BVX_ERR_FORMAT, "the file has no part 3D/3dmodel.model");
     m->model[m->count++] = root;
     return BVX_OK;
 }
@@ -103,8 +102,8 @@ static bvx_status unpack_model(const bvxi_source *s, const bvx_read_options *o, 
         failed = bvxi_crc32(part->text, (size_t)part->size) != crc;
     } else {
         if (o->inflate == NULL)
-            return bvxi_fail(s->ctx, BVX_ERR_UNSUPPORTED,
-                             "3MF: the model is packed; options.inflate is needed to unpack it");
+            return BVXI_FILE_FAIL(s, BVX_ERR_UNSUPPORTED,
+                                  "the model is packed; options.inflate is needed to unpack it");
         BVXI_TRY(BVXI_ARRAY(s->ctx, part->size, "the unpacked model", plain));
         BVXI_TRY(BVXI_ARRAY(s->ctx, part->packed + 18, "the packed model", packed));
         memcpy(packed, head, sizeof head);

@@ -61,8 +61,8 @@ static bvx_status obj_make_pieces(obj_file *f)
     const char *p = bvxi_skip_mark(s->begin, s->end);
 
     if (count > INT32_MAX)
-        return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "OBJ: the file has %u bytes, more than 2^50", size);
+        return BVXI_FILE_FAIL_FOR(s, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                  "the file has %u bytes, more than 2^50", size);
     f->piece_count = (int32_t)count;
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, count * sizeof *f->pieces, "the pieces of the file",
                              &f->pieces));
@@ -94,7 +94,6 @@ static bvx_status obj_count(obj_file *file)
     BVXI_TRY(obj_make_pieces(f));
     BVXI_TRY(bvxi_source_pieces(f->source, 0, 0.25, f->piece_count, obj_count_piece, f));
 
-    /* Counts become first indices: what comes before each piece. */
     for (int32_t i = 0; i < f->piece_count; i++) {
         obj_piece *const piece = &f->pieces[i];
         f->painted |= piece->painted;
@@ -135,7 +134,6 @@ typedef struct obj_reader {
     uint64_t vertices, uvs, triangles, polygons; /* found so far, with those of the pieces before */
 } obj_reader;
 
-/* Numbers that stand at *p, most of them at most. */
 static int obj_take_numbers(const obj_file *f, const char **p, int most, double *out)
 {
     int n = 0;
@@ -167,9 +165,8 @@ static bvx_status obj_take_colour(obj_reader *r, const char *p)
     for (int c = 0; c < 3; c++) {
         double const v = number[n - 3 + c];
         if (!(v - v == 0.0))
-            return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE,
-                                    "OBJ: line %u: vertex %u has a colour that is not finite",
-                                    bvxi_source_line(&r->source, at), r->vertices + 1);
+            return BVXI_LINE_FAIL(&r->source, at, BVX_ERR_RANGE, "vertex %u has a colour that is not finite",
+                                  r->vertices + 1);
 
         /* Whether 1 or 255 is the whole is known at the end, so the number itself is kept for now. */
         out[c] = v < 0.0 ? 0.0f : v < 255.0 ? (float)v : 255.0f;
@@ -190,9 +187,8 @@ static bvx_status obj_take_vertex(obj_reader *r, const char *p)
         p = at + used;
         if (used == 0 || !obj_word_ends(f, p)) return bvxi_fail_expected(&r->source, at, "a coordinate");
         if (!(out[a] - out[a] == 0.0) && !r->source.takes_any)
-            return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE,
-                                    "OBJ: line %u: vertex %u has a coordinate that is not finite",
-                                    bvxi_source_line(&r->source, at), r->vertices + 1);
+            return BVXI_LINE_FAIL(&r->source, at, BVX_ERR_RANGE,
+                                  "vertex %u has a coordinate that is not finite", r->vertices + 1);
     }
     if (f->colours != NULL) BVXI_TRY(obj_take_colour(r, p));
     r->vertices++;
@@ -214,9 +210,8 @@ static bvx_status obj_take_uv(obj_reader *r, const char *p)
         out[0] = (float)number[0];
         out[1] = (float)number[1];
         if (!(out[0] - out[0] == 0.0f && out[1] - out[1] == 0.0f))
-            return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE,
-                                    "OBJ: line %u: texture coordinate %u is not a finite float",
-                                    bvxi_source_line(&r->source, at), r->uvs + 1);
+            return BVXI_LINE_FAIL(&r->source, at, BVX_ERR_RANGE,
+                                  "texture coordinate %u is not a finite float", r->uvs + 1);
     }
     r->uvs++;
     return BVX_OK;
@@ -230,10 +225,10 @@ static bvx_status obj_find_index(const obj_reader *r, const char *at, const char
      * whole file, which the first pass counted for each piece. */
     int64_t const i = number < 0 ? (int64_t)before + number : number - 1;
     if (i < 0 || (uint64_t)i >= total)
-        return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE,
-                                "OBJ: line %u: the face names %s %d; there are %u, %u of them "
-                                "before it",
-                                bvxi_source_line(&r->source, at), what, number, total, before);
+        return BVXI_LINE_FAIL(&r->source, at, BVX_ERR_RANGE,
+                              "the face names %s %d; there are %u, %u of them "
+                              "before it",
+                              what, number, total, before);
     *index = (uint32_t)i;
     return BVX_OK;
 }
@@ -289,7 +284,6 @@ static bvx_status obj_take_face(obj_reader *r, const char **p)
     uint32_t first[2] = {0, 0}, previous[2] = {0, 0}, corner[2];
     uint64_t corners = 0;
 
-    /* Each corner from the third on makes a triangle with the first and the one before it. */
     for (*p = obj_skip_blank(f, *p); !obj_statement_ends(f, *p); *p = obj_skip_blank(f, *p), corners++) {
         BVXI_TRY(obj_take_corner(r, p, corner));
         if (corners == 0) memcpy(first, corner, sizeof first);
@@ -297,9 +291,8 @@ static bvx_status obj_take_face(obj_reader *r, const char **p)
         memcpy(previous, corner, sizeof previous);
     }
     if (corners < 3)
-        return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_FORMAT,
-                                "OBJ: line %u: a face of %u corners; it needs three",
-                                bvxi_source_line(&r->source, at), corners);
+        return BVXI_LINE_FAIL(&r->source, at, BVX_ERR_FORMAT, "a face of %u corners; it needs three",
+                              corners);
 
     /* The fan is right for a triangle only: larger faces are
      * remembered, to be cut when all vertices are known. */
@@ -466,7 +459,6 @@ bvx_status bvxi_read_obj(bvxi_source *source, uint32_t *lost, bvx_mesh *mesh)
                      ? '\r'
                      : '\n';
 
-    /* Counting, making arrays, filling: the second pass relies on counts that the first has made. */
     BVXI_TRY(obj_count(&f));
     BVXI_TRY(obj_make_arrays(&f));
 
@@ -474,7 +466,7 @@ bvx_status bvxi_read_obj(bvxi_source *source, uint32_t *lost, bvx_mesh *mesh)
     for (int32_t i = 0; i < f.piece_count; i++) /* again, for its message */
         if (f.pieces[i].status != BVX_OK) BVXI_TRY(obj_read_piece(&f, i, f.source->ctx));
 
-    if (f.triangles == 0) return bvxi_fail(f.source->ctx, BVX_ERR_EMPTY, "OBJ: the file has no face");
+    if (f.triangles == 0) return BVXI_FILE_FAIL(f.source, BVX_ERR_EMPTY, "the file has no face");
     obj_finish_uvs(&f);
     if (f.colours != NULL) BVXI_TRY(obj_finish_colours(&f));
     *lost = f.painted ? BVX_LOST_MATERIALS : 0;

@@ -30,7 +30,6 @@ typedef struct off_file {
     bvxi_polygon_fan *fans;
 } off_file;
 
-/* Words after a vertex. */
 typedef struct off_words {
     double value[OFF_LINE_WORDS];
     int has_point[OFF_LINE_WORDS];
@@ -45,7 +44,6 @@ static const char *off_line_end(const char *p, const char *end)
     return p;
 }
 
-/* The next word, in whatever line it stands. */
 static inline const char *off_skip(const char *p, const char *end)
 {
     for (;;) {
@@ -60,7 +58,6 @@ static inline int off_word_ends(const char *p, const char *end)
     return p == end || bvxi_is_space(*p) || *p == '#';
 }
 
-/* The next word of this line, or where the line ends. */
 static inline const char *off_skip_blank(const char *p, const char *end)
 {
     while (p < end && bvxi_is_blank(*p) && *p != '\r') p++;
@@ -148,14 +145,10 @@ static bvx_status off_take_keyword(off_file *f)
 
     /* Vertices of another dimension and the binary form have other lines: better refused than misread. */
     if (dimensions)
-        return bvxi_fail(s->ctx, BVX_ERR_UNSUPPORTED,
-                         "OFF: line %u: vertices of four or any dimensions are not read",
-                         bvxi_source_line(s, at));
+        return BVXI_LINE_FAIL(s, at, BVX_ERR_UNSUPPORTED, "vertices of four or any dimensions are not read");
     f->p = off_skip_blank(p, s->end);
     if (s->end - f->p >= 6 && memcmp(f->p, "BINARY", 6) == 0)
-        return bvxi_fail(s->ctx, BVX_ERR_UNSUPPORTED,
-                         "OFF: line %u: the binary form is not read; write it as text",
-                         bvxi_source_line(s, f->p));
+        return BVXI_LINE_FAIL(s, f->p, BVX_ERR_UNSUPPORTED, "the binary form is not read; write it as text");
     return BVX_OK;
 }
 
@@ -173,19 +166,19 @@ static bvx_status off_take_counts(off_file *f)
      * so a number alone cannot make the reader allocate. */
     uint64_t const line = bvxi_source_line(s, at), left = (uint64_t)(s->end - f->p);
     if (vertices < 0 || faces < 0)
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "OFF: line %u: %d vertices and %d faces are not counts",
-                         line, vertices, faces);
+        return BVXI_FILE_FAIL(s, BVX_ERR_FORMAT, "line %u: %d vertices and %d faces are not counts", line,
+                              vertices, faces);
     if (vertices == 0 || faces == 0)
-        return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "OFF: line %u: %d vertices and %d faces are not a mesh", line,
-                         vertices, faces);
+        return BVXI_FILE_FAIL(s, BVX_ERR_EMPTY, "line %u: %d vertices and %d faces are not a mesh", line,
+                              vertices, faces);
     if ((uint64_t)vertices > left / OFF_LEAST_VERTEX ||
         (uint64_t)faces > (left - (uint64_t)vertices * OFF_LEAST_VERTEX) / OFF_LEAST_FACE)
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT,
-                         "OFF: line %u: %d vertices and %d faces do not fit the %u bytes that follow", line,
-                         vertices, faces, left);
+        return BVXI_FILE_FAIL(s, BVX_ERR_FORMAT,
+                              "line %u: %d vertices and %d faces do not fit the %u bytes that follow", line,
+                              vertices, faces, left);
     if (vertices > (int64_t)UINT32_MAX)
-        return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "OFF: line %u: %d vertices, the limit is below 2^32", line, vertices);
+        return BVXI_FILE_FAIL_FOR(s, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                  "line %u: %d vertices, the limit is below 2^32", line, vertices);
     f->vertex_count = (uint64_t)vertices;
     f->face_count = (uint64_t)faces;
     return BVX_OK;
@@ -239,9 +232,8 @@ static bvx_status off_take_position(off_file *f, uint64_t vertex)
     for (int a = 0; a < 3; a++) {
         BVXI_TRY(off_take_number(f, "a coordinate", &out[a]));
         if (!(out[a] - out[a] == 0.0) && !f->source->takes_any)
-            return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                                 "OFF: line %u: vertex %i has a coordinate that is not finite",
-                                 bvxi_source_line(f->source, f->p), vertex);
+            return BVXI_LINE_FAIL_FOR(f->source, f->p, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                      "vertex %i has a coordinate that is not finite", vertex);
     }
 
     /* Normals are read to step over them: they stand between
@@ -300,15 +292,14 @@ static bvx_status off_put_words(off_file *f, uint64_t vertex, const off_words *w
     int const uvs = f->has_uvs ? 2 : 0, colours = words->count - uvs < 4 ? words->count - uvs : 4;
 
     if ((f->has_colours && colours < 3) || colours < 0)
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "OFF: line %u: vertex %i has %d numbers after it; its %s",
-                         bvxi_source_line(s, f->p), vertex, (int64_t)words->count,
-                         f->has_colours ? "colour needs three" : "texture coordinates are two");
+        return BVXI_LINE_FAIL(s, f->p, BVX_ERR_FORMAT, "vertex %i has %d numbers after it; its %s", vertex,
+                              (int64_t)words->count,
+                              f->has_colours ? "colour needs three" : "texture coordinates are two");
     for (int i = 0; i < uvs; i++) {
         double const v = words->value[colours + i];
         if (!(v > -3.4e38 && v < 3.4e38))
-            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                                 "OFF: line %u: vertex %i has a texture coordinate that is not finite",
-                                 bvxi_source_line(s, f->p), vertex);
+            return BVXI_LINE_FAIL_FOR(s, f->p, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                      "vertex %i has a texture coordinate that is not finite", vertex);
         f->mesh->uvs[(size_t)vertex * 2 + (size_t)i] = (float)v;
     }
 
@@ -349,9 +340,8 @@ static bvx_status off_take_corner(off_file *f, uint64_t face, uint32_t *vertex)
     int64_t v;
     BVXI_TRY(off_take_integer(f, "a vertex index", &v));
     if (v < 0 || (uint64_t)v >= f->vertex_count)
-        return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
-                             "OFF: line %u: face %i names vertex %d, but there are %u",
-                             bvxi_source_line(f->source, f->p), face, v, f->vertex_count);
+        return BVXI_LINE_FAIL_FOR(f->source, f->p, BVX_ERR_RANGE, BVX_REASON_INDEX,
+                                  "face %i names vertex %d, but there are %u", face, v, f->vertex_count);
     *vertex = (uint32_t)v;
     return BVX_OK;
 }
@@ -363,14 +353,12 @@ static bvx_status off_take_length(off_file *f, uint64_t face, uint64_t *corners)
 
     BVXI_TRY(off_take_integer(f, "a face's number of corners", &n));
     if (n < 3)
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "OFF: line %u: face %i has %d corners; it needs three",
-                         bvxi_source_line(s, f->p), face, n);
+        return BVXI_LINE_FAIL(s, f->p, BVX_ERR_FORMAT, "face %i has %d corners; it needs three", face, n);
 
     /* A corner takes a digit and a space at least: a longer list cannot be in the file. */
     if ((uint64_t)n > (uint64_t)(s->end - f->p) / 2)
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT,
-                         "OFF: line %u: face %i has %d corners, more than the file holds",
-                         bvxi_source_line(s, f->p), face, n);
+        return BVXI_LINE_FAIL(s, f->p, BVX_ERR_FORMAT, "face %i has %d corners, more than the file holds",
+                              face, n);
     *corners = (uint64_t)n;
     return BVX_OK;
 }
@@ -391,7 +379,6 @@ static bvx_status off_take_face(off_file *f, uint64_t face)
         f->polygon_count++;
     }
 
-    /* The fan needs no room beside its triangles: first, previous and this corner, moved on in place. */
     BVXI_TRY(off_take_corner(f, face, &t[0]));
     BVXI_TRY(off_take_corner(f, face, &t[1]));
     for (uint64_t i = 2; i < corners; i++, t[1] = t[2], f->triangle_count++) {
@@ -423,7 +410,6 @@ static bvx_status off_make_room(off_file *f, uint64_t triangles, uint64_t polygo
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "OFF: the file has %u triangles, the limit is below 2^31", triangles);
 
-    /* The second call is for files with polygons: the first arrays were sized for triangles alone. */
     bvxi_mesh_release(ctx, f->mesh, BVXI_MESH_TRIANGLES);
     f->mesh->triangle_count = f->mesh->triangle_capacity = 0;
     BVXI_TRY(bvxi_make_triangles(ctx, f->mesh, triangles));

@@ -21,7 +21,6 @@ static bvx_status ply_take_element_rows(ply_file *f, ply_element *e)
     return f->header->encoding == PLY_ASCII ? bvxi_ply_take_text(f, e) : bvxi_ply_take_binary(f, e);
 }
 
-/* Room for triangles, and for the texture coordinates of so many corners. */
 static bvx_status ply_make_room(ply_file *f, uint64_t triangles, uint64_t corners)
 {
     bvx_context *const ctx = f->source->ctx;
@@ -55,7 +54,6 @@ static bvx_status ply_make_vertices(ply_file *f)
     return h->uvs == 1 ? bvxi_make_uvs(ctx, f->mesh, f->vertex_count) : BVX_OK;
 }
 
-/* Rows of all elements up to the last that is wanted. */
 static bvx_status ply_take_all(ply_file *f)
 {
     const ply_header *const h = f->header;
@@ -77,7 +75,6 @@ static bvx_status ply_take_faces_again(ply_file *f)
 
     f->fan_room = f->polygon_count;
 
-    /* The first pass has counted: fans, triangles and texture coordinates now get exact room. */
     BVXI_TRY(ply_make_room(f, f->triangle_count, f->uv_count));
     BVXI_TRY(bvxi_alloc(f->source->ctx, BVXI_SCRATCH, f->fan_room * sizeof *f->fans,
                         "the polygons of the file", &f->fans));
@@ -99,14 +96,13 @@ static bvx_status ply_take_data(ply_file *f)
     BVXI_TRY(ply_take_all(f));
     if (f->triangle_count != f->room) BVXI_TRY(ply_take_faces_again(f));
     if (f->triangle_count == 0)
-        return bvxi_fail(f->source->ctx, BVX_ERR_EMPTY, "PLY: the strips have no triangle");
+        return BVXI_FILE_FAIL(f->source, BVX_ERR_EMPTY, "the strips have no triangle");
     return bvxi_cut_fans(f->source, f->mesh, f->fans, f->polygon_count);
 }
 
 static bvx_status ply_take_points(ply_file *f)
 {
-    if (f->vertex_count == 0)
-        return bvxi_fail(f->source->ctx, BVX_ERR_EMPTY, "PLY: the file has no vertices");
+    if (f->vertex_count == 0) return BVXI_FILE_FAIL(f->source, BVX_ERR_EMPTY, "the file has no vertices");
     BVXI_TRY(ply_make_vertices(f));
     return ply_take_all(f);
 }
@@ -185,7 +181,6 @@ static uint8_t *ply_put_vertices(const void *user, uint64_t begin, uint64_t end,
     float normal[3];
 
     for (uint64_t v = begin; v < end; v++) {
-        /* The order of values in a row is that of the properties in the header. */
         bvxi_world_position(mesh, v, world);
         for (int a = 0; a < 3; a++, at += f32 ? 4 : 8) {
             if (f32) bvxi_store_f32(at, (float)world[a]);
@@ -246,7 +241,6 @@ bvx_status bvxi_write_ply(bvx_context *ctx, const bvxi_written *what, bvx_buffer
     part[1].most = PLY_WRITTEN_FACE + (mesh->uv_triangles != NULL ? PLY_WRITTEN_TEXCOORD : 0);
     BVXI_TRY(bvxi_make_file(ctx, "the PLY file", from, head.size, part, 2, file));
 
-    /* The head is made twice, to learn its size and to write it: so it needs no memory of its own. */
     head.bytes = file->bytes;
     head.size = 0;
     ply_put_header(what, &head);

@@ -5,7 +5,6 @@
  * allocated. */
 #include "io_mesh/ply_file.h"
 
-/* A line of the header, cut into words as they are taken. */
 typedef struct ply_line {
     const char *p, *end;
     const char *next; /* the line after it */
@@ -46,7 +45,7 @@ static size_t ply_word(ply_line *line, const char **word)
 
 static BVXI_COLD bvx_status ply_fail_line(const bvxi_source *s, const char *at, const char *why)
 {
-    return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "PLY: line %u: %s", bvxi_source_line(s, at), why);
+    return BVXI_LINE_FAIL(s, at, BVX_ERR_FORMAT, "%s", why);
 }
 
 static int ply_is(const char *word, size_t n, const char *name)
@@ -257,10 +256,9 @@ static bvx_status ply_check_sizes(const bvxi_source *s, ply_header *h)
         ply_element *const e = &h->elements[i];
         e->least_bytes = ply_least_bytes(h, e);
         if (e->least_bytes != 0 && e->count > left / e->least_bytes)
-            return bvxi_fail(
-                s->ctx, BVX_ERR_FORMAT,
-                "PLY: line %u: %u rows of at least %u bytes, but the file has only %u bytes for them",
-                bvxi_source_line(s, e->name), e->count, e->least_bytes, left - (h->encoding == PLY_ASCII));
+            return BVXI_LINE_FAIL(s, e->name, BVX_ERR_FORMAT,
+                                  "%u rows of at least %u bytes, but the file has only %u bytes for them",
+                                  e->count, e->least_bytes, left - (h->encoding == PLY_ASCII));
         left -= e->count * e->least_bytes;
     }
     return BVX_OK;
@@ -293,7 +291,6 @@ static int32_t ply_keep_set(ply_header *h, int32_t first, int32_t needed, int32_
     return set < 4;
 }
 
-/* What is there beside positions and triangles. */
 static void ply_find_attributes(ply_header *h)
 {
     h->colours = ply_keep_set(h, PLY_ROLE_RED, PLY_ROLE_BLUE, PLY_ROLE_ALPHA);
@@ -316,13 +313,12 @@ static bvx_status ply_check_meaning(const bvxi_source *s, ply_header *h)
     int floats = 0;
 
     if (!h->points && !has_faces && !has_strips)
-        return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "PLY: the file has no faces");
-    if (h->vertex == NULL)
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "PLY: the header names no element vertex");
+        return BVXI_FILE_FAIL(s, BVX_ERR_EMPTY, "the file has no faces");
+    if (h->vertex == NULL) return BVXI_FILE_FAIL(s, BVX_ERR_FORMAT, "the header names no element vertex");
     for (int32_t a = 0; a < 3; a++)
         if (!ply_has_role(h, h->vertex, a))
-            return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "PLY: line %u: element vertex has no property %s",
-                             bvxi_source_line(s, h->vertex->name), names[a]);
+            return BVXI_LINE_FAIL(s, h->vertex->name, BVX_ERR_FORMAT, "element vertex has no property %s",
+                                  names[a]);
 
     /* Positions are floats only where all three coordinates are: one double would lose its digits. */
     for (uint32_t i = h->vertex->first; i < h->vertex->end; i++)
@@ -334,8 +330,8 @@ static bvx_status ply_check_meaning(const bvxi_source *s, ply_header *h)
         return ply_fail_line(s, h->strips->name,
                              "element tristrips has no list vertex_indices or vertex_index");
     if (h->vertex->count > UINT32_MAX)
-        return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "PLY: %u vertices, the limit is below 2^32", h->vertex->count);
+        return BVXI_FILE_FAIL_FOR(s, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                  "%u vertices, the limit is below 2^32", h->vertex->count);
     h->position_type = floats == 3 ? BVX_F32 : BVX_F64;
     /* Elements without rows, and faces where only points are wanted, are as if they were not named. */
     if (!has_faces || h->points) h->face = NULL;
@@ -344,21 +340,19 @@ static bvx_status ply_check_meaning(const bvxi_source *s, ply_header *h)
     return BVX_OK;
 }
 
-/* Lines up to end_header that name an element or a property. */
 static bvx_status ply_count_names(const bvxi_source *s, uint64_t *names)
 {
     const char *word;
     ply_line line;
 
     if (!ply_first_line(s, &line))
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "PLY: the file does not begin with a line 'ply'");
+        return BVXI_FILE_FAIL(s, BVX_ERR_FORMAT, "the file does not begin with a line 'ply'");
     for (*names = 0; ply_next_line(s, &line);) {
         size_t const n = ply_word(&line, &word);
         if (ply_is(word, n, "end_header")) return BVX_OK;
         *names += ply_is(word, n, "element") || ply_is(word, n, "property");
     }
-    return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "PLY: line %u: the file ends before end_header",
-                     bvxi_source_line(s, line.p));
+    return BVXI_LINE_FAIL(s, line.p, BVX_ERR_FORMAT, "the file ends before end_header");
 }
 
 bvx_status bvxi_ply_header_read(bvxi_source *source, ply_header *header)
@@ -375,8 +369,7 @@ bvx_status bvxi_ply_header_read(bvxi_source *source, ply_header *header)
                         "the header's properties", &h->properties));
     ply_first_line(source, &line);
     while (!done && ply_next_line(source, &line)) BVXI_TRY(ply_take_line(source, &line, h, &done));
-    if (h->encoding == 0)
-        return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "PLY: the header has no line 'format'");
+    if (h->encoding == 0) return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "the header has no line 'format'");
     h->data = line.next;
     BVXI_TRY(ply_check_sizes(source, h));
     return ply_check_meaning(source, h);

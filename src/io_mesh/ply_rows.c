@@ -30,38 +30,36 @@ static const char *ply_row_name(const ply_element *e)
 
 bvx_status bvxi_ply_fail_end(const ply_file *f, const ply_element *e, uint64_t row)
 {
-    return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "PLY: the file ends (%s %u) inside %s %u of %u",
-                     ply_unit(f), ply_place(f, f->source->end), ply_row_name(e), row, e->count);
+    return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT, "the file ends (%s %u) inside %s %u of %u", ply_unit(f),
+                          ply_place(f, f->source->end), ply_row_name(e), row, e->count);
 }
 
 bvx_status bvxi_ply_fail_finite(const ply_file *f, const char *at, uint64_t row, int32_t role)
 {
     static const char *const names[] = {"coordinate", "colour", "texture coordinate"};
-    return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                         "PLY: %s %u (%s %u) has a %s that is not finite",
-                         role == PLY_ROLE_UVS ? "face" : "vertex", row, ply_unit(f), ply_place(f, at),
-                         names[role <= PLY_ROLE_Z       ? 0
-                               : role <= PLY_ROLE_ALPHA ? 1
-                                                        : 2]);
+    return BVXI_FILE_FAIL_FOR(f->source, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                              "%s %u (%s %u) has a %s that is not finite",
+                              role == PLY_ROLE_UVS ? "face" : "vertex", row, ply_unit(f), ply_place(f, at),
+                              names[role <= PLY_ROLE_Z       ? 0
+                                    : role <= PLY_ROLE_ALPHA ? 1
+                                                             : 2]);
 }
 
 bvx_status bvxi_ply_fail_corner(const ply_file *f, const char *name, const char *at, uint64_t row,
                                 int64_t corner)
 {
-    return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
-                         "PLY: %s %u (%s %u) names vertex %d, but there are %u", name, row, ply_unit(f),
-                         ply_place(f, at), corner, f->vertex_count);
+    return BVXI_FILE_FAIL_FOR(f->source, BVX_ERR_RANGE, BVX_REASON_INDEX,
+                              "%s %u (%s %u) names vertex %d, but there are %u", name, row, ply_unit(f),
+                              ply_place(f, at), corner, f->vertex_count);
 }
 
 bvx_status bvxi_ply_fail_length(const ply_file *f, const ply_element *e, uint64_t row, int64_t count)
 {
     if (e->kind == PLY_FACE && count >= 0)
-        return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT,
-                         "PLY: face %i (%s %u) has %d corners; it needs three", row, ply_unit(f),
-                         ply_place(f, f->p), count);
-    return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT,
-                     "PLY: row %u (%s %u) of the element in line %u: a list of %d", row, ply_unit(f),
-                     ply_place(f, f->p), bvxi_source_line(f->source, e->name), count);
+        return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT, "face %i (%s %u) has %d corners; it needs three",
+                              row, ply_unit(f), ply_place(f, f->p), count);
+    return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT, "row %u (%s %u) of the element in line %u: a list of %d",
+                          row, ply_unit(f), ply_place(f, f->p), bvxi_source_line(f->source, e->name), count);
 }
 
 /* ---- what values mean ---- */
@@ -79,7 +77,6 @@ static bvx_status ply_put(ply_file *f, const ply_property *property, const char 
 {
     bvx_mesh *const mesh = f->mesh;
     int32_t const role = property->role;
-    /* Floats are for colours and texture coordinates too; doubles stay what they are. */
     float const narrow = (float)value;
 
     if (!(value - value == 0.0) && !(f->source->takes_any && role <= PLY_ROLE_Z))
@@ -115,11 +112,10 @@ static bvx_status ply_end_uvs(ply_file *f, uint64_t row, uint64_t triangle)
         return BVX_OK;
     }
     if (f->uv_numbers != 2 * f->corners)
-        return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT,
-                         "PLY: face %i (%s %u) has %u corners and %u numbers in texcoord", row, ply_unit(f),
-                         ply_place(f, f->p), f->corners, f->uv_numbers);
+        return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT,
+                              "face %i (%s %u) has %u corners and %u numbers in texcoord", row, ply_unit(f),
+                              ply_place(f, f->p), f->corners, f->uv_numbers);
 
-    /* The same fan as that of the corners: first, previous, this one. */
     for (uint64_t k = 0; triangle < f->triangle_count && triangle < f->room; triangle++, k++) {
         uint32_t *const t = f->mesh->uv_triangles + (size_t)triangle * 3;
         t[0] = (uint32_t)f->uv_count;
@@ -283,7 +279,6 @@ static bvx_status ply_take_items(ply_file *f, const ply_property *property, uint
     return BVX_OK;
 }
 
-/* One row, property by property: the specification. */
 static bvx_status ply_take_row(ply_file *f, const ply_element *e, uint64_t row)
 {
     bvxi_ply_begin_row(f);
@@ -455,7 +450,6 @@ bvx_status bvxi_ply_take_binary(ply_file *f, const ply_element *e)
         return BVX_OK;
     }
 
-    /* Shapes that have no loop of their own take the specification. */
     if (e->kind == PLY_VERTEX && e->lists == 0) return ply_take_columns(f, e);
     return ply_is_simple_faces(f, e) ? ply_take_simple_faces(f, e) : ply_take_rows(f, e);
 }

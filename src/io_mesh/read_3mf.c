@@ -50,8 +50,8 @@ typedef struct model_file {
 
 static BVXI_COLD bvx_status fail_tag(const model_file *f, bvx_status status, const char *why)
 {
-    return bvxi_fail(f->ctx, status, "3MF: line %u of the model: %s",
-                     bvxi_source_line(&f->xml.source, f->xml.tag), why);
+    return BVXI_FILE_FAIL(f->source, status, "line %u of the model: %s",
+                          bvxi_source_line(&f->xml.source, f->xml.tag), why);
 }
 
 /* count numbers of an attribute between white space, and nothing else. */
@@ -74,7 +74,6 @@ static bvx_status take_reals(const model_file *f, const char *name, int count, i
     return bvxi_fail_expected(&f->xml.source, text.p, "the end of the value");
 }
 
-/* 1 when a number is an index below count. */
 static int is_index(double v, uint64_t count)
 {
     return v >= 0.0 && v < (double)count && v == floor(v);
@@ -215,9 +214,9 @@ static bvx_status add_copy(model_file *f, model_resource *to, const model_resour
 
     if ((f->vertex_count + of->vertices) * 24 + (f->triangle_count + of->triangles) * 16 >
         MODEL_REPEATS * size)
-        return bvxi_fail_for(f->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "3MF: objects are repeated to more than %d times the bytes of the file",
-                             (int64_t)MODEL_REPEATS);
+        return BVXI_FILE_FAIL_FOR(f->source, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                  "objects are repeated to more than %d times the bytes of the file",
+                                  (int64_t)MODEL_REPEATS);
     for (uint64_t i = of->vertex; i < of->vertex + of->vertices; i++) {
         const double *const p = f->positions + 3 * i;
         double moved[3];
@@ -381,7 +380,7 @@ static bvx_status make_mesh(const model_file *f, bvx_mesh *mesh)
     const uint32_t *c = f->corners + 4 * (f->triangle_count - f->build.triangles);
 
     if (f->build.triangles == 0)
-        return bvxi_fail(f->ctx, BVX_ERR_EMPTY, "3MF: the build has no item with triangles");
+        return BVXI_FILE_FAIL(f->source, BVX_ERR_EMPTY, "the build has no item with triangles");
     BVXI_TRY(bvxi_make_positions(f->ctx, mesh, BVX_F64, f->build.vertices));
     BVXI_TRY(bvxi_make_triangles(f->ctx, mesh, f->build.triangles));
     if (f->label_count > 0) BVXI_TRY(bvxi_make_array(f->ctx, mesh, BVXI_MESH_MATERIALS));
@@ -390,8 +389,8 @@ static bvx_status make_mesh(const model_file *f, bvx_mesh *mesh)
 
         ((double *)mesh->positions)[i] = v;
         if (!f->source->takes_any && !(v - v == 0.0))
-            return bvxi_fail_for(f->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                                 "3MF: vertex %u has a coordinate that is not finite", i / 3);
+            return BVXI_FILE_FAIL_FOR(f->source, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                      "vertex %u has a coordinate that is not finite", i / 3);
     }
     for (uint64_t t = 0; t < mesh->triangle_count; t++, c += 4) {
         memcpy(mesh->triangles + 3 * t, c, 12);

@@ -90,14 +90,12 @@ static bvx_status gltf_check_attribute(gltf_reader *r, uint32_t mesh, int which,
     BVXI_TRY(bvxi_gltf_array_of(f, p->attribute[which], &a));
     if (a.components < gltf_attributes[which].least || a.components > gltf_attributes[which].most ||
         a.type == BVXI_GLTF_U32)
-        return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "%s: mesh %u: accessor %u is no %s by its type",
-                         f->source->format, (uint64_t)mesh, (uint64_t)p->attribute[which],
-                         gltf_attributes[which].name);
+        return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT, "mesh %u: accessor %u is no %s by its type",
+                              (uint64_t)mesh, (uint64_t)p->attribute[which], gltf_attributes[which].name);
     if (which == GLTF_POSITION) p->vertices = a.count;
     if (a.count != p->vertices)
-        return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "%s: mesh %u has %u vertices and %u values of %s",
-                         f->source->format, (uint64_t)mesh, p->vertices, a.count,
-                         gltf_attributes[which].name);
+        return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT, "mesh %u has %u vertices and %u values of %s",
+                              (uint64_t)mesh, p->vertices, a.count, gltf_attributes[which].name);
     return BVX_OK;
 }
 
@@ -116,8 +114,8 @@ static bvx_status gltf_take_indices(gltf_reader *r, uint32_t mesh, gltf_primitiv
         p->corners = a.count;
     }
     if (p->mode == GLTF_TRIANGLES && p->corners % 3 != 0)
-        return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "%s: mesh %u: %u corners are not triangles",
-                         f->source->format, (uint64_t)mesh, p->corners);
+        return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT, "mesh %u: %u corners are not triangles",
+                              (uint64_t)mesh, p->corners);
     p->triangles = p->mode == GLTF_TRIANGLES ? p->corners / 3 : p->corners < 3 ? 0 : p->corners - 2;
     return BVX_OK;
 }
@@ -133,11 +131,12 @@ static bvx_status gltf_refuse_draco(gltf_reader *r, uint32_t value, const gltf_p
         return BVX_OK;
     r->unkept = 1;
     BVXI_TRY(bvxi_gltf_array_of(f, p->attribute[GLTF_POSITION], &a));
-    return a.at != NULL ? BVX_OK
-                        : bvxi_fail(f->source->ctx, BVX_ERR_UNSUPPORTED,
-                                    "%s: its meshes are compressed by %s, which is not read; export the file "
-                                    "without mesh compression",
-                                    f->source->format, draco);
+    return a.at != NULL
+               ? BVX_OK
+               : BVXI_FILE_FAIL(f->source, BVX_ERR_UNSUPPORTED,
+                                "its meshes are compressed by %s, which is not read; export the file "
+                                "without mesh compression",
+                                draco);
 }
 
 /* Where it has no triangles, p->triangles is 0 and the rest is not set. */
@@ -198,16 +197,15 @@ static bvx_status gltf_take_mesh(gltf_reader *r, uint32_t mesh, uint32_t first)
 
         /* Checked at each step, so that no sum leaves 64 bits. */
         if (m->vertices > UINT32_MAX || m->triangles > INT32_MAX)
-            return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                                 "%s: mesh %u has %u vertices and %u triangles, limits are 2^32 and 2^31",
-                                 f->source->format, (uint64_t)mesh, m->vertices, m->triangles);
+            return BVXI_FILE_FAIL_FOR(f->source, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                      "mesh %u has %u vertices and %u triangles, limits are 2^32 and 2^31",
+                                      (uint64_t)mesh, m->vertices, m->triangles);
     }
     return BVX_OK;
 }
 
 /* ---- the plan ---- */
 
-/* Which meshes are drawn, and room for their primitives. */
 static bvx_status gltf_mark_meshes(gltf_reader *r, uint8_t *wanted)
 {
     bvxi_gltf *const f = &r->f;
@@ -242,22 +240,21 @@ static bvx_status gltf_count_all(gltf_reader *r)
         r->vertices += r->mesh[r->mesh_of[i]].vertices;
         r->triangles += r->mesh[r->mesh_of[i]].triangles;
         if (r->vertices > UINT32_MAX || r->triangles > INT32_MAX)
-            return bvxi_fail_for(
-                f->source->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                "%s: its nodes have %u vertices and %u triangles or more, limits are 2^32 and "
+            return BVXI_FILE_FAIL_FOR(
+                f->source, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                "its nodes have %u vertices and %u triangles or more, limits are 2^32 and "
                 "2^31",
-                f->source->format, r->vertices, r->triangles);
+                r->vertices, r->triangles);
     }
-    if (r->triangles == 0)
-        return bvxi_fail(f->source->ctx, BVX_ERR_EMPTY, "%s: there are no triangles", f->source->format);
+    if (r->triangles == 0) return BVXI_FILE_FAIL(f->source, BVX_ERR_EMPTY, "there are no triangles");
     if ((r->vertices * GLTF_VERTEX_BYTES + r->triangles * GLTF_TRIANGLE_BYTES + r->most_corners * 4) /
             GLTF_REPEATS >
         f->bytes)
-        return bvxi_fail_for(
-            f->source->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-            "%s: %u vertices and %u triangles of %u bytes: nodes or accessors repeat them more "
+        return BVXI_FILE_FAIL_FOR(
+            f->source, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+            "%u vertices and %u triangles of %u bytes: nodes or accessors repeat them more "
             "often than is read",
-            f->source->format, r->vertices, r->triangles, f->bytes);
+            r->vertices, r->triangles, f->bytes);
     return BVX_OK;
 }
 
@@ -333,9 +330,9 @@ static bvx_status gltf_put_position(void *user, uint64_t element, const double *
 
         if (!(bvxi_absolute(p[a]) < limit)) {
             if (!f->source->takes_any)
-                return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                                     "%s: mesh %u: vertex %i has a coordinate that is not finite",
-                                     f->source->format, (uint64_t)t->mesh, element);
+                return BVXI_FILE_FAIL_FOR(f->source, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                          "mesh %u: vertex %i has a coordinate that is not finite",
+                                          (uint64_t)t->mesh, element);
             p[a] = HUGE_VAL;
         }
         if (m->position_type == BVX_F32) ((float *)m->positions)[at + a] = (float)p[a];
@@ -373,9 +370,9 @@ static bvx_status gltf_put_uv(void *user, uint64_t element, const double *v)
 
     for (size_t k = 0; k < 2; k++) {
         if (!(bvxi_absolute(pair[k]) < BVXI_FLOAT_LIMIT))
-            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                                 "%s: mesh %u: vertex %i has a texture coordinate that is not finite",
-                                 s->format, (uint64_t)t->mesh, element);
+            return BVXI_FILE_FAIL_FOR(s, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                      "mesh %u: vertex %i has a texture coordinate that is not finite",
+                                      (uint64_t)t->mesh, element);
         t->uvs[(size_t)(t->base + element) * 2 + k] = (float)pair[k];
     }
     return BVX_OK;
@@ -405,9 +402,9 @@ static bvx_status gltf_put_colour(void *user, uint64_t element, const double *v)
 
     for (int k = 0; k < 4; k++)
         if (!(v[k] - v[k] == 0.0))
-            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                                 "%s: mesh %u: vertex %i has a colour that is not finite", s->format,
-                                 (uint64_t)t->mesh, element);
+            return BVXI_FILE_FAIL_FOR(s, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                      "mesh %u: vertex %i has a colour that is not finite", (uint64_t)t->mesh,
+                                      element);
     for (int k = 0; k < 3; k++) to[k] = gltf_colour_byte(v[k]);
     to[3] = bvxi_colour_byte(v[3]);
     return BVX_OK;
@@ -425,9 +422,9 @@ static bvx_status gltf_put_corner(void *user, uint64_t element, const double *v)
     const bvxi_source *const s = t->r->f.source;
 
     if (!(v[0] < (double)t->limit))
-        return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
-                             "%s: mesh %u: index %i is %u; there are %u vertices", s->format,
-                             (uint64_t)t->mesh, element, (uint64_t)v[0], t->limit);
+        return BVXI_FILE_FAIL_FOR(s, BVX_ERR_RANGE, BVX_REASON_INDEX,
+                                  "mesh %u: index %i is %u; there are %u vertices", (uint64_t)t->mesh,
+                                  element, (uint64_t)v[0], t->limit);
     t->r->corner[element] = (uint32_t)v[0];
     return BVX_OK;
 }

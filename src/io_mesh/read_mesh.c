@@ -27,11 +27,9 @@ static bvx_status read_mesh_as(bvxi_source *source, int32_t format, const bvx_re
                                                 : "OFF";
 
     /* An empty file is refused first, or its reader would name a line that nobody wrote. */
-    if (source->begin == source->end)
-        return bvxi_fail(source->ctx, BVX_ERR_EMPTY, "%s: the file has no bytes", source->format);
+    if (source->begin == source->end) return BVXI_FILE_FAIL(source, BVX_ERR_EMPTY, "the file has no bytes");
     if (format != BVX_FORMAT_STL && format != BVX_FORMAT_3MF && is_utf16(source))
-        return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "%s: the file is text in UTF-16; save it as UTF-8",
-                         source->format);
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "the file is text in UTF-16; save it as UTF-8");
     bvxi_source_pass(source, 0, 1);
     switch (format) {
     case BVX_FORMAT_STL: return bvxi_read_stl(source, mesh);
@@ -93,9 +91,9 @@ static bvx_status run_read_mesh(bvx_context *context, const void *bytes, uint64_
     if (status == BVX_OK && options.drop_nonfinite) {
         status = bvxi_mesh_drop_nonfinite(context, function, &made, &report.dropped);
         if (status == BVX_OK && made.triangle_count == 0)
-            status = bvxi_fail_for(context, BVX_ERR_EMPTY, BVX_REASON_NOT_FINITE,
-                                   "%s: each of the %u triangles has a corner that is not finite",
-                                   source.format, report.dropped);
+            status = BVXI_FILE_FAIL_FOR(&source, BVX_ERR_EMPTY, BVX_REASON_NOT_FINITE,
+                                        "each of the %u triangles has a corner that is not finite",
+                                        report.dropped);
     }
     if (status != BVX_OK) {
         bvx_mesh_free(context, &made);

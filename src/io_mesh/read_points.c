@@ -49,7 +49,6 @@ static int xyz_take_number(const char **p, const char *end, double *value)
     return 1;
 }
 
-/* Names of columns, or a count, may stand in the first line. */
 static const char *xyz_skip_head(const char *p, const char *end)
 {
     const char *at = p;
@@ -67,9 +66,8 @@ static bvx_status xyz_take_point(const bvxi_source *s, const char *p, uint64_t i
     for (int32_t a = 0; a < 3; a++) {
         if (!xyz_take_number(&p, s->end, &to[a])) return bvxi_fail_expected(s, p, "a coordinate");
         if (!(to[a] - to[a] == 0.0))
-            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                                 "%s: line %u: point %i has a coordinate that is not finite", s->format,
-                                 bvxi_source_line(s, line), i);
+            return BVXI_LINE_FAIL_FOR(s, line, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                      "point %i has a coordinate that is not finite", i);
     }
     return BVX_OK;
 }
@@ -79,15 +77,14 @@ static bvx_status read_xyz(bvxi_source *s, bvx_mesh *points)
     const char *const first = xyz_skip_head(xyz_next_line(bvxi_skip_mark(s->begin, s->end), s->end), s->end);
     uint64_t count = 0, i = 0;
 
-    /* The count comes first, so that the array is made once in its exact size. */
     for (const char *p = first; p < s->end; p = xyz_next_line(xyz_line_end(p, s->end), s->end)) {
         BVXI_TRY(bvxi_source_at(s, p));
         count++;
     }
-    if (count == 0) return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: the file holds no points", s->format);
+    if (count == 0) return BVXI_FILE_FAIL(s, BVX_ERR_EMPTY, "the file holds no points");
     if (count > UINT32_MAX)
-        return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: %u points, the limit is below 2^32", s->format, count);
+        return BVXI_FILE_FAIL_FOR(s, BVX_ERR_RANGE, BVX_REASON_TOO_MANY, "%u points, the limit is below 2^32",
+                                  count);
     BVXI_TRY(bvxi_make_positions(s->ctx, points, BVX_F64, count));
 
     bvxi_source_pass(s, 0.3, 1);
@@ -101,8 +98,7 @@ static bvx_status read_xyz(bvxi_source *s, bvx_mesh *points)
 static bvx_status read_points_as(bvxi_source *source, int32_t format, bvx_mesh *points)
 {
     source->format = format == BVX_FORMAT_XYZ ? "XYZ" : "PLY";
-    if (source->begin == source->end)
-        return bvxi_fail(source->ctx, BVX_ERR_EMPTY, "%s: the file has no bytes", source->format);
+    if (source->begin == source->end) return BVXI_FILE_FAIL(source, BVX_ERR_EMPTY, "the file has no bytes");
     bvxi_source_pass(source, 0, format == BVX_FORMAT_XYZ ? 0.3 : 1);
     return format == BVX_FORMAT_XYZ ? read_xyz(source, points) : bvxi_read_ply_points(source, points);
 }

@@ -119,7 +119,6 @@ bvx_status bvxi_refuse_rounding(bvx_context *ctx, const char *name, const bvx_me
 {
     bvxi_rounding r;
 
-    /* A file that changes nothing needs no measure. */
     if (!bvxi_is_rounded(mesh, format, frame)) return BVX_OK;
     bvxi_measure_rounding(mesh, frame, &r);
     /* its writer says which vertex is too far */

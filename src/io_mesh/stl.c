@@ -115,8 +115,8 @@ static bvx_status soup_grow(stl_soup *s)
 {
     /* Entries of the table are one more than the vertex, 0 being empty: so the last index stays unused. */
     if (s->vertex_count == UINT32_MAX)
-        return bvxi_fail_for(s->source->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: the file has 2^32 different vertices or more", s->source->format);
+        return BVXI_FILE_FAIL_FOR(s->source, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                  "the file has 2^32 different vertices or more");
 
     /* Arrays grow when they are full, the table when it is half full, so that its searches stay short. */
     if (s->vertex_count == s->vertex_room) {
@@ -143,7 +143,6 @@ static inline int soup_find(stl_soup *s, size_t k, uint64_t limit, uint32_t *ver
         }
     if (BVXI_UNLIKELY(s->vertex_count == limit)) return 0;
 
-    /* A new vertex takes the empty place at once: its next use finds it here. */
     memcpy(s->positions + (size_t)s->vertex_count * 3, bits, 12);
     *vertex = (uint32_t)s->vertex_count++;
     s->table[slot] = *vertex + 1;
@@ -157,8 +156,8 @@ static bvx_status soup_make_triangles(stl_soup *s)
     /* Checked once a batch, so that the loop over corners has no check for room. */
     if (s->triangle_count + s->waiting <= s->triangle_room) return BVX_OK;
     if (s->triangle_count + s->waiting > INT32_MAX)
-        return bvxi_fail_for(s->source->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: the file has 2^31 triangles or more", s->source->format);
+        return BVXI_FILE_FAIL_FOR(s->source, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                  "the file has 2^31 triangles or more");
     BVXI_TRY(bvxi_resize(s->source->ctx, s->triangle_kind, &s->triangles, s->triangle_room * 12, room * 12,
                          "the triangles of the file"));
     s->triangle_room = room; /* twice SOUP_LEAST or more: a batch fits in */
@@ -243,7 +242,6 @@ static bvx_status soup_finish(stl_soup *soup, bvx_mesh *mesh)
     stl_soup *const s = soup;
     bvx_context *const ctx = s->source->ctx;
 
-    /* The search is over: its memory is freed before the result's is made. */
     bvxi_drop(ctx, s->table);
     s->table = NULL;
     bvxi_key_tree_close(ctx, &s->tree);
@@ -282,9 +280,9 @@ enum {
 static BVXI_COLD bvx_status stl_fail_coordinate(const bvxi_source *s, const uint8_t *at, uint64_t triangle,
                                                 size_t corner)
 {
-    return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                         "STL: triangle %i, corner %u (byte %u): a coordinate is not finite", triangle,
-                         (uint64_t)corner, bvxi_source_byte(s, at));
+    return BVXI_FILE_FAIL_FOR(s, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                              "triangle %i, corner %u (byte %u): a coordinate is not finite", triangle,
+                              (uint64_t)corner, bvxi_source_byte(s, at));
 }
 
 /* The coordinates of n triangles at p, the first of this number, into the batch. */
@@ -307,7 +305,6 @@ static bvx_status stl_take_batch(stl_soup *soup, const uint8_t *p, uint64_t firs
     soup->waiting = n;
     if (!bad || soup->source->takes_any) return BVX_OK;
 
-    /* Only now, when one is known to be bad, is the first of them looked for. */
     while (bits[i] << 1 < 0xff000000u) i++;
     return stl_fail_coordinate(soup->source, p + i / 9 * STL_TRIANGLE + 12 + i / 3 % 3 * 12, first + i / 9,
                                i / 3 % 3);
@@ -320,7 +317,6 @@ static bvx_status stl_read_binary(stl_soup *soup, uint64_t count)
     for (uint64_t t = 0; t < count; t += SOUP_BATCH) {
         const uint8_t *const p = data + t * STL_TRIANGLE;
         uint32_t const n = count - t < SOUP_BATCH ? (uint32_t)(count - t) : SOUP_BATCH;
-        /* Batch by batch, so that memory stays small and progress is called. */
         BVXI_TRY(bvxi_source_at(soup->source, (const char *)p));
         BVXI_TRY(stl_take_batch(soup, p, t, n));
         BVXI_TRY(soup_weld(soup));
@@ -364,9 +360,8 @@ static bvx_status stl_take_corner(const bvxi_source *s, const char **p, uint32_t
         if (used == 0 || (*p < s->end && !bvxi_is_space(**p)))
             return bvxi_fail_expected(s, at, "a coordinate");
         if (!(v - v == 0.0f) && !s->takes_any)
-            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                                 "STL: line %u: a coordinate is not a finite 32-bit float",
-                                 bvxi_source_line(s, at));
+            return BVXI_LINE_FAIL_FOR(s, at, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                      "a coordinate is not a finite 32-bit float");
         bits[a] = soup_bits(v);
     }
     return BVX_OK;
@@ -463,11 +458,11 @@ static bvx_status stl_tell_apart(const bvxi_source *s, int *binary, uint64_t *co
      * after its end. A cut is refused, more bytes are not. */
     *binary = 1;
     if (size < STL_HEADER)
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "STL: %u bytes, no text, and a binary header has 84", size);
+        return BVXI_FILE_FAIL(s, BVX_ERR_FORMAT, "%u bytes, no text, and a binary header has 84", size);
     if (STL_HEADER + STL_TRIANGLE * *count > size)
-        return bvxi_fail(
-            s->ctx, BVX_ERR_FORMAT,
-            "STL: the header (byte 80) says %u triangles, which take %u bytes, but the file has %u", *count,
+        return BVXI_FILE_FAIL(
+            s, BVX_ERR_FORMAT,
+            "the header (byte 80) says %u triangles, which take %u bytes, but the file has %u", *count,
             STL_HEADER + STL_TRIANGLE * *count, size);
     return BVX_OK;
 }
@@ -476,8 +471,7 @@ static bvx_status stl_read(stl_soup *soup, bvxi_source *source, int binary, uint
 {
     BVXI_TRY(soup_begin(soup, source, binary ? count : 0));
     BVXI_TRY(binary ? stl_read_binary(soup, count) : stl_read_text(soup));
-    if (soup->triangle_count == 0)
-        return bvxi_fail(source->ctx, BVX_ERR_EMPTY, "STL: the file has no triangle");
+    if (soup->triangle_count == 0) return BVXI_FILE_FAIL(source, BVX_ERR_EMPTY, "the file has no triangle");
     return soup_finish(soup, mesh);
 }
 
@@ -489,10 +483,10 @@ bvx_status bvxi_read_stl(bvxi_source *source, bvx_mesh *mesh)
 
     BVXI_TRY(stl_tell_apart(source, &binary, &count));
     if (binary && count == 0)
-        return bvxi_fail(source->ctx, BVX_ERR_EMPTY, "STL: the header (byte 80) says 0 triangles");
+        return BVXI_FILE_FAIL(source, BVX_ERR_EMPTY, "the header (byte 80) says 0 triangles");
     if (count > INT32_MAX && binary)
-        return bvxi_fail_for(source->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "STL: the file has %u triangles, the limit is below 2^31", count);
+        return BVXI_FILE_FAIL_FOR(source, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                  "the file has %u triangles, the limit is below 2^31", count);
     bvx_status const status = stl_read(&soup, source, binary, count, mesh);
     bvxi_free(source->ctx, soup.triangles, soup.triangle_room * 12);
     return status;

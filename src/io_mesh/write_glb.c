@@ -265,7 +265,6 @@ static void glb_list_parts(const bvxi_glb_file *glb, bvxi_file_part *part)
         part[BVXI_GLB_ARRAYS].most = 1;
     }
 
-    /* Each image is followed by its padding, as a level is. */
     for (uint64_t i = 0; i < bvxi_glb_images(glb); i++, part += 2) {
         const bvxi_asset_image *const image = &glb->assets->images[i];
         bvxi_file_part const two[2] = {
@@ -281,7 +280,6 @@ static bvx_status glb_make_file(bvx_context *ctx, const bvxi_glb_file *glb, bvx_
     bvxi_output json = {0};
     bvxi_file_part *part;
 
-    /* Counted first, as the length of the description decides where the arrays begin. */
     bvxi_glb_put_json(glb, &json);
     uint64_t const head = GLB_HEAD + bvxi_glb_padded(json.size) + GLB_CHUNK;
     BVXI_TRY(bvxi_glb_check_size(ctx, head + bvxi_glb_padded(glb->end), glb->levels));

@@ -218,7 +218,6 @@ static bvx_status count_positions(bvx_context *ctx, const bvx_mesh_view *view, u
 {
     uint32_t *representative;
 
-    /* Equal positions are found by welding: a representative for each vertex, and how many there are. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * sizeof *representative,
                         "the vertices' positions", &representative));
     BVXI_TRY(bvxi_weld(ctx, view, representative, different));
@@ -273,7 +272,6 @@ static bvx_status check_written_file(bvx_context *ctx, const char *name, const b
         report->spoilt = rounding.spoilt;
     }
 
-    /* The view of the file differs from that of the mesh in its positions only. */
     if (rounded || mesh->frame[0] != 0.0 || mesh->frame[1] != 0.0 || mesh->frame[2] != 0.0) {
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the file's positions", &positions));
         put_file_positions(mesh, rounded, frame, positions);
@@ -296,7 +294,6 @@ static bvx_status check_levels(bvx_context *ctx, const char *function, const bvx
                              level_count == 0 ? BVX_REASON_RANGE : BVX_REASON_TOO_MANY,
                              "%s: level_count is %u; 1 to %u levels make a file", function, level_count,
                              (uint64_t)WRITTEN_LEVELS);
-    /* A message names the level, so each is checked under its own name. */
     for (uint64_t l = 0; l < level_count; l++)
         BVXI_TRY(check_written_mesh(ctx, level_name(function, l, level_count, name), &levels[l]));
     return BVX_OK;

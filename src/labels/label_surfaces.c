@@ -309,14 +309,15 @@ static size_t cell_index(const label_work *w, int32_t i, int32_t j)
 static void link_cell(label_scan *s, const int32_t c[3], uint32_t pattern, uint32_t first,
                       const bvxi_cell_split *split)
 {
+    static const uint32_t low_side[3] = {0x550, 0x305, 0x033}; /* edges in it */
     const label_work *const w = s->w;
 
     for (int32_t a = 0; a < 3; a++) {
         size_t const at = cell_index(w, c[0] - (a == 0), c[1] - (a == 1));
         int const slice = (c[2] - (a == 2)) & 1;
 
-        for (int32_t edge = 0; edge < 12; edge++) {
-            if (edge >> 2 == a || bvxi_edge_offset(edge, a) != 0 || (pattern >> edge & 1) == 0) continue;
+        for (uint32_t low = pattern & low_side[a]; low != 0; low &= low - 1) {
+            int32_t const edge = bvxi_lowest(low);
 
             /* The same edge is on the high side of the cell before, its offset along the axis 1. */
             int32_t const other_edge = edge + ((edge >> 2 == 0 ? 1 : 0) == a ? 1 : 2);
@@ -327,10 +328,12 @@ static void link_cell(label_scan *s, const int32_t c[3], uint32_t pattern, uint3
                            beyond_new = first_other + other->of[other_edge];
 
             /* Flaps take the new vertex beyond a low side, the old one beyond a high side, so that they agree. */
-            *bvxi_net_link(&w->net, own_new, 2 * a) = beyond_new;
-            *bvxi_net_link(&w->net, beyond_new, 2 * a + 1) = own;
-            *bvxi_net_link(&w->net, own, 2 * a) = beyond;
-            *bvxi_net_link(&w->net, beyond, 2 * a + 1) = own;
+            if (own_new != own || beyond_new != beyond) {
+                bvxi_net_set_link(&w->net, own_new, 2 * a, beyond_new);
+                bvxi_net_set_link(&w->net, beyond_new, 2 * a + 1, own);
+            }
+            bvxi_net_set_link(&w->net, own, 2 * a, beyond);
+            bvxi_net_set_link(&w->net, beyond, 2 * a + 1, own);
         }
     }
 }
@@ -368,8 +371,8 @@ static void close_flaps(const label_work *w)
 {
     for (uint64_t f = w->net.flaps; f < w->made->face_count; f++) {
         uint32_t *const t = w->made->mesh.triangles + 6 * (size_t)f;
-        t[1] = *bvxi_net_link(&w->net, t[0], (int32_t)t[1]);
-        t[5] = *bvxi_net_link(&w->net, t[0], (int32_t)t[5]);
+        t[1] = bvxi_net_link(&w->net, t[0], (int32_t)t[1]);
+        t[5] = bvxi_net_link(&w->net, t[0], (int32_t)t[5]);
     }
 }
 
@@ -569,10 +572,13 @@ static bvx_status open_complex(label_work *w, uint64_t vertices, uint64_t faces)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, vertices, "the junctions", &c->junctions));
     if (w->options.staircase) return BVX_OK;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * 6, "the vertices' offsets", &w->net.offset));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * 12, "the vertices' links", &w->net.links[1]));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * 6, "the vertices' links", &w->net.above));
+    w->net.beside = (uint8_t *)(w->net.above + vertices);
     /* Positions are written last. */
-    w->net.links[0] = c->mesh.positions;
-    for (int n = 0; n < 2; n++) memset(w->net.links[n], 0xff, (size_t)vertices * 12);
+    w->net.links = c->mesh.positions;
+    memset(w->net.beside, 0, (size_t)vertices * 2);
+    memset(w->net.links, 0xff, (size_t)vertices * 12);
+    memset(w->net.above, 0xff, (size_t)vertices * 4);
     return BVX_OK;
 }
 

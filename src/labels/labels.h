@@ -71,33 +71,96 @@ static inline void bvxi_cell_of(const bvx_complex *complex, uint64_t vertex, uin
     cell[2] = complex->cells[vertex] / row / rows;
 }
 
-/* What smoothing needs of vertices. */
+/* What smoothing needs of vertices. A link is the vertex beyond a side of the cell, or UINT32_MAX; along x,
+ * where that comes next, the distance to it, or 0. */
 typedef struct bvxi_net {
     bvx_complex *complex;
     int16_t *offset; /* from the cell's centre [Size: vertices * 3] [Units: BVXI_NET_UNITS of a voxel] */
     uint64_t flaps;  /* index of the first one; they are the last faces */
-    uint32_t *links
-        [2]; /* the vertex beyond each low side of the cell, high side, or UINT32_MAX [Size: vertices * 3] */
+    uint8_t *beside; /* [Size: vertices * 2] */
+    uint32_t *links; /* of sides -y, +y, -z [Size: vertices * 3] */
+    uint32_t *above; /* of side +z [Size: vertices] */
     double origin[3], spacing[3]; /* of positions: origin 0 in a local frame */
 } bvxi_net;
 
-static inline uint32_t *bvxi_net_link(const bvxi_net *net, uint64_t vertex, int32_t side)
+static inline uint32_t bvxi_net_link(const bvxi_net *net, uint64_t vertex, int32_t side)
 {
-    return &net->links[side & 1][3 * vertex + (uint64_t)(side >> 1)];
+    if (side == 5) return net->above[vertex];
+    if (side >= 2) return net->links[3 * vertex + (uint64_t)side - 2];
+    uint64_t const way = net->beside[2 * vertex + (uint64_t)side];
+    return way == 0 ? UINT32_MAX : (uint32_t)(side == 0 ? vertex - way : vertex + way);
 }
 
-static inline double bvxi_net_offset(const bvxi_net *net, uint64_t vertex, int32_t axis)
+static inline void bvxi_net_set_link(const bvxi_net *net, uint32_t vertex, int32_t side, uint32_t to)
 {
-    return (double)net->offset[3 * vertex + (uint64_t)axis] * (1.0 / BVXI_NET_UNITS);
+    if (side == 5) net->above[vertex] = to;
+    else if (side >= 2) net->links[3 * (size_t)vertex + (size_t)side - 2] = to;
+    else net->beside[2 * (size_t)vertex + (size_t)side] = (uint8_t)(side == 0 ? vertex - to : to - vertex);
 }
 
-/* A face on the staircase, from its corner in the highest cell, and how its corners have moved. */
+/* The axis of the lattice edge that a face lies around, BVXI_NET_FLAP of a flap: the cells of two corners across from
+ * each other differ by a step along either other axis. */
+enum { BVXI_NET_FLAP = 3 };
+
+static inline uint32_t bvxi_net_axis(const bvxi_net *net, uint32_t face)
+{
+    const uint64_t *const cells = net->complex->cells;
+    const uint32_t *const t = net->complex->mesh.triangles + 6 * (size_t)face;
+    int const first = t[0] > t[5];
+    uint64_t const high = cells[t[first ? 0 : 5]], low = cells[t[first ? 2 : 1]];
+    uint64_t const row = (uint64_t)net->complex->size[0] + 1,
+                   slice = row * ((uint64_t)net->complex->size[1] + 1);
+
+    if (face >= net->flaps) return BVXI_NET_FLAP;
+    return high - low == row + 1 ? 2 : high - low == slice + 1 ? 1 : 0;
+}
+
+/* A face from the centre of its highest cell, and how its corners have moved from their own cells' centres. turn is 1
+ * where the corners on the staircase turn counter-clockwise about the axis, -1 the other way, of a flap 0. */
 typedef struct bvxi_face {
     uint32_t vertex[4];
-    double at[4][3], moved[4][3];
+    int32_t place[4][3], moved[4][3]; /* [Units: BVXI_NET_UNITS of a voxel] */
+    int32_t axis, turn;
 } bvxi_face;
 
-void bvxi_read_face(const bvxi_net *net, uint32_t face, bvxi_face *f); /* smooth.c */
+static inline void bvxi_read_face(const bvxi_net *net, uint32_t face, uint32_t axis, bvxi_face *f)
+{
+    const bvx_complex *const c = net->complex;
+    const uint32_t *const t = c->mesh.triangles + 6 * (size_t)face;
+
+    f->vertex[0] = t[0];
+    f->vertex[1] = t[1];
+    f->vertex[2] = t[2];
+    f->vertex[3] = t[5];
+    for (int32_t n = 0; n < 4; n++)
+        for (int32_t a = 0; a < 3; a++)
+            f->place[n][a] = f->moved[n][a] = net->offset[3 * (size_t)f->vertex[n] + (size_t)a];
+    f->axis = f->turn = 0;
+    if (axis == BVXI_NET_FLAP) {
+        /* Its third corner is in the cell of the first. */
+        for (int32_t n = 1; n < 4; n += 2) {
+            uint64_t const own = c->cells[t[0]], other = c->cells[f->vertex[n]];
+            uint64_t const to = own > other ? own - other : other - own;
+            f->place[n][to == 1                          ? 0
+                        : to == (uint64_t)c->size[0] + 1 ? 1
+                                                         : 2] += own > other ? -BVXI_NET_UNITS
+                                                                             : BVXI_NET_UNITS;
+        }
+        return;
+    }
+
+    /* Vertices are in the order of their cells, so the neighbour along the lower axis comes later. */
+    uint32_t const u = axis == 0, v = 3 - axis - u, owner = t[0] > t[5] ? 0 : 3;
+    uint32_t const next = (owner + 1) & 3, last = next ^ 2;
+    int const forward = f->vertex[next] > f->vertex[last];
+    f->place[forward ? next : last][u] -= BVXI_NET_UNITS;
+    f->place[forward ? last : next][v] -= BVXI_NET_UNITS;
+    f->place[owner ^ 2][u] -= BVXI_NET_UNITS;
+    f->place[owner ^ 2][v] -= BVXI_NET_UNITS;
+    f->axis = (int32_t)axis;
+    f->turn = forward == (axis != 1) ? 1 : -1;
+}
+
 /* smooth.c: write the position of a vertex; without offsets it is at its cell's centre. */
 void bvxi_net_put(const bvxi_net *net, uint64_t vertex);
 /* Move the offsets; the links are freed. Memory: 6 bytes a vertex; 8 a face, label and pair. */

@@ -4,7 +4,8 @@
  * cell). Golub, Varga. Chebyshev Semi-iterative Methods. 1961 (weights with which few steps do the work of many).
  *
  * Steps go from one buffer to another, so no order of vertices shows; each goes on from the last two. On a junction
- * only neighbours along it count. Offsets are 16 bits a coordinate; links and area vectors are where positions will be.
+ * only neighbours along it count. Offsets are 16 bits a coordinate; links and area vectors are where positions will
+ * be. Volumes of faces are whole numbers of them.
  * What the faces between two labels have swept since the staircase is then undone: their free vertices move along
  * normals. A label's volume is that of its voxels and what all its faces have swept, since the walls that edges
  * sweep cancel; so it comes back without a system of equations over labels. */
@@ -16,8 +17,13 @@ enum {
     STEPS = 6 /* even: the last one ends in the offsets */,
     CORRECTIONS = 16,
     VERTEX_GRAIN = 4096,
-    LARGE_PAIR = 1 << 16
+    LARGE_PAIR = 1 << 16,
+    AXIS_SHIFT = 30,
+    FACE_BITS = (1 << AXIS_SHIFT) - 1
 };
+
+#define SQUARE       ((int64_t)BVXI_NET_UNITS * BVXI_NET_UNITS)
+#define VOLUME_UNITS (36.0 * BVXI_NET_UNITS * (double)SQUARE)
 
 /* What waves keep is least for eigenvalues of the mean's step from 0.25 to 2. */
 static float const relax_step = 2.0F / 2.25F;
@@ -36,7 +42,7 @@ typedef struct net_work {
     float of_last, of_own, of_mean[7]; /* weights of a step; of a sum by how many it has */
     float *areas;                      /* vectors of vertices; in the place of positions */
     uint32_t *pairs;                   /* where each pair's faces begin */
-    uint32_t *faces;                   /* in the order of pairs */
+    uint32_t *faces;                   /* in the order of pairs, their axes in the highest bits */
     uint64_t pair_count;
     double *moved; /* of each pair, or correct */
 } net_work;
@@ -65,7 +71,7 @@ static void relax_range(void *user, uint64_t begin, uint64_t end)
         int32_t sum[3] = {0, 0, 0}, count = 0;
 
         for (int32_t side = 0; side < 6; side++) {
-            uint32_t const link = *bvxi_net_link(net, v, side);
+            uint32_t const link = bvxi_net_link(net, v, side);
             if ((mask >> side & 1) == 0 || link == UINT32_MAX) continue;
             const int16_t *const o = w->from + 3 * (size_t)link;
             for (int a = 0; a < 3; a++) sum[a] += o[a];
@@ -80,37 +86,14 @@ static void relax_range(void *user, uint64_t begin, uint64_t end)
 
 /* ---- Volumes between pairs of labels ---- */
 
-void bvxi_read_face(const bvxi_net *net, uint32_t face, bvxi_face *f)
+static int64_t face_diagonal(const bvxi_face *f, int32_t from)
 {
-    const bvx_complex *const c = net->complex;
-    const uint32_t *const t = c->mesh.triangles + 6 * (size_t)face;
-    uint64_t const row = (uint64_t)c->size[0] + 1;
-    int32_t const owner = face < net->flaps ? bvxi_face_owner(c, face) : 0;
-
-    f->vertex[0] = t[0];
-    f->vertex[1] = t[1];
-    f->vertex[2] = t[2];
-    f->vertex[3] = t[5];
-    memset(f->at, 0, sizeof f->at);
-    for (int32_t n = 1; n < 4; n += 2) {
-        int32_t const place = (owner + n) & 3;
-        uint64_t const own = c->cells[f->vertex[owner]], other = c->cells[f->vertex[place]];
-        uint64_t const to = own > other ? own - other : other - own;
-        int32_t const axis = to == 1 ? 0 : to == row ? 1 : 2;
-        f->at[place][axis] = own > other ? -1.0 : 1.0;
-        /* A flap's third corner is in the cell of the first. */
-        if (face < net->flaps) f->at[(owner + 2) & 3][axis] = -1.0;
+    int64_t sum = 0;
+    for (int32_t d = 0; d < 3; d++) {
+        int64_t const way = f->place[from + 2][d] - f->place[from][d];
+        sum += way * way;
     }
-    for (int32_t n = 0; n < 4; n++)
-        for (int32_t a = 0; a < 3; a++) f->moved[n][a] = bvxi_net_offset(net, f->vertex[n], a);
-}
-
-static double face_diagonal(const bvxi_face *f, int32_t from)
-{
-    double way[3];
-    for (int32_t d = 0; d < 3; d++)
-        way[d] = f->at[from + 2][d] + f->moved[from + 2][d] - f->at[from][d] - f->moved[from][d];
-    return bvxi_vec_dot(way, way);
+    return sum;
 }
 
 /* Split faces along the shorter diagonal: beside a junction that has become straight the longer one would lie on it. */
@@ -122,7 +105,7 @@ static void split_faces(void *user, uint64_t begin, uint64_t end)
         uint32_t *const t = w->net->complex->mesh.triangles + 6 * (size_t)i;
         bvxi_face f;
 
-        bvxi_read_face(w->net, (uint32_t)i, &f);
+        bvxi_read_face(w->net, (uint32_t)i, bvxi_net_axis(w->net, (uint32_t)i), &f);
         if (face_diagonal(&f, 1) >= face_diagonal(&f, 0)) continue;
         t[0] = t[3] = f.vertex[1];
         t[1] = f.vertex[2];
@@ -131,29 +114,29 @@ static void split_faces(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-/* The volume that a triangle sweeps; last gets twice its area vector at the end. That is a quadratic of the share of
- * the way, whose mean is the mean of both ends less a sixth of the quadratic term. */
-static double swept(const bvxi_face *f, int32_t b, int32_t c, double last[3])
+static void cross_ways(const int32_t from[3], const int32_t b[3], const int32_t c[3], int64_t n[3])
 {
-    double p[3], q[3], to_p[3], to_q[3], begin[3], bent[3], sum = 0.0;
+    int64_t const p[3] = {b[0] - from[0], b[1] - from[1], b[2] - from[2]},
+                  q[3] = {c[0] - from[0], c[1] - from[1], c[2] - from[2]};
+    n[0] = p[1] * q[2] - p[2] * q[1];
+    n[1] = p[2] * q[0] - p[0] * q[2];
+    n[2] = p[0] * q[1] - p[1] * q[0];
+}
 
+/* 36 times the volume that a triangle sweeps; last gets twice its area vector at the end. That is a quadratic of the
+ * share of the way, whose mean is the mean of both ends less a sixth of the quadratic term. Bits: 55, as ways are
+ * shorter than 2 voxels. */
+static int64_t swept(const bvxi_face *f, int32_t b, int32_t c, int64_t last[3])
+{
+    int64_t bent[3], sum = 0;
+
+    cross_ways(f->place[0], f->place[b], f->place[c], last);
+    cross_ways(f->moved[0], f->moved[b], f->moved[c], bent);
     for (int32_t d = 0; d < 3; d++) {
-        p[d] = f->at[b][d] - f->at[0][d];
-        q[d] = f->at[c][d] - f->at[0][d];
-        to_p[d] = f->moved[b][d] - f->moved[0][d];
-        to_q[d] = f->moved[c][d] - f->moved[0][d];
+        int64_t const begin = d == f->axis ? f->turn * SQUARE : 0;
+        sum += (f->moved[0][d] + f->moved[b][d] + f->moved[c][d]) * (3 * (begin + last[d]) - bent[d]);
     }
-    bvxi_vec_cross(p, q, begin);
-    bvxi_vec_cross(to_p, to_q, bent);
-    for (int32_t d = 0; d < 3; d++) {
-        p[d] += to_p[d];
-        q[d] += to_q[d];
-    }
-    bvxi_vec_cross(p, q, last);
-    for (int32_t d = 0; d < 3; d++)
-        sum += (f->moved[0][d] + f->moved[b][d] + f->moved[c][d]) *
-               (3.0 * begin[d] + 3.0 * last[d] - bent[d]);
-    return sum / 36.0;
+    return sum;
 }
 
 static int is_free_vertex(const net_work *w, uint32_t vertex)
@@ -161,47 +144,53 @@ static int is_free_vertex(const net_work *w, uint32_t vertex)
     return w->net->complex->junctions[vertex] == 0;
 }
 
-/* What a pair's faces have swept; areas get the area vectors of its free vertices, to which those of the faces
- * around them add up, *area what they would sweep by moving 1 along their normals, and *corners how many they are. */
+static double half_length(const int64_t v[3])
+{
+    double const way[3] = {(double)v[0], (double)v[1], (double)v[2]};
+    return bvxi_vec_length(way);
+}
+
+/* What a pair's faces have swept. With area, areas get the area vectors of its free vertices, to which those of the
+ * faces around them add up, *area what they would sweep by moving 1 along their normals, and *corners how many they
+ * are. */
 static double measure_pair(const net_work *w, uint64_t begin, uint64_t end, double *area, uint64_t *corners)
 {
     double volume = 0.0;
 
-    *area = 0.0;
-    *corners = 0;
     for (uint64_t i = begin; i < end; i++) {
-        double half[2][3];
+        int64_t half[2][3];
         bvxi_face f;
 
-        bvxi_read_face(w->net, w->faces[i], &f);
-        volume += swept(&f, 1, 2, half[0]) + swept(&f, 2, 3, half[1]);
-        double const size[2] = {bvxi_vec_length(half[0]), bvxi_vec_length(half[1])};
+        bvxi_read_face(w->net, w->faces[i] & FACE_BITS, w->faces[i] >> AXIS_SHIFT, &f);
+        volume += (double)(swept(&f, 1, 2, half[0]) + swept(&f, 2, 3, half[1]));
+        if (area == NULL) continue;
+        double const size[2] = {half_length(half[0]), half_length(half[1])};
         for (int32_t n = 0; n < 4; n++) {
             if (!is_free_vertex(w, f.vertex[n])) continue;
             float *const sum = w->areas + 3 * (size_t)f.vertex[n];
             int const first = n != 3, second = n != 1;
             for (int32_t d = 0; d < 3; d++)
-                sum[d] += (float)((first ? half[0][d] : 0.0) + (second ? half[1][d] : 0.0));
+                sum[d] += (float)((first ? half[0][d] : 0) + (second ? half[1][d] : 0));
             (*corners)++;
-            *area += ((first ? size[0] : 0.0) + (second ? size[1] : 0.0)) / 6.0;
+            *area += ((first ? size[0] : 0.0) + (second ? size[1] : 0.0)) / (6.0 * (double)SQUARE);
         }
     }
-    return volume;
+    return volume / VOLUME_UNITS;
 }
 
 /* Move a pair's free vertices along their normals, each once: its area vector becomes 0. */
 static void move_pair(const net_work *w, uint64_t begin, uint64_t end, double distance)
 {
     for (uint64_t i = begin; i < end; i++) {
-        const uint32_t *const t = w->net->complex->mesh.triangles + 6 * (size_t)w->faces[i];
+        const uint32_t *const t = w->net->complex->mesh.triangles + 6 * (size_t)(w->faces[i] & FACE_BITS);
         uint32_t const vertex[4] = {t[0], t[1], t[2], t[5]};
 
         for (int32_t n = 0; n < 4; n++) {
             float *const sum = w->areas + 3 * (size_t)vertex[n];
             int16_t *const o = w->net->offset + 3 * (size_t)vertex[n];
-            double const area[3] = {(double)sum[0], (double)sum[1], (double)sum[2]},
-                         size = bvxi_vec_length(area);
-            if (!is_free_vertex(w, vertex[n]) || size == 0.0) continue;
+            double const area[3] = {(double)sum[0], (double)sum[1], (double)sum[2]};
+            if (!is_free_vertex(w, vertex[n]) || bvxi_vec_is_zero(area)) continue;
+            double const size = bvxi_vec_length(area);
             for (int32_t d = 0; d < 3; d++) {
                 o[d] = clamp((float)((double)o[d] + distance * BVXI_NET_UNITS * area[d] / size));
                 sum[d] = 0.0F;
@@ -214,11 +203,12 @@ static void move_pair(const net_work *w, uint64_t begin, uint64_t end, double di
 static void correct_pair(const net_work *w, uint64_t begin, uint64_t end, double *moved)
 {
     double const faces = (double)(end - begin), before = *moved, kept = kept_volume * faces;
-    uint64_t corners;
-    double area, volume;
+    uint64_t corners = 0;
+    double area = 0.0;
 
     *moved = correct;
-    volume = measure_pair(w, begin, end, &area, &corners);
+    if (before != 0.0 && bvxi_absolute(measure_pair(w, begin, end, NULL, NULL)) <= kept) return;
+    double const volume = measure_pair(w, begin, end, &area, &corners);
     if (area == 0.0 || bvxi_absolute(volume) <= kept) return;
 
     /* What has shrunk to nearly nothing has no area to divide by. A few free vertices do not make up for what all
@@ -229,7 +219,8 @@ static void correct_pair(const net_work *w, uint64_t begin, uint64_t end, double
     if (step == 0.0) return;
     move_pair(w, begin, end, step);
 
-    /* A step leaves a fiftieth at most where it is not cut off, so the last one is not measured. */
+    /* A first step leaves a fiftieth at most where it is not cut off, so it is not measured. Later ones are,
+     * but for the few whose difference is exact. */
     if (step != way || bvxi_absolute(volume) > last_step * kept) *moved = before + step;
 }
 
@@ -247,6 +238,11 @@ static void correct_pairs(void *user, uint64_t first, uint64_t last)
     }
 }
 
+static uint32_t rank_of_side(const bvx_complex *c, uint32_t face, int32_t side)
+{
+    return c->sides[2 * (size_t)(face & FACE_BITS) + (size_t)side];
+}
+
 /* By the lower label, then by the higher: counted by the higher first. */
 static bvx_status sort_faces(bvx_context *ctx, net_work *w)
 {
@@ -262,15 +258,16 @@ static bvx_status sort_faces(bvx_context *ctx, net_work *w)
         for (uint64_t f = 0; f < faces; f++) count[c->sides[2 * f + (uint64_t)side]]++;
         (void)bvxi_place_counts(count, labels);
         for (uint64_t i = 0; i < faces; i++) {
-            uint32_t const f = side == 1 ? (uint32_t)i : w->pairs[i];
-            (side == 1 ? w->pairs : w->faces)[count[c->sides[2 * (size_t)f + (size_t)side]]++] = f;
+            uint32_t const f = side == 1 ? (uint32_t)i | bvxi_net_axis(w->net, (uint32_t)i) << AXIS_SHIFT
+                                         : w->pairs[i];
+            (side == 1 ? w->pairs : w->faces)[count[rank_of_side(c, f, side)]++] = f;
         }
     }
     bvxi_drop(ctx, count);
 
     for (uint64_t i = 0; i < faces; i++)
-        if (i == 0 ||
-            memcmp(c->sides + 2 * (size_t)w->faces[i - 1], c->sides + 2 * (size_t)w->faces[i], 8) != 0)
+        if (i == 0 || rank_of_side(c, w->faces[i - 1], 0) != rank_of_side(c, w->faces[i], 0) ||
+            rank_of_side(c, w->faces[i - 1], 1) != rank_of_side(c, w->faces[i], 1))
             w->pairs[w->pair_count++] = (uint32_t)i;
     w->pairs[w->pair_count] = (uint32_t)faces;
     return BVX_OK;
@@ -283,7 +280,8 @@ void bvxi_net_put(const bvxi_net *net, uint64_t vertex)
 
     bvxi_cell_of(c, vertex, cell);
     for (uint64_t a = 0; a < 3; a++) {
-        double const offset = net->offset != NULL ? bvxi_net_offset(net, vertex, (int32_t)a) : 0.0;
+        double const offset = net->offset != NULL ? (double)net->offset[3 * vertex + a] / BVXI_NET_UNITS
+                                                  : 0.0;
         double const p = net->origin[a] + ((double)c->low[a] + (double)cell[a] + offset) * net->spacing[a];
         if (c->mesh.position_type == BVX_F32) ((float *)c->mesh.positions)[3 * vertex + a] = (float)p;
         else ((double *)c->mesh.positions)[3 * vertex + a] = p;
@@ -310,7 +308,7 @@ bvx_status bvxi_net_smooth(bvx_context *ctx, bvxi_net *net)
                                  bvxi_piece_count(vertices, VERTEX_GRAIN), vertices, relax_range, &w));
     }
     bvxi_drop(ctx, second);
-    bvxi_drop(ctx, net->links[1]);
+    bvxi_drop(ctx, net->above);
 
     BVXI_TRY(bvxi_for(ctx, "faces", net->flaps, VERTEX_GRAIN, split_faces, &w));
     BVXI_TRY(sort_faces(ctx, &w));

@@ -54,25 +54,26 @@ static double cross_flat(const double a[3], const double b[3], int32_t u, int32_
 static int is_in_envelope(const tangle *t, uint32_t face)
 {
     const bvx_complex *const c = t->net->complex;
+    int32_t const axis = (int32_t)bvxi_net_axis(t->net, face);
+    double at[4][3];
     bvxi_face f;
-    int32_t axis = 0;
 
-    bvxi_read_face(t->net, face, &f);
+    if (axis == BVXI_NET_FLAP) return 0;
+    bvxi_read_face(t->net, face, (uint32_t)axis, &f);
     for (int32_t n = 0; n < 4; n++)
         if (shares_cell(c, f.vertex[n])) return 0;
-    for (int32_t a = 0; a < 3; a++)
-        if (f.at[0][a] == f.at[1][a] && f.at[1][a] == f.at[2][a]) axis = a;
 
     int32_t const u = (axis + 1) % 3, v = (axis + 2) % 3;
+    /* From the edge's low end. */
     for (int32_t n = 0; n < 4; n++)
-        for (int32_t a = 0; a < 3; a++) f.at[n][a] += f.moved[n][a] + 0.5; /* from the edge's low end */
+        for (int32_t a = 0; a < 3; a++) at[n][a] = (double)f.place[n][a] / BVXI_NET_UNITS + 0.5;
 
     /* Turn to the side of the diagonal on which the edge is. */
-    double const way = cross_flat(f.at[0], f.at[2], u, v), turn = cross_flat(f.at[0], f.at[1], u, v);
-    const double *const side = f.at[(way > 0.0) == (turn > 0.0) ? 1 : 3];
-    double const to = bvxi_absolute(cross_flat(f.at[0], side, u, v)),
-                 from = bvxi_absolute(cross_flat(side, f.at[2], u, v)), out = bvxi_absolute(way),
-                 height = from * f.at[0][axis] + to * f.at[2][axis] - out * side[axis];
+    double const way = cross_flat(at[0], at[2], u, v), turn = cross_flat(at[0], at[1], u, v);
+    const double *const side = at[(way > 0.0) == (turn > 0.0) ? 1 : 3];
+    double const to = bvxi_absolute(cross_flat(at[0], side, u, v)),
+                 from = bvxi_absolute(cross_flat(side, at[2], u, v)), out = bvxi_absolute(way),
+                 height = from * at[0][axis] + to * at[2][axis] - out * side[axis];
     return height >= t->margin && height <= to + from - out - t->margin;
 }
 
@@ -174,11 +175,10 @@ static void turn_flaps(const tangle *t)
         bvxi_face face;
 
         if ((t->state[v] | IS_NEAR) != IS_FLAP + FLAP_TURN * STRIKE + IS_MOVED + IS_NEAR) continue;
-        bvxi_read_face(t->net, (uint32_t)f, &face);
+        bvxi_read_face(t->net, (uint32_t)f, BVXI_NET_FLAP, &face);
         for (int a = 0; a < 3; a++) {
-            double const way = face.at[1][a] + face.at[3][a];
-            t->net->offset[3 * (size_t)v + (size_t)a] = (int16_t)(way == 0.0 ? BVXI_NET_UNITS / 8
-                                                                             : way * (BVXI_NET_UNITS / 16));
+            int32_t const way = face.place[1][a] - face.moved[1][a] + face.place[3][a] - face.moved[3][a];
+            t->net->offset[3 * (size_t)v + (size_t)a] = (int16_t)(way == 0 ? BVXI_NET_UNITS / 8 : way / 16);
         }
         bvxi_net_put(t->net, v);
     }

@@ -129,21 +129,6 @@ static bvx_status open_workers(slabs_job *job)
     return BVX_OK;
 }
 
-static bvx_status fill_side_by_side(slabs_job *job)
-{
-    bvxi_stack *const s = job->s;
-
-    BVXI_TRY(BVXI_ZEROS(s->ctx, job->count, "the slabs' scratch", job->again));
-    for (uint32_t i = 0; i < job->count; i++) count_slab(s, &job->slab[i]);
-    BVXI_TRY(open_slab_meshes(job));
-    job->pieces = bvxi_section_pieces(job->count, s->slab_mesh.triangle_room, SLAB_GRAIN);
-    job->workers = bvxi_threads(s->ctx) < job->pieces ? bvxi_threads(s->ctx) : job->pieces;
-    BVXI_TRY(BVXI_ZEROS(s->ctx, job->workers, "the slabs' scratch", job->worker));
-    BVXI_TRY(open_workers(job));
-    BVXI_TRY(bvxi_parallel(s->ctx, "surface", 0.02, 0.8, job->pieces, fill_slab_piece, job));
-    return BVXI_SHARE(s->ctx, 0.8, 1.0, fill_again(job));
-}
-
 /* Slabs share the vertices of the planes between them, which the field makes as it comes to them. */
 static bvx_status fill_in_order(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 {
@@ -160,8 +145,17 @@ static bvx_status fill_in_order(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 bvx_status bvxi_slabs_fill(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 {
     slabs_job job = {.s = s, .slab = slabs, .count = count};
-    return s->options.slabs.crossings == BVX_CROSSINGS_EXACT ? fill_side_by_side(&job)
-                                                             : fill_in_order(s, slabs, count);
+
+    if (s->options.slabs.crossings != BVX_CROSSINGS_EXACT) return fill_in_order(s, slabs, count);
+    BVXI_TRY(BVXI_ZEROS(s->ctx, count, "the slabs' scratch", job.again));
+    for (uint32_t i = 0; i < count; i++) count_slab(s, &slabs[i]);
+    BVXI_TRY(open_slab_meshes(&job));
+    job.pieces = bvxi_section_pieces(count, s->slab_mesh.triangle_room, SLAB_GRAIN);
+    job.workers = bvxi_threads(s->ctx) < job.pieces ? bvxi_threads(s->ctx) : job.pieces;
+    BVXI_TRY(BVXI_ZEROS(s->ctx, job.workers, "the slabs' scratch", job.worker));
+    BVXI_TRY(open_workers(&job));
+    BVXI_TRY(bvxi_parallel(s->ctx, "surface", 0.02, 0.8, job.pieces, fill_slab_piece, &job));
+    return BVXI_SHARE(s->ctx, 0.8, 1.0, fill_again(&job));
 }
 
 /* ---- joining ---- */

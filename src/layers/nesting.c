@@ -461,7 +461,6 @@ bvx_status bvxi_nesting_crossed(bvxi_stack *s, const bvxi_slab *slabs, uint32_t 
     BVXI_TRY(BVXI_ARRAY(s->ctx, cells, "the cells of levels", m.seen));
     BVXI_TRY(BVXI_ARRAY(s->ctx, cells, "the cells of levels", m.shared));
     BVXI_TRY(BVXI_ARRAY(s->ctx, cells, "the cells of levels", own));
-    uint64_t const bytes = (uint64_t)m.s->size[1] * (uint64_t)m.s->words * 8;
 
     for (uint32_t i = 0, end; i < m.count; i = end) {
         end = i + 1;
@@ -469,8 +468,8 @@ bvx_status bvxi_nesting_crossed(bvxi_stack *s, const bvxi_slab *slabs, uint32_t 
         while (end < m.count && m.slab[end].below == m.slab[i].below) end++;
 
         BVXI_TRY(bvxi_progress(m.s->ctx, "levels", 0.5 * (double)i / m.count));
-        memset(m.seen, 0, (size_t)bytes);
-        memset(m.shared, 0, (size_t)bytes);
+        memset(m.seen, 0, (size_t)cells * 8);
+        memset(m.shared, 0, (size_t)cells * 8);
         for (uint32_t k = i; k < end; k++) nest_mark_cells(&m, &m.slab[k], own);
         for (uint32_t k = i; k < end; k++)
             for (uint64_t t = 0; t < m.slab[k].mesh.triangle_count; t++)

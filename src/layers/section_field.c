@@ -261,15 +261,6 @@ static bvx_status cross_over(bvxi_field *f, double u, double v, int from, const 
     return bvxi_section_add_vertex(f->s, place, vertex);
 }
 
-/* From what was nearest to the last place of this column or one beside it; columns are numbered from 1. */
-static void start_near(bvxi_plane_field *p, int32_t i)
-{
-    const bvxi_column_hint *best = &p->column[i + 1];
-    if (p->column[i].row > best->row) best = &p->column[i];
-    if (p->column[i + 2].row > best->row) best = &p->column[i + 2];
-    if (best->row >= 0) p->hint = best->segment;
-}
-
 /* Distances on the lines over parts that end; those of other lines are left less than 0, to be measured. */
 static void measure_ends(bvxi_field *f)
 {
@@ -308,8 +299,14 @@ static void measure_lines(bvxi_field *f, int k, int ends)
                  bits &= bits - 1, n++) {
                 int32_t const i = 64 * word + bvxi_lowest(bits);
                 if (ends && d[n] >= 0.0) continue;
-                /* Beside the last place its hint is still near; after a gap a neighbour below is better. */
-                if (i - last > 1) start_near(p, i);
+                /* Beside the last place its hint is still near; after a gap the latest of three columns is better,
+                 * which are numbered from 1. */
+                if (i - last > 1) {
+                    const bvxi_column_hint *best = &p->column[i + 1];
+                    if (p->column[i].row > best->row) best = &p->column[i];
+                    if (p->column[i + 2].row > best->row) best = &p->column[i + 2];
+                    if (best->row >= 0) p->hint = best->segment;
+                }
                 d[n] = grid_distance(f, p, i, j);
                 if (k >= BVXI_BLEND_FAR_BELOW && !bvxi_grid_bit(s, p->plane, i, j)) d[n] = -d[n];
                 p->column[i + 1].segment = p->hint;

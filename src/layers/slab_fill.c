@@ -75,12 +75,8 @@ static void next_lines(bvxi_slab_work *w, int32_t i, const uint32_t inside[2], u
 
 static uint32_t inside_corners(const bvxi_stack *s, const bvxi_plane *p, int32_t i, int32_t j)
 {
-    const uint64_t *const low = p->inside + (size_t)j * (size_t)s->words, *const high = low + s->words;
-    uint32_t const a = (uint32_t)(low[i >> 6] >> (i & 63) & 1);
-    uint32_t const b = (uint32_t)(low[(i + 1) >> 6] >> ((i + 1) & 63) & 1);
-    uint32_t const c = (uint32_t)(high[(i + 1) >> 6] >> ((i + 1) & 63) & 1);
-    uint32_t const d = (uint32_t)(high[i >> 6] >> (i & 63) & 1);
-    return a | b << 1 | c << 2 | d << 3;
+    return (uint32_t)(bvxi_grid_bit(s, p, i, j) | bvxi_grid_bit(s, p, i + 1, j) << 1 |
+                      bvxi_grid_bit(s, p, i + 1, j + 1) << 2 | bvxi_grid_bit(s, p, i, j + 1) << 3);
 }
 
 static bvx_status fill_leaves(bvxi_slab_work *w, const bvxi_split *split)

@@ -87,14 +87,6 @@ static void list_half_edges(patch_work *w)
     }
 }
 
-/* How many half-edges from begin on belong to one edge. */
-static uint64_t edge_length(const patch_work *w, uint64_t begin, uint64_t count)
-{
-    uint64_t end = begin + 1;
-    while (end < count && w->keys[end] == w->keys[begin]) end++;
-    return end - begin;
-}
-
 /* 1 where a half-edge runs from the edge's higher corner to the lower one. */
 static uint32_t runs_down(const patch_work *w, uint64_t at)
 {
@@ -129,7 +121,8 @@ static void each_edge(patch_work *w, void (*visit)(patch_work *, uint64_t, uint6
 {
     uint64_t const count = 3 * w->out->triangles;
     for (uint64_t at = 0, n; at < count && w->keys[at] != UINT64_MAX; at += n) {
-        n = edge_length(w, at, count);
+        /* All half-edges of one edge. */
+        for (n = 1; at + n < count && w->keys[at + n] == w->keys[at];) n++;
         visit(w, at, n);
     }
 }

@@ -428,13 +428,6 @@ static void ear_set_state(polygon_ears *e, uint32_t v)
         e->state[v] = EAR_OTHER;
 }
 
-/* 1 when the two edges at v lie on one line and on the same side of v. */
-static int ear_is_fold(const polygon_ears *e, uint32_t p, uint32_t v, uint32_t q)
-{
-    const double(*const xy)[2] = (const double(*)[2])e->ring->xy;
-    return bvxi_place_order(xy[p], xy[v]) * bvxi_place_order(xy[v], xy[q]) <= 0;
-}
-
 static int ear_holds(const polygon_ears *e, uint32_t p, uint32_t v, uint32_t q, uint32_t r)
 {
     const double(*const xy)[2] = (const double(*)[2])e->ring->xy;
@@ -479,7 +472,10 @@ static int ear_may_go(polygon_ears *e, uint32_t v, uint32_t round)
     /* Each round in vain allows more, so that the loop always goes on. */
     if (round >= 3 || (round == 2 && turn > 0) || (round == 1 && turn == 0)) return 1;
     if (round > 0) return 0;
-    return turn == 0 ? ear_is_fold(e, p, v, q) : turn > 0 && ear_is_free(e, p, v, q);
+    if (turn != 0) return turn > 0 && ear_is_free(e, p, v, q);
+    /* A fold: the two edges at v lie on one line and on the same side of v. */
+    const double(*const xy)[2] = (const double(*)[2])e->ring->xy;
+    return bvxi_place_order(xy[p], xy[v]) * bvxi_place_order(xy[v], xy[q]) <= 0;
 }
 
 static void ears_prepare(polygon_ears *e, void *scratch)

@@ -18,14 +18,6 @@ typedef struct radix_arrays {
     uint64_t count;
 } radix_arrays;
 
-/* Bits that are not the same in all keys. */
-static uint64_t differing_bits(const uint64_t *keys, uint64_t count)
-{
-    uint64_t bits = 0;
-    for (uint64_t i = 1; i < count; i++) bits |= keys[i] ^ keys[0];
-    return bits;
-}
-
 /* Elements from begin to end, each to the next place of its digit. */
 static void move_radix_elements(const radix_arrays *a, uint64_t begin, uint64_t end, int32_t shift,
                                 uint32_t *BVXI_RESTRICT place)
@@ -48,23 +40,19 @@ typedef struct radix_pass {
     uint32_t place[RADIX_PIECES][RADIX_VALUES];
 } radix_pass;
 
-static void count_radix_piece(void *user, int32_t index)
+static void count_radix_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     radix_pass *const p = user;
     const uint64_t *const keys = p->all.key_from;
     uint32_t *BVXI_RESTRICT const count = p->place[index];
     int32_t const shift = p->shift;
-    uint64_t begin, end;
-    bvxi_piece(p->all.count, p->pieces, index, &begin, &end);
     memset(count, 0, sizeof p->place[index]);
     for (uint64_t i = begin; i < end; i++) count[keys[i] >> shift & 255]++;
 }
 
-static void move_radix_piece(void *user, int32_t index)
+static void move_radix_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     radix_pass *const p = user;
-    uint64_t begin, end;
-    bvxi_piece(p->all.count, p->pieces, index, &begin, &end);
     move_radix_elements(&p->all, begin, end, p->shift, p->place[index]);
 }
 
@@ -83,17 +71,18 @@ static void place_radix_pieces(radix_pass *p)
 static void sort_radix(bvx_context *ctx, radix_arrays *a)
 {
     int32_t const pieces = bvxi_piece_count(a->count, RADIX_GRAIN);
-    uint64_t bits = differing_bits(a->key_from, a->count);
+    uint64_t bits = 0; /* that are not the same in all keys */
     radix_pass p;
 
+    for (uint64_t i = 1; i < a->count; i++) bits |= a->key_from[i] ^ a->key_from[0];
     p.all = *a;
     p.pieces = pieces < RADIX_PIECES ? pieces : RADIX_PIECES;
     for (; bits != 0; bits &= ~(UINT64_C(255) << p.shift)) {
         p.shift = bvxi_lowest(bits);
         /* Counted anew for each digit: what a piece holds changes from pass to pass. */
-        bvxi_tasks(ctx, p.pieces, count_radix_piece, &p);
+        bvxi_ranges(ctx, p.pieces, a->count, count_radix_piece, &p);
         place_radix_pieces(&p);
-        bvxi_tasks(ctx, p.pieces, move_radix_piece, &p);
+        bvxi_ranges(ctx, p.pieces, a->count, move_radix_piece, &p);
 
         uint64_t *const keys = p.all.key_from;
         uint32_t *const numbers = p.all.number_from;

@@ -155,6 +155,14 @@ static inline void bvxi_view_corners(const bvx_mesh_view *v, uint64_t t, double 
     for (int k = 0; k < 3; k++) bvxi_view_position(v, c[k], p[k]);
 }
 
+/* The same times a power of two that brings them about to the size of 1, so that products of lengths neither
+ * vanish nor overflow. */
+static inline void bvxi_view_scaled(const bvx_mesh_view *v, uint64_t t, double scale, double p[3][3])
+{
+    bvxi_view_corners(v, t, p);
+    for (int k = 0; k < 9; k++) p[k / 3][k % 3] *= scale;
+}
+
 /* 1 when none of the three is an infinity or not a number. */
 static inline int bvxi_view_finite(const double p[3])
 {

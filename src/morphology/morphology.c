@@ -11,11 +11,6 @@
 
 enum { MORPH_MOST_STEPS = 65536, MORPH_MOST_SIDE = 1 << 26 };
 
-static int32_t reach_of(const bvxi_morph *morph, int axis)
-{
-    return morph->neighbourhood != 0 ? morph->steps : bvxi_ball_reach(morph, axis);
-}
-
 static bvx_status alloc_box(bvx_context *ctx, const char *stage, bvxi_bit_box *box)
 {
     int ok = 1;
@@ -37,7 +32,8 @@ static bvx_status widen_box(bvx_context *ctx, const bvxi_morph *morph, const bvx
 {
     for (int a = 0; a < 3; a++) {
         /* A reach may be larger than any grid: sides are counted with more bits before they are kept. */
-        int64_t const reach = reach_of(morph, a), side = grid->size[a] + 2 * reach + 3 * BVXI_WORD_BITS;
+        int64_t const reach = morph->neighbourhood != 0 ? morph->steps : bvxi_ball_reach(morph, a),
+                      side = grid->size[a] + 2 * reach + 3 * BVXI_WORD_BITS;
         if (side > MORPH_MOST_SIDE)
             return bvxi_fail(ctx, BVX_ERR_BUDGET,
                              "%s: a reach of %d voxels around the window is more than can be held",
@@ -63,7 +59,7 @@ static void copy_into_wide(const bvx_grid *grid, const int32_t room[3], int32_t 
         for (size_t y = 0; y < (size_t)grid->size[1]; y++) {
             size_t const at = (z + (size_t)room[2]) * (size_t)wide->size[1] + y + (size_t)room[1];
             uint64_t *const row = wide->words + at * (size_t)wide->row_words + (size_t)room[0];
-            memcpy(row, grid->words + (z * (size_t)grid->size[1] + y) * words, words * 8);
+            memcpy(row, bvxi_grid_row(grid, (int32_t)y, (int32_t)z), words * 8);
             row[words - 1] |= outside; /* Bits past the row's end belong to what lies beyond. */
         }
 }
@@ -75,7 +71,7 @@ static void cut_from_wide(const bvxi_bit_box *wide, const int32_t room[3], bvx_g
     for (size_t z = 0; z < (size_t)result->size[2]; z++)
         for (size_t y = 0; y < (size_t)result->size[1]; y++) {
             size_t const at = (z + (size_t)room[2]) * (size_t)wide->size[1] + y + (size_t)room[1];
-            uint64_t *const row = result->words + (z * (size_t)result->size[1] + y) * words;
+            uint64_t *const row = bvxi_grid_row(result, (int32_t)y, (int32_t)z);
             memcpy(row, wide->words + at * (size_t)wide->row_words + (size_t)room[0], words * 8);
             row[words - 1] &= tail;
         }

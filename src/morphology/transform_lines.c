@@ -168,13 +168,6 @@ BVXI_AVX2 static int search_columns_avx2(const bvxi_columns *c)
 }
 #endif
 
-static int try_search(const bvxi_columns *c)
-{
-    /* The search reads all rows, and does not know where the least came from. */
-    if (c->from != NULL || c->place_count != c->n) return 0;
-    return BVXI_PATH(c->cpu == BVX_CPU_AVX2, search_columns(c), search_columns_avx2(c));
-}
-
 /* Parabolas of a column that are least somewhere: site[i] from start[i] on. Returns the last index. */
 static inline int32_t build_envelope(const bvxi_columns *c, const uint32_t *in)
 {
@@ -225,7 +218,10 @@ void bvxi_whole_columns(const bvxi_columns *columns)
 {
     const uint32_t *const in = columns->in;
     uint32_t *const out = columns->out;
-    if (try_search(columns)) return;
+    /* The search reads all rows, and does not know where the least came from. */
+    if (columns->from == NULL && columns->place_count == columns->n &&
+        BVXI_PATH(columns->cpu == BVX_CPU_AVX2, search_columns(columns), search_columns_avx2(columns)))
+        return;
     for (int32_t lane = 0; lane < BVXI_LANES; lane++) {
         int32_t const top = build_envelope(columns, in + lane);
         read_envelope(columns, in + lane, top, out + lane,

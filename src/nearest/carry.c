@@ -22,12 +22,6 @@ typedef struct carry_work {
 
 /* ---- One vertex ---- */
 
-static uint8_t round_colour(double v)
-{
-    double const up = v + 0.5;
-    return (uint8_t)(up >= 255.0 ? 255 : (int32_t)up); /* Weights may sum up to a hair more than 1. */
-}
-
 static void blend_colours(const carry_work *w, const bvx_closest_point *at, uint64_t vertex)
 {
     const uint8_t *c[3];
@@ -35,9 +29,11 @@ static void blend_colours(const carry_work *w, const bvx_closest_point *at, uint
     bvxi_view_triangle(&w->from, at->triangle, corner);
     for (int k = 0; k < 3; k++) c[k] = w->source->colours + 4 * (size_t)corner[k];
     /* Opacity is blended like the colours. */
-    for (int i = 0; i < 4; i++)
-        w->colours[4 * vertex + (uint64_t)i] = round_colour(
-            at->weight[0] * c[0][i] + at->weight[1] * c[1][i] + at->weight[2] * c[2][i]);
+    for (int i = 0; i < 4; i++) {
+        double const up = at->weight[0] * c[0][i] + at->weight[1] * c[1][i] + at->weight[2] * c[2][i] + 0.5;
+        /* Weights may sum up to a hair more than 1. */
+        w->colours[4 * vertex + (uint64_t)i] = (uint8_t)(up >= 255.0 ? 255 : (int32_t)up);
+    }
 }
 
 /* Numbers into the source's uvs of a triangle's corners. */
@@ -97,11 +93,6 @@ static bvx_status check_carried_mesh(bvx_context *ctx, const char *function, con
     return bvxi_mesh_check_reserved(ctx, function, mesh);
 }
 
-static int is_finite_uv(const float *uv)
-{
-    return (uv[0] - uv[0]) + (uv[1] - uv[1]) == 0.0f;
-}
-
 /* All texture coordinates that triangles use are there and finite. Triangles hold vertices by now. */
 static bvx_status check_source_uvs(bvx_context *ctx, const char *function, const bvx_mesh *source)
 {
@@ -119,7 +110,8 @@ static bvx_status check_source_uvs(bvx_context *ctx, const char *function, const
                 return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
                                      "%s: triangle %i has texture coordinate number %u, but there are %u",
                                      function, t, (uint64_t)number[k], source->uv_count);
-            if (!is_finite_uv(source->uvs + 2 * (size_t)number[k]))
+            const float *const uv = source->uvs + 2 * (size_t)number[k];
+            if ((uv[0] - uv[0]) + (uv[1] - uv[1]) != 0.0f)
                 return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
                                      "%s: texture coordinate %i is not finite", function,
                                      (uint64_t)number[k]);

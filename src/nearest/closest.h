@@ -152,8 +152,9 @@ bvx_status bvxi_mesh_distance(bvx_context *ctx, const bvx_mesh_view *a, bvxi_dis
                               bvx_distance_report *report);
 void bvxi_distance_forget(bvx_context *ctx, bvxi_distance_tree *kept);
 
-/* As bvx_mesh_crossings, of a welded mesh with triangles. Vertices that no triangle uses may be anything. */
-bvx_status bvxi_mesh_crossings(bvx_context *ctx, const char *function, const bvxi_welded *mesh,
-                               uint64_t *count, uint32_t *pairs, uint64_t capacity);
+/* As bvx_mesh_crossings, of a welded mesh with triangles. Vertices that no triangle uses may be anything. *pairs
+ * becomes a block of scratch [Size: *count * 2], NULL where there are none, or more than most. */
+bvx_status bvxi_mesh_crossings(bvx_context *ctx, const bvxi_welded *mesh, uint64_t most, uint32_t **pairs,
+                               uint64_t *count);
 
 #endif

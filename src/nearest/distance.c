@@ -166,14 +166,9 @@ static double distance_scale(const distance_side *a, const distance_side *b)
 static bvx_status require_area(bvx_context *ctx, const char *function, const bvx_mesh_view *v, double scale)
 {
     double t[3][3], n[3];
-    uint32_t c[3];
     /* The first triangle with an area answers. */
     for (uint64_t i = 0; i < v->triangle_count; i++) {
-        bvxi_view_triangle(v, i, c);
-        for (int k = 0; k < 3; k++) {
-            bvxi_view_position(v, c[k], t[k]);
-            for (int a = 0; a < 3; a++) t[k][a] *= scale;
-        }
+        bvxi_view_scaled(v, i, scale, t);
         if (bvxi_facet_normal((const double(*)[3])t, n) > 0.0) return BVX_OK;
     }
     return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no triangle has an area", function);

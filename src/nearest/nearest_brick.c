@@ -133,16 +133,6 @@ static inline int32_t near_slot(int32_t g, int32_t c)
     return ((g & 1) * 2 + (c & 1)) + 4 * ((g & 2) + (c >> 1 & 1)) + 16 * ((g >> 2) * 2 + (c >> 2));
 }
 
-/* All that may win goes to the evaluation, and there is room for others. */
-static void settle_near_eight(const bvxi_nearest *n, bvxi_near_worker *w)
-{
-    float most2[8];
-    int32_t const count = bvxi_near_eight_winners(n, w->fast, &w->eight, most2, w->winners);
-    /* None is dropped here: whether it lies within the limit is asked at the end. */
-    for (int32_t i = 0; i < count; i++)
-        take_near_pair(n, w, w->winners[i].triangle, near_slot(w->eight.group, w->winners[i].centre));
-}
-
 /* The end of a search: where one triangle alone may win within the limit, it is taken at once. */
 static void end_near_eight(const bvxi_nearest *n, float sure2, int32_t parts, bvxi_near_worker *w)
 {
@@ -180,7 +170,11 @@ static int32_t look_through_near_list(const bvxi_nearest *n, bvxi_near_worker *w
     /* What was measured is settled to make room; the bounds that it gave stay. */
     bvxi_near_eight_take(&w->list, &w->sieve, w->fast, &w->eight);
     while (!bvxi_near_eight_look(n, &w->list, w->cell.origin, w->fast, &w->eight)) {
-        settle_near_eight(n, w);
+        float most2[8];
+        int32_t const count = bvxi_near_eight_winners(n, w->fast, &w->eight, most2, w->winners);
+        /* None is dropped here: whether it lies within the limit is asked at the end. */
+        for (int32_t i = 0; i < count; i++)
+            take_near_pair(n, w, w->winners[i].triangle, near_slot(w->eight.group, w->winners[i].centre));
         parts = 1;
     }
     return parts;

@@ -216,8 +216,6 @@ typedef void bvxi_row_fn(const bvxi_oblique *o, const bvxi_oblique_plane *plane,
 bvx_status bvxi_oblique_rows(const bvxi_oblique *o, bvxi_row_fn *row);
 /* What a raster of a plane has at a place's foot point. */
 double bvxi_oblique_raster_at(const bvxi_oblique_plane *p, const float *raster, const double at[3]);
-/* The distance of a place's foot point on a plane. */
-double bvxi_oblique_distance(const bvxi_oblique *o, uint32_t plane, const double at[3]);
 
 /* oblique_field.c: what the smooth number leaves of the distances, once it is made. */
 bvx_status bvxi_oblique_rest(bvxi_oblique *o);
@@ -229,8 +227,6 @@ double bvxi_oblique_number_among(const bvxi_oblique *o, const double at[3], cons
 /* Where the lattice's vertex is; 1: on a plane that is very near, all of which are among these. */
 int bvxi_oblique_place_among(const bvxi_oblique *o, const int32_t vertex[3], const uint32_t *plane,
                              uint32_t count, double at[3]);
-/* The sign of a point of a plane far from its contours; exact next to them. */
-int bvxi_oblique_side(const bvxi_oblique *o, uint32_t plane, const double at[3]);
 
 /* ---- joint_fields.c: where the bodies of several labels are ---- */
 
@@ -389,12 +385,6 @@ void bvxi_look_stretches(const bvxi_oblique *o, bvxi_look *look, uint32_t vertex
                          uint32_t stretches[2]);
 int64_t bvxi_look_euler(const bvxi_oblique *o, const bvxi_look *look, uint32_t vertex, int *any, int *all);
 int bvxi_look_whole(const bvxi_oblique *o, const bvxi_look *look, uint32_t vertex);
-
-/* Edges by their ends. */
-static inline uint64_t bvxi_edge_key(uint32_t a, uint32_t b)
-{
-    return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
-}
 
 static inline bvx_status bvxi_edge_add(const bvxi_oblique *o, bvxi_map *map, uint32_t a, uint32_t b,
                                        uint32_t **value)

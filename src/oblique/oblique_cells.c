@@ -17,20 +17,12 @@ enum {
     SPLIT_ROOM = 4 /* what planes and contours make of a tetrahedron, in the mean */
 };
 
-#define ALL_CELLS UINT64_MAX
-
 /* A block of cells as it is looked at: the planes in it, and which cells each touches. */
 typedef struct oblique_block {
     int32_t first[3];
     uint32_t plane[BVXI_OBLIQUE_PLANES], planes;
     uint64_t touched[BVXI_OBLIQUE_PLANES];
 } oblique_block;
-
-typedef struct cells_job {
-    bvxi_oblique *o;
-    oblique_block *block; /* [threads] */
-    int32_t pieces;
-} cells_job;
 
 /* Cells that have corners on both sides of a plane, or on it, from bits of the block's nodes. */
 static uint64_t cells_of_nodes(const uint8_t node[CELL_NODES])
@@ -49,7 +41,7 @@ static uint64_t whole_cells(const bvxi_oblique *o, const int32_t first[3])
 {
     static const uint64_t last[3] = {UINT64_C(0x8888888888888888), UINT64_C(0xf000f000f000f000),
                                      UINT64_C(0xffff000000000000)};
-    uint64_t cells = ALL_CELLS;
+    uint64_t cells = UINT64_MAX;
     for (int k = 0; k < 3; k++)
         if (first[k] + BVXI_BLOCK_SIDE >= o->side[k]) cells &= ~last[k];
     return cells;
@@ -103,54 +95,48 @@ static uint64_t contradicted_cells(const bvxi_oblique *o, const oblique_block *b
 }
 
 /* Which cells of known blocks are split, and how many planes touch those. */
-static void judge_piece(void *user, int32_t index, int32_t worker)
+static void judge_cells(void *user, uint64_t begin, uint64_t end)
 {
-    const cells_job *const job = user;
-    bvxi_oblique *const o = job->o;
-    oblique_block *const b = &job->block[worker];
-    uint64_t begin, end;
+    bvxi_oblique *const o = user;
+    oblique_block b;
 
-    bvxi_piece(o->known_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
-        uint64_t mixed, wanted, touched = 0;
+        uint64_t touched = 0;
         uint32_t touches = 0;
 
-        look_at_block(o, (uint32_t)i, b);
-        mixed = bvxi_oblique_mixed(o, (uint32_t)i) & whole_cells(o, b->first);
-        wanted = mixed | o->contour_cells[o->known[i]];
-        wanted |= contradicted_cells(o, b, i, ~wanted);
-        for (uint32_t p = 0; p < b->planes; p++) touched |= b->touched[p];
+        look_at_block(o, (uint32_t)i, &b);
+        uint64_t const mixed = bvxi_oblique_mixed(o, (uint32_t)i) & whole_cells(o, b.first);
+        uint64_t wanted = mixed | o->contour_cells[o->known[i]];
+        wanted |= contradicted_cells(o, &b, i, ~wanted);
+        for (uint32_t p = 0; p < b.planes; p++) touched |= b.touched[p];
         /* Mixed cells without a plane are plain: one body's need no tetrahedra of their own. */
         o->split[i] = o->body_count != 0 ? wanted : wanted & touched;
         o->active[i] = mixed & ~touched;
-        for (uint32_t p = 0; p < b->planes; p++) touches += bvxi_popcount(b->touched[p] & o->split[i]);
+        for (uint32_t p = 0; p < b.planes; p++) touches += bvxi_popcount(b.touched[p] & o->split[i]);
         o->split_first[i] = bvxi_popcount(o->split[i]);
         o->touch_first[i] = touches;
     }
 }
 
 /* The split cells with what touches them, in their order. */
-static void list_piece(void *user, int32_t index, int32_t worker)
+static void list_cells(void *user, uint64_t begin, uint64_t end)
 {
-    const cells_job *const job = user;
-    bvxi_oblique *const o = job->o;
-    oblique_block *const b = &job->block[worker];
-    uint64_t begin, end;
+    bvxi_oblique *const o = user;
+    oblique_block b;
 
-    bvxi_piece(o->known_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         uint32_t cell = o->split_first[i], touch = o->touch_first[i];
         if (o->split[i] == 0) continue;
         /* Looked at twice rather than kept: what planes touch in all blocks would be much memory. */
-        look_at_block(o, (uint32_t)i, b);
+        look_at_block(o, (uint32_t)i, &b);
         for (uint64_t left = o->split[i]; left != 0; left &= left - 1, cell++) {
             int const c = bvxi_lowest(left);
             o->cell[cell][0] = o->known[i];
             o->cell[cell][1] = (uint32_t)c;
-            for (uint32_t p = 0; p < b->planes; p++) {
-                if (!(b->touched[p] >> c & 1)) continue;
+            for (uint32_t p = 0; p < b.planes; p++) {
+                if (!(b.touched[p] >> c & 1)) continue;
                 o->touch[touch][0] = cell;
-                o->touch[touch++][1] = b->plane[p];
+                o->touch[touch++][1] = b.plane[p];
             }
         }
     }
@@ -324,7 +310,6 @@ bvx_status bvxi_oblique_cells(bvxi_oblique *o)
     static const char what[] = "the cells of the surface";
     uint64_t const n = o->known_count;
     bvx_context *const ctx = o->ctx;
-    cells_job job = {.o = o, .pieces = bvxi_piece_count(n, CELL_GRAIN)};
 
     BVXI_TRY(BVXI_ARRAY(ctx, bvxi_oblique_kind_bits(o) * n, what, o->inside));
     BVXI_TRY(BVXI_ARRAY(ctx, n, what, o->split));
@@ -333,14 +318,13 @@ bvx_status bvxi_oblique_cells(bvxi_oblique *o)
     BVXI_TRY(BVXI_ARRAY(ctx, n + 1, what, o->touch_first));
     BVXI_TRY(BVXI_ARRAY(ctx, n * BVXI_BLOCK_SIZE, what, o->vertex_at));
     memset(o->vertex_at, 0xff, (size_t)(n * BVXI_BLOCK_SIZE * 4));
-    BVXI_TRY(BVXI_ARRAY(ctx, bvxi_threads(ctx), "the planes of blocks", job.block));
 
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.1, bvxi_oblique_take_signs(o)));
-    BVXI_TRY(bvxi_parallel(ctx, "surface", 0.1, 0.4, job.pieces, judge_piece, &job));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.4, bvxi_for(ctx, "surface", n, CELL_GRAIN, judge_cells, o)));
     BVXI_TRY(number_cells(o));
     BVXI_TRY(BVXI_ARRAY(ctx, o->cell_count + 1, "the cells that are split", o->cell));
     BVXI_TRY(BVXI_ARRAY(ctx, o->touch_count + 1, "the cells that planes touch", o->touch));
-    BVXI_TRY(bvxi_parallel(ctx, "surface", 0.4, 0.5, job.pieces, list_piece, &job));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.4, 0.5, bvxi_for(ctx, "surface", n, CELL_GRAIN, list_cells, o)));
     BVXI_TRY(order_touches(o));
     return make_tetrahedra(o);
 }

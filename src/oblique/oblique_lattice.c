@@ -105,8 +105,11 @@ float bvxi_oblique_vertex_value(const bvxi_oblique *o, const int32_t vertex[3])
 
 int bvxi_oblique_kind_on(const bvxi_oblique *o, uint32_t plane, const double at[3])
 {
+    const bvxi_oblique_plane *const p = &o->plane[plane];
     if (o->body_count != 0) return bvxi_joint_kind(o, plane, at, NULL, 0);
-    return bvxi_oblique_side(o, plane, at) > 0;
+    /* Far from contours the raster is enough: a bilinear cell of distances is off by less than its diagonal. */
+    double const near = p->raster == NULL ? 0.0 : bvxi_oblique_raster_at(p, p->raster, at);
+    return (bvxi_absolute(near) > 1.5 * BVXI_RASTER_STEP ? near : bvxi_oblique_exact(o, plane, at)) > 0.0;
 }
 
 int bvxi_oblique_kind(const bvxi_oblique *o, const int32_t vertex[3])

@@ -36,11 +36,6 @@ static int look_star(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
     return 1;
 }
 
-static uint32_t look_vertex(const bvxi_look *l, uint32_t vertex)
-{
-    return l->place[look_slot(l, l->key, vertex)];
-}
-
 int bvxi_look_link(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
 {
     if (!look_star(o, l, vertex)) return 0;
@@ -75,7 +70,7 @@ void bvxi_look_stretches(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex, i
         /* Of a tetrahedron's three other corners those on one side hang together. */
         for (int k = 0; k < 4; k++) {
             if (v[k] == vertex) continue;
-            uint32_t const own = look_vertex(l, v[k]);
+            uint32_t const own = l->place[look_slot(l, l->key, v[k])];
             int const inside = l->sign[own] > 0;
             if (!contours && l->sign[own] == 0) continue;
             if (last[inside] != BVXI_NONE)

@@ -170,24 +170,8 @@ double bvxi_oblique_raster_at(const bvxi_oblique_plane *p, const float *raster, 
         t[k] = x - i[k];
     }
     const float *const row = raster + (int64_t)i[1] * p->raster_size[0] + i[0];
-    {
-        double const low = row[0] + t[0] * ((double)row[1] - row[0]);
-        double const high = row[p->raster_size[0]] +
-                            t[0] * ((double)row[p->raster_size[0] + 1] - row[p->raster_size[0]]);
-        return low + t[1] * (high - low);
-    }
-}
-
-double bvxi_oblique_distance(const bvxi_oblique *o, uint32_t plane, const double at[3])
-{
-    const bvxi_oblique_plane *const p = &o->plane[plane];
-    return p->raster == NULL ? -0.25 * o->longest : bvxi_oblique_raster_at(p, p->raster, at);
-}
-
-int bvxi_oblique_side(const bvxi_oblique *o, uint32_t plane, const double at[3])
-{
-    double const near = bvxi_oblique_distance(o, plane, at);
-    /* a bilinear cell of distances is off by less than its diagonal */
-    if (bvxi_absolute(near) > 1.5 * BVXI_RASTER_STEP) return near > 0.0 ? 1 : -1;
-    return bvxi_oblique_exact(o, plane, at) > 0.0 ? 1 : -1;
+    const float *const next = row + p->raster_size[0];
+    double const low = row[0] + t[0] * ((double)row[1] - row[0]);
+    double const high = next[0] + t[0] * ((double)next[1] - next[0]);
+    return low + t[1] * (high - low);
 }

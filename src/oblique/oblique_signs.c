@@ -93,20 +93,10 @@ static bvx_status part_tetrahedron(bvxi_oblique *o, uint32_t t)
     return BVX_OK;
 }
 
-/* Tetrahedra with two or more vertices on contours: those that are split become no others. */
-static void mark_contours_piece(void *user, uint64_t begin, uint64_t end)
-{
-    const bvxi_oblique *const o = user;
-    for (uint64_t t = begin; t < end; t++) o->mark[t] = bvxi_on_contours(o, &o->tetra[t]) >= 2;
-}
-
 bvx_status bvxi_oblique_part_contours(bvxi_oblique *o)
 {
-    uint64_t const marked = o->tetra_count;
-    BVXI_TRY(BVXI_RESERVE(o, o->mark, o->tetra_room, o->mark_room, "the marks of tetrahedra"));
-    BVXI_TRY(bvxi_for(o->ctx, "surface", o->tetra_count, 4096, mark_contours_piece, o));
-    for (uint64_t t = 0; t < o->tetra_count; t++)
-        if (t >= marked || o->mark[t]) BVXI_TRY(part_tetrahedron(o, (uint32_t)t));
+    /* Those that splitting adds come last, and their turn comes too. */
+    for (uint64_t t = 0; t < o->tetra_count; t++) BVXI_TRY(part_tetrahedron(o, (uint32_t)t));
     return BVXI_RESERVE(o, o->mark, o->tetra_count, o->mark_room, "the marks of tetrahedra");
 }
 
@@ -203,11 +193,6 @@ static void set_opposite(bvxi_oblique *o, uint32_t m, uint32_t of)
     o->vertex[m].sign = (int8_t)-o->vertex[of].sign;
     o->vertex[m].value = -0.5F * o->vertex[of].value;
     if (o->vertex[m].value == 0.0F) o->vertex[m].value = 1e-12F * (float)o->vertex[m].sign;
-}
-
-static void change_corners(const bvxi_oblique *o, uint32_t tetra, const signs_job *job)
-{
-    for (int k = 0; k < 4; k++) change_round(job, o->tetra[tetra].v[k]);
 }
 
 static bvx_status part_from_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t u)
@@ -355,7 +340,8 @@ static bvx_status oblique_settle_vertex(bvxi_oblique *o, link_work *w, uint32_t 
         BVXI_TRY(bvxi_tetra_with_edge(o, v, wrong, &t));
         if (t == BVXI_NONE) return BVX_OK;
         /* The star of v is still there from the search; the ring that is split is in it. */
-        for (uint64_t i = 0; i < o->star_count; i++) change_corners(o, o->star[i], job);
+        for (uint64_t i = 0; i < o->star_count; i++)
+            for (int k = 0; k < 4; k++) change_round(job, o->tetra[o->star[i]].v[k]);
         BVXI_TRY(bvxi_tetra_split_edge(o, t, v, wrong, at, &m));
         set_opposite(o, m, wrong);
     }

@@ -631,7 +631,7 @@ static bvx_status count_apart(boolean_job *job, uint64_t parts, uint64_t *bodies
         job->body[0].mesh->vertex_count + job->body[1].mesh->vertex_count > UINT32_MAX)
         return BVX_OK;
     BVXI_TRY(put_together(job, &both));
-    return bvxi_bodies_apart(job->ctx, boolean_name, &both, bodies);
+    return bvxi_bodies_apart(job->ctx, &both, bodies);
 }
 
 /* A union has no more parts than its meshes have together, which are counted only where that is in question; and no

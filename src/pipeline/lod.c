@@ -244,13 +244,6 @@ static int32_t guess_between(int32_t low, uint64_t low_count, int32_t high, uint
     return guess <= low ? low + 1 : guess >= high ? high - 1 : guess;
 }
 
-/* What to search for: more than asked where edges collapse afterwards. */
-static uint64_t search_target(uint64_t asked, double collapse)
-{
-    double const more = (double)asked * collapse;
-    return collapse == 0 ? asked : more < 4e9 ? (uint64_t)more : UINT32_MAX;
-}
-
 /* Where bisection ends at nothing, as with a sheet that only some resolutions meet: the largest below that
  * keeps something within the target, or 0. */
 static bvx_status search_downwards(bvx_context *ctx, lod_job *job, uint64_t target, int32_t from,
@@ -271,7 +264,9 @@ static bvx_status search_downwards(bvx_context *ctx, lod_job *job, uint64_t targ
 static bvx_status search_resolution(bvx_context *ctx, lod_job *job, int32_t *resolution)
 {
     uint64_t const asked = job->options->target_triangles[job->level];
-    uint64_t const target = search_target(asked, job->options->collapse);
+    double const collapse = job->options->collapse, more = (double)asked * collapse;
+    /* More than asked where edges collapse afterwards. */
+    uint64_t const target = collapse == 0 ? asked : more < 4e9 ? (uint64_t)more : UINT32_MAX;
     /* low keeps the target, high does not (or is no resolution) */
     int32_t low = 0, high = longest_side(job->solid) + 1;
     uint64_t low_count = 0, high_count = 0, tries = 0;

@@ -202,16 +202,12 @@ static void join_enclosed(apart_job *job, const double beyond[3])
         }
 }
 
-static bvx_status join_crossing(bvx_context *ctx, const char *function, apart_job *job,
-                                const bvxi_welded *welded)
+static bvx_status join_crossing(bvx_context *ctx, apart_job *job, const bvxi_welded *welded)
 {
-    uint64_t pairs = 0;
+    uint64_t pairs;
     uint32_t *pair, a[3], b[3];
 
-    BVXI_TRY(bvxi_mesh_crossings(ctx, function, welded, &pairs, NULL, 0));
-    if (pairs == 0) return BVX_OK;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, pairs * 8, "the crossing triangles", &pair));
-    BVXI_TRY(bvxi_mesh_crossings(ctx, function, welded, &pairs, pair, pairs));
+    BVXI_TRY(bvxi_mesh_crossings(ctx, welded, UINT64_MAX, &pair, &pairs));
     for (uint64_t i = 0; i < pairs; i++) {
         bvxi_view_triangle(job->mesh, pair[2 * i], a);
         bvxi_view_triangle(job->mesh, pair[2 * i + 1], b);
@@ -220,8 +216,7 @@ static bvx_status join_crossing(bvx_context *ctx, const char *function, apart_jo
     return BVX_OK;
 }
 
-bvx_status bvxi_bodies_apart(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
-                             uint64_t *bodies)
+bvx_status bvxi_bodies_apart(bvx_context *ctx, const bvx_mesh_view *mesh, uint64_t *bodies)
 {
     static const double aslant[3] = {0.3719, 0.6131, 0.2357};
     uint64_t const bytes = mesh->vertex_count * 4;
@@ -252,7 +247,7 @@ bvx_status bvxi_bodies_apart(bvx_context *ctx, const char *function, const bvx_m
     for (int a = 0; a < 3; a++) beyond[a] = of.box.high[a] + aslant[a] * (of.box.high[a] - of.box.low[a]);
     job.bodies = job.count;
     join_enclosed(&job, beyond);
-    BVXI_TRY(join_crossing(ctx, function, &job, &welded));
+    BVXI_TRY(join_crossing(ctx, &job, &welded));
     *bodies = job.bodies;
     return BVX_OK;
 }

@@ -141,7 +141,7 @@ static bvx_status mark_crossing(bvxi_repair_job *job, const uint32_t *representa
     bvx_context *const ctx = job->ctx;
     uint64_t const marks = by->part != NULL ? job->mesh.triangle_count : job->given->vertex_count;
     bvxi_welded welded = {.view = &job->mesh, .representative = representative};
-    uint64_t in_question = 0, pairs = 0;
+    uint64_t in_question = 0, pairs;
     uint32_t *pair;
     uint8_t *crosses;
 
@@ -151,14 +151,9 @@ static bvx_status mark_crossing(bvxi_repair_job *job, const uint32_t *representa
     if (in_question == 0) return BVX_OK;
     memcpy(welded.low, job->report.before.box.low, sizeof welded.low);
     memcpy(welded.high, job->report.before.box.high, sizeof welded.high);
-    BVXI_TRY(
-        BVXI_SHARE(ctx, 0.9, 0.95, bvxi_mesh_crossings(ctx, bvxi_repair_name, &welded, &pairs, NULL, 0)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.9, 1.0, bvxi_mesh_crossings(ctx, &welded, UINT64_MAX, &pair, &pairs)));
     if (pairs == 0) return BVX_OK;
-
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, pairs * 8, "the crossing triangles", &pair));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, marks, "the pieces that cross", &crosses));
-    BVXI_TRY(
-        BVXI_SHARE(ctx, 0.95, 1.0, bvxi_mesh_crossings(ctx, bvxi_repair_name, &welded, &pairs, pair, pairs)));
     for (uint64_t i = 0; i < pairs; i++) {
         uint32_t const a = bvxi_piece_mark(&job->mesh, by, pair[2 * i]);
         uint32_t const b = bvxi_piece_mark(&job->mesh, by, pair[2 * i + 1]);

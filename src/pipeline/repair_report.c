@@ -122,7 +122,7 @@ static bvx_status count_bodies(bvxi_repair_job *job)
     if (!r->before.closed || r->needs == BVX_NEEDS_NOTHING || r->after.components >= r->before.components ||
         r->shelled_triangles != 0)
         return BVX_OK;
-    return bvxi_bodies_apart(job->ctx, bvxi_repair_name, &job->mesh, &job->facts.bodies);
+    return bvxi_bodies_apart(job->ctx, &job->mesh, &job->facts.bodies);
 }
 
 int bvxi_has_own_size(const bvx_repair_report *r, const bvxi_repair_facts *f)

@@ -33,8 +33,7 @@ void bvxi_lid_ratios(const void *user, int32_t count, const bvxi_missing_edge *e
 /* piece_volumes.c: the bodies of a mesh without boundary: pieces that cross, touch or lie in one another are one; 0:
  * there are too many pieces. Scratch: 12 bytes a vertex, what welding
  * needs, and bvx_mesh_crossings of all pairs. */
-bvx_status bvxi_bodies_apart(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
-                             uint64_t *bodies);
+bvx_status bvxi_bodies_apart(bvx_context *ctx, const bvx_mesh_view *mesh, uint64_t *bodies);
 
 /* The edge around a hole: its length and its box. [Units: world] */
 typedef struct bvxi_rim {

@@ -99,14 +99,6 @@ static void drop_thin_crumbs(thin_job *t)
     }
 }
 
-/* Centres within reach of a wall go inside. */
-static void widen_walls(thin_job *t)
-{
-    for (uint64_t n = 0; n < t->walls->count; n++)
-        if (t->walls->point[n].distance < thin_reach_of(&t->walls->point[n]))
-            t->inside->words[t->walls->at[n] / 64] |= UINT64_C(1) << (t->walls->at[n] & 63);
-}
-
 /* What is lost still, at the ends and corners of walls, goes inside itself
  * and joins the centres of near. *more: 1 when there was any. */
 static bvx_status mend_walls(thin_job *t, uint64_t *near, int *more)
@@ -186,7 +178,10 @@ static bvx_status widen(thin_job *t)
     widen_places(t);
     BVXI_TRY(bvxi_walls_list(t->walls));
     BVXI_TRY(BVXI_SHARE(t->walls->ctx, 0.0, 0.4, bvxi_walls_ask(t->walls, THIN_BESIDE)));
-    widen_walls(t);
+    /* Centres within reach of a wall go inside. */
+    for (uint64_t n = 0; n < t->walls->count; n++)
+        if (t->walls->point[n].distance < thin_reach_of(&t->walls->point[n]))
+            t->inside->words[t->walls->at[n] / 64] |= UINT64_C(1) << (t->walls->at[n] & 63);
 
     BVXI_TRY(
         bvxi_alloc(t->walls->ctx, BVXI_SCRATCH, t->walls->bytes, "the centres beside thin walls", &near));

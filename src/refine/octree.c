@@ -181,12 +181,6 @@ typedef struct octree_places {
     uint64_t bad[256]; /* by piece: the first place that is none, or count */
 } octree_places;
 
-static int octree_has_voxel(const bvx_octree *tree, const int32_t v[3])
-{
-    const int32_t *const d = tree->lattice.dims;
-    return v[0] >= 0 && v[0] < d[0] && v[1] >= 0 && v[1] < d[1] && v[2] >= 0 && v[2] < d[2];
-}
-
 /* The voxel that holds a point; 0 when none does, -1 when the point is not finite. */
 static int octree_voxel_of_point(const bvx_octree *tree, const double *p, int32_t v[3])
 {
@@ -215,7 +209,11 @@ static void find_octree_range(void *user, int32_t index, uint64_t begin, uint64_
             found = octree_voxel_of_point(job->tree, job->points + 3 * i, v);
             voxel = v;
         } else {
-            found = octree_has_voxel(job->tree, voxel) ? 1 : -1;
+            const int32_t *const d = job->tree->lattice.dims;
+            found = voxel[0] >= 0 && voxel[0] < d[0] && voxel[1] >= 0 && voxel[1] < d[1] && voxel[2] >= 0 &&
+                            voxel[2] < d[2]
+                        ? 1
+                        : -1;
         }
         /* A piece ends at its first bad place: the least number of all pieces is reported. */
         if (found < 0) {

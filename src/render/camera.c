@@ -65,7 +65,6 @@ void bvxi_camera_fit(bvxi_camera *camera, const bvxi_camera_extent *extent, int3
 {
     double const side[2] = {(double)width, (double)height};
     for (int a = 0; a < 2; a++) {
-        /* The tighter side decides, so that all fits in. */
         double const size = extent->high[a] - extent->low[a];
         double const scale = side[a] * CAMERA_FILLS / (size > CAMERA_THIN ? size : CAMERA_THIN);
         if (a == 0 || scale < camera->scale) camera->scale = scale;

@@ -248,7 +248,6 @@ static void draw_faces_of_word(const face_work *w, int axis, uint32_t id, uint64
     }
 }
 
-/* A row of the window, or one beside it. */
 typedef struct voxel_row {
     const uint64_t *first, *second; /* of the two sets; NULL outside the window */
     int kept;                       /* 0: the cut takes the row away */

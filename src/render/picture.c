@@ -19,7 +19,6 @@ static bvx_status check_picture_direction(bvx_context *ctx, const char *function
     return BVX_OK;
 }
 
-/* What only pictures from a direction look at. */
 static bvx_status check_picture_view(bvx_context *ctx, const char *function, const bvx_render_options *o)
 {
     BVXI_TRY(check_picture_direction(ctx, function, "direction", o->camera.direction));
@@ -55,7 +54,6 @@ static const bvxi_option picture_rows[] = {
     BVXI_RESERVED(bvx_render_options, reserved),
 };
 
-/* What zeros stand for. */
 static void put_picture_defaults(bvx_render_options *o)
 {
     static const double direction[3] = {3.0, -4.0, 2.0}, up[3] = {0.0, 0.0, 1.0};
@@ -120,7 +118,6 @@ static void draw_picture_band(void *user, int32_t index)
     const bvxi_picture *const p = ((const picture_work *)user)->picture;
     bvxi_raster_rows rows;
     picture_band(p, index, &rows.begin, &rows.end);
-    /* Bands are counted in pixels, the raster in samples. */
     rows.begin *= p->options.samples;
     rows.end *= p->options.samples;
     bvxi_raster_clear(&p->raster, rows);

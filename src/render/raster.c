@@ -104,7 +104,6 @@ void bvxi_raster_polygon(const bvxi_raster *raster, bvxi_raster_rows rows, const
         span.left[row] = INT32_MAX;
         span.right[row] = INT32_MIN;
     }
-    /* Each edge that crosses rows of the band narrows or widens the spans of these rows. */
     for (int32_t k = 0; k < count; k++) {
         const int32_t *a = corner[k], *b = corner[k + 1 == count ? 0 : k + 1];
         if (a[1] > b[1]) {
@@ -149,7 +148,6 @@ static void walk_bins_piece(const bins_work *w, int32_t index, int fill)
     bvxi_piece(w->triangle_count, w->pieces, index, &begin, &end);
     for (uint64_t t = begin; t < end; t++) {
         if (!w->reach(w->user, (uint32_t)t, &first, &last)) continue;
-        /* A triangle over several bands is in each of them. */
         for (int32_t b = first; b <= last; b++) {
             if (fill) w->bins->triangle[place[b]] = (uint32_t)t;
             place[b]++;

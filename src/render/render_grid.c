@@ -49,7 +49,6 @@ static void normal_around(const bvxi_grid_scene *s, const int32_t voxel[3], cons
     for (int a = 0; a < 3; a++) n[a] = length2 > GRID_BALANCED ? n[a] / sqrt(length2) : face[a];
 }
 
-/* Light that the lines around a voxel's face leave. */
 static double light_of_lines(const bvxi_grid_scene *s, int axis, const double part[3])
 {
     /* Lines have one width on the picture, whatever the distance: places are measured in samples. */

@@ -15,7 +15,6 @@
 
 enum { SCENE_GRAIN = 8192 /* vertices or triangles a piece, at least */ };
 
-/* A vertex in the frame. */
 typedef struct scene_vertex {
     int32_t x, y; /* right and down [Units: samples * 2^fraction_bits] */
     float z;      /* towards the eye [Units: samples] */
@@ -128,7 +127,6 @@ static void place_piece(void *user, uint64_t begin, uint64_t end)
 
 static bvx_status place_vertices(bvx_context *ctx, mesh_scene *s)
 {
-    /* What is cut is placed triangle by triangle instead. */
     if (s->cut.on) return BVX_OK;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, s->view->vertex_count * sizeof *s->vertex,
                         "the picture's vertices", &s->vertex));
@@ -339,7 +337,6 @@ static void blend_vertex_colours(const mesh_scene *s, const uint32_t c[3], const
     }
 }
 
-/* Light that the lines along a triangle's edges leave to a sample inside it. */
 static double light_of_wires(const mesh_scene *s, const double p[3][3], double x, double y)
 {
     double const side = s->picture.options.samples;
@@ -432,7 +429,6 @@ static bvx_status run_render_mesh(bvx_context *context, const bvx_mesh_view *mes
 
     /* A box around the whole mesh is no cut; else the camera turns about what is left of the bounds. */
     const bvx_render_options *const o = &s.picture.options;
-    /* Where the cut lies inside the bounds, it replaces them for the camera. */
     for (int a = 0; a < 3; a++) {
         s.cut.low[a] = o->cut.low[a] * s.picture.camera.unit;
         s.cut.high[a] = o->cut.high[a] * s.picture.camera.unit;

@@ -44,7 +44,6 @@ static void box_of_piece(void *user, int32_t index, uint64_t begin, uint64_t end
     const bvx_grid *const g = s->grid;
     int32_t low[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, high[3] = {-1, -1, -1};
 
-    /* The row's first and last set voxel are its part in the box. */
     for (uint64_t row = begin; row < end; row++) {
         int32_t first[3], last[3];
         bvxi_kept_row(s->begin, s->end, row, &first[1], &first[2]);
@@ -213,7 +212,6 @@ static int64_t sum_along_right(const slice_sheet *s, const pixel_span *p, int32_
         return sum;
     }
 
-    /* Along a row the voxels between the ends count by popcount. */
     const uint64_t *const row = s->axis == 1 ? bvxi_grid_row(g, slice, v) : bvxi_grid_row(g, v, slice);
     sum = p->first * slice_bit(row, p->begin);
     if (p->end - p->begin == 1) return sum;
@@ -238,7 +236,6 @@ static void draw_slice_pixel(const slice_sheet *s, const pixel_span *right, cons
                              all);
 }
 
-/* Pixel row y of the slices that a row of cells shows. */
 static void draw_sheet_row(const slice_sheet *s, int32_t y, uint8_t *row)
 {
     int32_t cell = 0, inside;
@@ -253,7 +250,6 @@ static void draw_sheet_row(const slice_sheet *s, int32_t y, uint8_t *row)
         int32_t const left = begin + (end - begin + (column > 0) - s->right.pixels) / 2;
         int64_t const length = s->end[s->axis] - s->begin[s->axis];
         if (number >= s->count || inside < 0 || inside >= s->up.pixels) continue;
-        /* The middle of each of count equal stretches of the axis. */
         int32_t const slice = s->begin[s->axis] +
                               (int32_t)((2 * number + 1) * length / (2 * (int64_t)s->count));
         /* Rows of pixels run down, voxels up. */

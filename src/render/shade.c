@@ -111,7 +111,6 @@ static void shade_circle(double circle[SHADE_ROUND][2])
     }
     circle[0][0] = 1.0;
     circle[0][1] = 0.0;
-    /* Each direction is the one before turned by the same angle. */
     for (int k = 1; k < SHADE_ROUND; k++) {
         circle[k][0] = circle[k - 1][0] * c - circle[k - 1][1] * s;
         circle[k][1] = circle[k - 1][0] * s + circle[k - 1][1] * c;
@@ -159,7 +158,6 @@ bvx_status bvxi_shade_open(bvx_context *ctx, const bvxi_picture *picture, bvxi_s
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *s, "the picture's shading", &s));
 
-    /* As many directions in all, whatever the number of samples. */
     s->picture = picture;
     s->directions = directions[picture->options.samples];
     s->reach2 = side * SHADE_REACH * side * SHADE_REACH;
@@ -270,7 +268,6 @@ static void shade_pixel(const bvxi_shade *s, int32_t px, int32_t py, bvxi_seen *
         for (int a = 0; a < 3; a++)
             sum[a] += here->colour[a] * strength * (here->inside ? shade_inside[a] : 1.0);
     }
-    /* The mean of all samples, background included: edges are smooth. */
     for (int a = 0; a < 3; a++) pixel[a] = shade_byte(sum[a] / (side * side));
 }
 

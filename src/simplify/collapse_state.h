@@ -4,7 +4,7 @@
 #define BVXI_COLLAPSE_STATE_H
 
 #include "simplify/corners.h"
-#include "simplify/level_crossings.h"
+#include "nearest/crossing_tree.h"
 #include "simplify/sheets.h"
 
 enum {

@@ -16,7 +16,6 @@
 
 #include "simplify/room.h"
 
-#define BVXI_VERTEX_NONE  UINT32_MAX
 #define BVXI_VERTEX_GHOST (UINT32_MAX - 1)
 
 /* A sum of squared distances: d'Ad + 2b'd + c at d; A is xx xy xz yy yz zz. */

@@ -187,7 +187,7 @@ static bvx_status search_level(bvxi_collapse *c, const uint8_t *fresh, double fr
     BVXI_TRY(open_tree(c, live, count));
     c->tree.graph = l.graph;
     c->tree.fresh = fresh;
-    BVXI_TRY(bvxi_crossings_find(c->ctx, &c->tree, from, to, &c->pairs, &c->crossings));
+    BVXI_TRY(bvxi_crossings_find(c->ctx, &c->tree, from, to, UINT64_MAX, &c->pairs, &c->crossings));
     bvxi_collapse_end_careful(c);
     c->tree.graph = c->tree.fresh = NULL;
     bvxi_drop(c->ctx, live);
@@ -208,114 +208,104 @@ static int is_fresh_pair(const bvxi_collapse *c, const uint32_t *pair)
 
 /* The mesh's triangles whose vertices went into those of crossing ones, as a mesh of its own. */
 typedef struct judge_origin {
-    uint32_t *now;          /* of each vertex of the mesh: the one that it is part of */
-    uint8_t *beside;        /* of each vertex: of a crossing triangle */
-    uint32_t *small, *part; /* vertices of the small mesh, and those that they are part of */
+    const bvxi_collapse *c;
+    uint8_t *beside;                  /* of each vertex: of a crossing triangle */
+    uint8_t *near;                    /* of each vertex of the mesh: it went into one that is beside */
+    uint32_t *small;                  /* of each vertex of the mesh: that of the small one */
+    uint64_t begin[BVXI_MOST_PIECES]; /* of each piece's triangles */
+    uint32_t (*triangle)[3], *part;   /* of the small mesh, and the vertices that its own went into */
     double (*at)[3];
-    uint32_t (*triangle)[3];
+    uint8_t *open; /* of its vertices: beside crossings, and has not come */
     uint64_t vertices;
     crossing_tree tree;
-    uint32_t looked; /* triangle */
-    uint8_t *came;
 } judge_origin;
 
-static int is_beside(const bvxi_collapse *c, const judge_origin *o, uint64_t t)
+static void near_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
-    const uint32_t *const v = c->origin + 3 * t;
+    const judge_origin *const o = user;
 
-    return (o->beside[o->now[v[0]]] | o->beside[o->now[v[1]]] | o->beside[o->now[v[2]]]) != 0;
+    (void)piece;
+    for (uint64_t v = begin; v < end; v++) {
+        o->near[v] = o->beside[bvxi_collapse_now(o->c, (uint32_t)v)];
+        o->small[v] = BVXI_VERTEX_NONE;
+    }
 }
 
-/* Number the vertices of triangles beside crossings; returns how many triangles these are. */
-static uint64_t number_origin(const bvxi_collapse *c, judge_origin *o)
+/* Count the piece's triangles with a vertex that is near, or write them from where the piece begins. */
+static void origin_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
-    uint64_t count = 0;
+    judge_origin *const o = user;
+    uint64_t n = o->begin[piece];
 
-    for (uint64_t t = 0; t < c->first_triangles; t++) {
-        if (!is_beside(c, o, t)) continue;
-        count++;
-        for (uint64_t k = 0; k < 3; k++) {
-            uint32_t *const small = &o->small[c->origin[3 * t + k]];
+    for (uint64_t t = begin; t < end; t++) {
+        const uint32_t *const v = o->c->origin + 3 * t;
 
-            if (*small == BVXI_VERTEX_NONE) *small = (uint32_t)o->vertices++;
-        }
+        if ((o->near[v[0]] | o->near[v[1]] | o->near[v[2]]) == 0) continue;
+        if (o->triangle != NULL) memcpy(o->triangle[n], v, sizeof *o->triangle);
+        n++;
     }
-    return count;
+    o->begin[piece] = n;
+}
+
+/* The triangles, by the vertices of the mesh. */
+static bvx_status list_origin(bvxi_collapse *c, judge_origin *o)
+{
+    int32_t const pieces = bvxi_piece_count(c->first_triangles, JUDGE_GRAIN);
+
+    bvxi_ranges(c->ctx, pieces, c->first_triangles, origin_piece, o);
+    o->tree.triangles = bvxi_place_counts(o->begin, (uint64_t)pieces);
+    BVXI_TRY(BVXI_ARRAY(c->ctx, o->tree.triangles, "triangles beside crossings", o->triangle));
+    bvxi_ranges(c->ctx, pieces, c->first_triangles, origin_piece, o);
+    return BVX_OK;
 }
 
 static bvx_status gather_origin(bvxi_collapse *c, judge_origin *o)
 {
-    uint64_t count = number_origin(c, o);
+    uint32_t *from;
 
-    BVXI_TRY(
-        bvxi_alloc(c->ctx, BVXI_SCRATCH, o->vertices * sizeof *o->at, "positions beside crossings", &o->at));
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, count * sizeof *o->triangle, "triangles beside crossings",
-                        &o->triangle));
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, o->vertices * 4, "vertices beside crossings", &o->part));
-    for (uint64_t v = 0; v < c->first_vertices; v++) {
+    BVXI_TRY(list_origin(c, o));
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, o->tree.triangles * 12, "vertices beside crossings", &from));
+    for (uint64_t i = 0; i < 3 * o->tree.triangles; i++) {
+        uint32_t *const v = &o->triangle[i / 3][i % 3], *const small = &o->small[*v];
+
+        if (*small == BVXI_VERTEX_NONE) {
+            from[o->vertices] = *v;
+            *small = (uint32_t)o->vertices++;
+        }
+        *v = *small;
+    }
+    BVXI_TRY(BVXI_ARRAY(c->ctx, o->vertices, "positions beside crossings", o->at));
+    BVXI_TRY(BVXI_ARRAY(c->ctx, o->vertices, "vertices beside crossings", o->open));
+    for (uint64_t i = 0; i < o->vertices; i++) {
         double p[3];
 
-        if (o->small[v] == BVXI_VERTEX_NONE) continue;
-        bvxi_view_position(c->view, c->first_source[v], p);
-        for (int k = 0; k < 3; k++) o->at[o->small[v]][k] = bvxi_collapse_rounded(c, p[k]);
-        o->part[o->small[v]] = o->now[v];
+        bvxi_view_position(c->view, c->first_source[from[i]], p);
+        for (int k = 0; k < 3; k++) o->at[i][k] = bvxi_collapse_rounded(c, p[k]);
+        from[i] = bvxi_collapse_now(c, from[i]);
+        o->open[i] = o->beside[from[i]] > c->came[from[i]];
     }
-    count = 0;
-    for (uint64_t t = 0; t < c->first_triangles; t++) {
-        if (!is_beside(c, o, t)) continue;
-        for (uint64_t k = 0; k < 3; k++) o->triangle[count][k] = o->small[c->origin[3 * t + k]];
-        count++;
-    }
+    o->part = from;
     o->tree.at = o->at[0];
     o->tree.vertex = o->triangle[0];
     o->tree.at_step = o->tree.vertex_step = 3;
-    o->tree.triangles = count;
     o->tree.slanted = 1;
     o->tree.scale = c->scale;
+    o->tree.fresh = o->open;
     memcpy(o->tree.low, c->low, sizeof c->low);
     return bvxi_crossing_tree_open(c->ctx, &o->tree);
 }
 
-/* The triangle that is looked at crosses another one: what their vertices are part of has come. */
-static int mark_new_crossing(void *user, uint32_t t)
-{
-    const judge_origin *const o = user;
-
-    if (t == o->looked) return 0;
-    for (int k = 0; k < 6; k++) o->came[o->part[o->triangle[k < 3 ? t : o->looked][k % 3]]] = 1;
-    return 1;
-}
-
-/* Look for one crossing of each triangle with a vertex beside crossings that is not marked. */
-static void mark_beside(judge_origin *o)
-{
-    for (; o->looked < o->tree.triangles; o->looked++) {
-        const uint32_t *const v = o->triangle[o->looked];
-        const double *const p[3] = {o->at[v[0]], o->at[v[1]], o->at[v[2]]};
-        int open = 0;
-
-        for (int k = 0; k < 3; k++) open |= o->beside[o->part[v[k]]] > o->came[o->part[v[k]]];
-        if (open)
-            bvxi_crossing_tree_visit(&o->tree, p, BVXI_VERTEX_NONE, BVXI_VERTEX_NONE, NULL, NULL,
-                                     mark_new_crossing, o);
-    }
-}
-
 /* Mark the vertices of triangles that crossed in the mesh, near the crossing pairs of the level. */
-static bvx_status mark_origin(bvxi_collapse *c)
+static bvx_status mark_origin(bvxi_collapse *c, double at)
 {
     const bvxi_corners *const m = &c->mesh;
-    judge_origin o = {.now = NULL};
+    judge_origin o = {.c = c};
+    uint32_t *pairs;
+    uint64_t count;
 
-    if (c->came == NULL)
-        BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, m->vertices, "marks of crossings", &c->came));
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->first_vertices * 8, "vertices that went", &o.now));
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->first_vertices * 5, "vertices that went", &o.small));
     BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, m->vertices, "vertices of crossings", &o.beside));
-    o.small = o.now + c->first_vertices;
-    for (uint64_t v = 0; v < c->first_vertices; v++) {
-        o.now[v] = bvxi_collapse_now(c, (uint32_t)v);
-        o.small[v] = BVXI_VERTEX_NONE;
-    }
+    o.near = (uint8_t *)(o.small + c->first_vertices);
     for (uint64_t i = 0; i < c->crossings; i++) {
         const uint32_t *const pair = c->pairs + 2 * i;
 
@@ -325,15 +315,10 @@ static bvx_status mark_origin(bvxi_collapse *c)
             continue;
         for (int k = 0; k < 6; k++) o.beside[m->triangle[pair[k % 2]].vertex[k / 2]] = 1;
     }
+    bvxi_ranges(c->ctx, bvxi_piece_count(c->first_vertices, JUDGE_GRAIN), c->first_vertices, near_piece, &o);
     BVXI_TRY(gather_origin(c, &o));
-    o.came = c->came;
-    mark_beside(&o);
-    bvxi_drop(c->ctx, o.tree.node[0]);
-    bvxi_drop(c->ctx, o.part);
-    bvxi_drop(c->ctx, o.triangle);
-    bvxi_drop(c->ctx, o.at);
-    bvxi_drop(c->ctx, o.beside);
-    bvxi_drop(c->ctx, o.now);
+    BVXI_TRY(bvxi_crossings_find(c->ctx, &o.tree, at, at, UINT64_MAX, &pairs, &count));
+    for (uint64_t i = 0; i < 6 * count; i++) c->came[o.part[o.triangle[pairs[i / 3]][i % 3]]] = 1;
     return BVX_OK;
 }
 
@@ -524,7 +509,9 @@ bvx_status bvxi_collapse_judge(bvxi_collapse *c, double from, double to, uint64_
     *undone = 0;
     BVXI_TRY(search_level(c, c->options.counted ? NULL : c->fresh, from, to));
     for (uint64_t i = 0; i < c->crossings; i++) fresh |= is_fresh_pair(c, c->pairs + 2 * i);
-    if (fresh) BVXI_TRY(mark_origin(c));
+    if (fresh && c->came == NULL)
+        BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, c->mesh.vertices, "marks of crossings", &c->came));
+    if (fresh) BVXI_TRY(BVXI_SCOPE(c->ctx, mark_origin(c, to)));
     for (uint64_t i = 0; i < c->crossings; i++) {
         list.triangle = c->pairs[2 * i];
         if (is_fresh_pair(c, c->pairs + 2 * i)) add_pair(&list, c->pairs[2 * i + 1]);

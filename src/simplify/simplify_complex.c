@@ -320,7 +320,7 @@ static bvx_status hold_crossings(complex_round *r, uint64_t *count)
 
     memcpy(tree.low, r->low, sizeof tree.low);
     BVXI_TRY(bvxi_crossing_tree_open(r->ctx, &tree));
-    BVXI_TRY(bvxi_crossings_find(r->ctx, &tree, 0.02, 0.02, &pairs, count));
+    BVXI_TRY(bvxi_crossings_find(r->ctx, &tree, 0.02, 0.02, UINT64_MAX, &pairs, count));
     for (uint64_t i = 0; i < 2 * *count; i++)
         for (uint64_t k = 0; k < 3; k++) r->met[r->triangle[3 * (size_t)pairs[i] + k]] = 1;
     for (uint32_t v = 0; v < r->from->mesh.vertex_count && *count != 0; v++) {

@@ -345,11 +345,6 @@ BVXI_AVX2 static void find_crossings_avx2(const bvxi_solid_job *job, bvxi_chunk 
 }
 #endif
 
-static void find_crossings_portable(const bvxi_solid_job *job, bvxi_chunk *chunk, bvxi_cross_batch *b)
-{
-    find_crossings(job, chunk, b);
-}
-
 void bvxi_find_crossings(void *user, int32_t chunk, int32_t worker)
 {
     const bvxi_solid_job *const job = user;
@@ -361,5 +356,5 @@ void bvxi_find_crossings(void *user, int32_t chunk, int32_t worker)
         return;
     }
 #endif
-    find_crossings_portable(job, job->chunk + chunk, batch);
+    find_crossings(job, job->chunk + chunk, batch);
 }

@@ -45,13 +45,6 @@ static uint32_t close_row_summed(uint64_t *words, int32_t n, uint64_t row, uint6
     return (uint32_t)(carry & 1);
 }
 
-static void clear_tile(const bvxi_solid_job *job, int32_t tile)
-{
-    bvxi_rows const r = bvxi_tiles_rows(&job->tiles, tile);
-    size_t const slice_bytes = (size_t)(r.j1 - r.j0) * (size_t)job->grid->words_per_row * 8;
-    for (int32_t k = r.k0; k < r.k1; k++) memset(bvxi_block_words(job, r.j0, k), 0, slice_bytes);
-}
-
 static void close_tile(bvxi_solid_job *job, int32_t tile)
 {
     const bvx_grid *const g = job->grid;
@@ -84,14 +77,6 @@ typedef struct row_places {
     size_t row, slice;
     int32_t low, size; /* of the window along a row */
 } row_places;
-
-static inline row_places places_of(const bvxi_solid_job *job)
-{
-    const bvx_grid *const g = job->grid;
-    size_t const row = (size_t)g->words_per_row;
-    row_places const p = {bvxi_block_words(job, 0, 0), row, row * (size_t)g->size[1], g->low[0], g->size[0]};
-    return p;
-}
 
 /* sum: of the steps of crossings (BVXI_TOGGLE_SUMMED), else it is left alone. */
 static inline void take_crossing(bvxi_solid_job *job, const row_places *p, uint32_t at, int32_t code,
@@ -146,12 +131,17 @@ static void take_tile(void *user, int32_t tile)
 {
     bvxi_solid_job *const job = user;
     bvxi_rows const rows = bvxi_tiles_rows(&job->tiles, tile);
-    row_places const places = places_of(job);
+    const bvx_grid *const g = job->grid;
+    size_t const row = (size_t)g->words_per_row;
+    row_places const places = {bvxi_block_words(job, 0, 0), row, row * (size_t)g->size[1], g->low[0],
+                               g->size[0]};
     int const toggles = job->mode == BVXI_TOGGLE || job->mode == BVXI_TOGGLE_SUMMED;
     tile_sink sink = {job, places, tile, 0};
 
     /* A tile's words stay in the cache from the first crossing to the runs between them. */
-    if (toggles && job->rounds == 1) clear_tile(job, tile);
+    if (toggles && job->rounds == 1)
+        for (int32_t k = rows.k0; k < rows.k1; k++)
+            memset(bvxi_block_words(job, rows.j0, k), 0, (size_t)(rows.j1 - rows.j0) * row * 8);
 
     for (int32_t c = 0; c < job->chunks; c++) {
         const bvxi_chunk *const chunk = job->chunk + c;

@@ -10,6 +10,28 @@
 #include "mesh/mesh.h"
 #include "surface/faces.h"
 
+/* ---- counts and the mesh, of single faces too ---- */
+
+bvx_status bvxi_faces_check_counts(bvx_context *ctx, const bvxi_faces *f)
+{
+    if (f->vertex_count < UINT32_MAX && f->face_count < UINT32_MAX / 2) return BVX_OK;
+    return bvxi_fail_for(
+        ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+        "%s: the faces have %u vertices and %u triangles; 2^32 - 1 are possible, extract them by windows",
+        f->function, f->vertex_count, 2 * f->face_count);
+}
+
+bvx_status bvxi_faces_open_mesh(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
+{
+    BVXI_TRY(bvxi_mesh_open(ctx, f->function, f->options.position_type, 0, f->vertex_count, 2 * f->face_count,
+                            mesh));
+    if (f->options.local_frame) memcpy(mesh->frame, f->grid->lattice.origin, sizeof mesh->frame);
+    f->mesh = mesh;
+    return BVX_OK;
+}
+
+/* ---- rectangles ---- */
+
 enum { RECTANGLE_GRAIN = 4096 };
 
 /* Faces [u0, u1) x [v0, v1) of a plane: across x u is y and v is z; across y x and z; across z x and y. */

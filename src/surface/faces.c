@@ -1,4 +1,4 @@
-/* faces.c - the faces between set and empty voxels as a mesh.
+/* faces.c - the faces between set and empty voxels as a mesh: bvx_extract_faces. Merged ones: face_rectangles.c.
  *
  * Idea: a face lies between two voxels of which one is set, and a corner belongs to a face exactly when its
  * eight voxels are not alike. So both are word operations on rows, and a corner's number is the rank of its
@@ -6,6 +6,7 @@
  * second pass writes.
  * Guarantee: each exposed face once, outwards, vertices shared, canonical order; no thread shows in it. */
 #include "surface/faces.h"
+#include "surface/march.h"
 #include "mesh/mesh.h"
 
 /* The four rows of voxels about a row of corners: (j - 1, k - 1), (j, k - 1), (j - 1, k), (j, k). */
@@ -74,15 +75,6 @@ static void count_face_piece(void *user, uint64_t begin, uint64_t end)
         f->rows[row].vertex = corners;
         f->rows[row].face = faces;
     }
-}
-
-bvx_status bvxi_faces_check_counts(bvx_context *ctx, const bvxi_faces *f)
-{
-    if (f->vertex_count < UINT32_MAX && f->face_count < UINT32_MAX / 2) return BVX_OK;
-    return bvxi_fail_for(
-        ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-        "%s: the faces have %u vertices and %u triangles; 2^32 - 1 are possible, extract them by windows",
-        f->function, f->vertex_count, 2 * f->face_count);
 }
 
 /* Four rows of corners that faces from one row reach: (j, k), (j + 1, k), (j, k + 1), (j + 1, k + 1). */
@@ -158,16 +150,7 @@ static void emit_face_piece(void *user, uint64_t begin, uint64_t end)
     for (uint64_t row = begin; row < end; row++) emit_face_row(f, row);
 }
 
-bvx_status bvxi_faces_open_mesh(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
-{
-    BVXI_TRY(bvxi_mesh_open(ctx, f->function, f->options.position_type, 0, f->vertex_count, 2 * f->face_count,
-                            mesh));
-    if (f->options.local_frame) memcpy(mesh->frame, f->grid->lattice.origin, sizeof mesh->frame);
-    f->mesh = mesh;
-    return BVX_OK;
-}
-
-bvx_status bvxi_faces_single(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
+static bvx_status make_single_faces(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
 {
     uint64_t const bytes = (f->row_count + 1) * sizeof *f->rows;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the rows' numbers", &f->rows));
@@ -195,4 +178,49 @@ bvx_status bvxi_faces_single(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
     return bvxi_mesh_made(
         ctx, bvxi_for_ranges(ctx, "faces", 0.3, 1.0, f->pieces, f->row_count, emit_face_piece, f), mine,
         mesh);
+}
+
+/* ---- the call ---- */
+
+enum { FACE_GRAIN = 64 };
+
+static const bvxi_option faces_rows[] = {
+    BVXI_CHOICE(bvx_faces_options, position_type, BVX_POSITION_AUTO, BVX_F64),
+    BVXI_SWITCH(bvx_faces_options, local_frame),
+    BVXI_SWITCH(bvx_faces_options, merged),
+    BVXI_RESERVED(bvx_faces_options, reserved),
+};
+
+static bvx_status run_extract_faces(bvx_context *ctx, const bvx_grid *grid, const bvx_faces_options *options,
+                                    bvx_mesh *mesh)
+{
+    bvxi_faces faces = {.function = "bvx_extract_faces", .grid = grid}, *const f = &faces;
+    bvx_faces_options *const o = &f->options;
+    uint64_t *empty;
+
+    if (mesh == NULL) return bvxi_fail_null(ctx, f->function, "mesh");
+    BVXI_TRY(bvxi_take_options(ctx, f->function, options, o, sizeof *o));
+    BVXI_TRY(bvxi_grid_check(ctx, f->function, grid));
+    BVXI_TRY(bvxi_grid_check_past(ctx, f->function, grid));
+    BVXI_TRY(bvxi_check_options(ctx, f->function, o, BVXI_OPTIONS(faces_rows)));
+    for (int32_t a = 0; a < 3; a++) {
+        f->spacing[a] = grid->lattice.spacing[a];
+        f->origin[a] = o->local_frame ? 0.0 : grid->lattice.origin[a];
+    }
+    BVXI_TRY(bvxi_choose_position_type(ctx, f->function, grid, f->origin, &f->options.position_type));
+
+    /* A row of corners more than of voxels: the last voxels' high sides. */
+    f->words = grid->size[0] / BVXI_WORD_BITS + 1;
+    f->row_count = ((uint64_t)grid->size[1] + 1) * ((uint64_t)grid->size[2] + 1);
+    f->pieces = bvxi_piece_count(f->row_count, FACE_GRAIN);
+    uint64_t const empty_bytes = (uint64_t)grid->words_per_row * 8;
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, empty_bytes, "an empty row", &empty));
+    f->empty_row = empty;
+    return f->options.merged ? bvxi_faces_merge(ctx, f, mesh) : make_single_faces(ctx, f, mesh);
+}
+
+bvx_status bvx_extract_faces(bvx_context *context, const bvx_grid *grid, const bvx_faces_options *options,
+                             bvx_mesh *mesh)
+{
+    return BVXI_CALL(context, run_extract_faces(context, grid, options, mesh));
 }

@@ -30,8 +30,6 @@ typedef struct bvxi_faces {
 
 /* face_rectangles.c: merged faces, counted; then the mesh, unless it is NULL. */
 bvx_status bvxi_faces_merge(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh);
-/* faces.c: the faces one by one, counted; then the mesh, unless it is NULL. */
-bvx_status bvxi_faces_single(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh);
 /* Refuse more than 2^32 - 1 vertices or triangles. */
 bvx_status bvxi_faces_check_counts(bvx_context *ctx, const bvxi_faces *f);
 /* Make the mesh ready for the counts. */

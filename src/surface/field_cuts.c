@@ -114,12 +114,6 @@ static inline bvxi_cut_edge read_edge(const cut_walk *k, const bvxi_cut_rule *v,
     return edge;
 }
 
-/* A surface that crosses an edge is no further from both ends together than the edge is long. */
-static int is_lid(const bvxi_cut_edge *edge)
-{
-    return edge->low_distance + edge->high_distance > edge->length * (1.0 + 1e-6);
-}
-
 static double ratio_on_edge(double t)
 {
     return bvxi_keep_off_ends(t >= 0.0 && t <= 1.0 ? t : 0.5);
@@ -175,9 +169,11 @@ static void find_body_cut(const cut_walk *k, const bvxi_cut_rule *v, int32_t axi
     }
     if (c->planes != NULL) memset(cut->planes, 0, sizeof cut->planes);
 
-    /* No surface is near this edge, so what crosses it is a lid over a hole. Its position follows from the
-     * winding number, which is dear and therefore requested many edges together. */
-    if (v->missing != NULL && c->interpolation != BVX_EDGE_MIDDLE && (!known || is_lid(&edge))) {
+    /* A surface that crosses an edge is no further from both ends together than the edge is long. Where none is so
+     * near, what crosses it is a lid over a hole. Its position follows from the winding number, which is dear and
+     * therefore requested many edges together. */
+    if (v->missing != NULL && c->interpolation != BVX_EDGE_MIDDLE &&
+        (!known || edge.low_distance + edge.high_distance > edge.length * (1.0 + 1e-6))) {
         bvxi_missing_edge const alone = {axis, {i, k->j, k->k}};
         cut->by = BVXI_CUT_LID;
         if (k->bodies == 1) return;

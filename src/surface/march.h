@@ -72,8 +72,6 @@ void bvxi_march_close(bvx_context *ctx, bvxi_march *m);
 /* count.c, emit.c: pieces of slots for bvxi_parallel. */
 void bvxi_march_count_piece(void *march, int32_t piece);
 void bvxi_march_emit_piece(void *march, int32_t piece);
-/* keys.c: canonical keys of vertices and triangles. */
-void bvxi_march_key_piece(void *march, uint64_t begin, uint64_t end);
 
 /* Vertices keep this far from an edge's ends, in edge lengths: two f32
  * steps at least (march.c), so no two meet. */

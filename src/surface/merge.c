@@ -113,22 +113,16 @@ static void merge_vertices(const merge_work *w, const uint64_t *start, bvx_mesh 
     }
 }
 
-static uint64_t count_different(const uint64_t *keys, uint64_t n)
-{
-    uint64_t different = n != 0;
-    for (uint64_t i = 1; i < n; i++) different += keys[i] != keys[i - 1];
-    return different;
-}
-
 static bvx_status merge_parts(bvx_context *ctx, merge_work *w, uint64_t *start, uint64_t *vertex_start,
                               bvx_mesh *whole)
 {
     BVXI_TRY(bvxi_progress(ctx, "merge", 0.0));
     /* All keys together say how many vertices there are, before any is made. */
     BVXI_TRY(sort_keys(ctx, w, 0));
+    uint64_t different = w->vertices != 0;
+    for (uint64_t i = 1; i < w->vertices; i++) different += w->keys[i] != w->keys[i - 1];
     start_parts(w, 0, vertex_start);
-    BVXI_TRY(bvxi_mesh_open(ctx, merge_name, w->parts[0].position_type, 1,
-                            count_different(w->keys, w->vertices), w->triangles, whole));
+    BVXI_TRY(bvxi_mesh_open(ctx, merge_name, w->parts[0].position_type, 1, different, w->triangles, whole));
     memcpy(whole->frame, w->parts[0].frame, sizeof whole->frame);
     merge_vertices(w, vertex_start, whole);
     bvx_status status = bvxi_progress(ctx, "merge", 0.5);

@@ -225,16 +225,6 @@ static bvx_status number_loops(bvx_context *ctx, bvxi_sharp_work *w, uint64_t *c
     return BVX_OK;
 }
 
-static uint32_t number_apexes(bvxi_sharp_work *w, uint64_t count)
-{
-    uint32_t kept = 0;
-    for (uint64_t n = 0; n < count; n++) {
-        w->loops[n].before = kept;
-        kept += w->loops[n].kept;
-    }
-    return kept;
-}
-
 static bvx_status write_sharp(bvx_context *ctx, bvxi_sharp_work *w, uint32_t kept, bvx_mesh *surface)
 {
     const bvxi_march *const m = w->march;
@@ -280,7 +270,8 @@ bvx_status bvxi_sharpen(bvx_context *ctx, const bvxi_march *march, const bvxi_cu
     BVXI_TRY(BVXI_ARRAY(ctx, count, "the sharp cells", w.loops));
     BVXI_TRY(bvxi_for_ranges(ctx, "sharp edges", 0.3, 0.6, march->pieces, march->slot_count,
                              bvxi_sharp_fill_piece, &w));
-    uint32_t const kept = number_apexes(&w, count);
+    uint32_t kept = 0;
+    for (uint64_t n = 0; n < count; kept += w.loops[n++].kept) w.loops[n].before = kept;
     BVXI_TRY(bvxi_for_pieces(ctx, "sharp edges", 0.6, 0.8, march->pieces, w.march->slot_count,
                              sharp_turn_piece, &w));
     BVXI_TRY(write_sharp(ctx, &w, kept, surface));

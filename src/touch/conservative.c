@@ -230,14 +230,6 @@ BVXI_VECTOR_INLINE void judge_thick_boxes(const bvxi_surface_job *job, touch_wor
     }
 }
 
-static void hit_small_boxes(touch_work *w)
-{
-    for (uint32_t i = 0; i < w->count[TOUCH_TWO_BOX]; i++) {
-        uint32_t const m = w->list[TOUCH_TWO_BOX][i];
-        w->hit[m] = whole_box(&w->batch, m, 0);
-    }
-}
-
 /* Bits may be set in any order. */
 BVXI_VECTOR_INLINE void write_by_shape(const touch_place *place, const touch_work *w)
 {
@@ -270,7 +262,10 @@ BVXI_VECTOR_INLINE void touch_all(const touch_place *place, const uint32_t *id, 
         bvxi_batch_gather(job, id, done, n, &w.batch);
         bvxi_batch_boxes(&w.batch, n, job->fraction_bits, -1, 0);
         list_by_shape(&w, n);
-        hit_small_boxes(&w);
+        for (uint32_t i = 0; i < w.count[TOUCH_TWO_BOX]; i++) {
+            uint32_t const m = w.list[TOUCH_TWO_BOX][i];
+            w.hit[m] = whole_box(&w.batch, m, 0);
+        }
         judge_thick_boxes(job, &w, TOUCH_TWO_XY, 0);
         judge_thick_boxes(job, &w, TOUCH_THREE_XY, 1);
         if (job->task == BVXI_TOUCH_SET) write_by_shape(place, &w);

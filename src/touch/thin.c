@@ -226,7 +226,7 @@ static int least_corner(const int32_t q[3][3])
 }
 
 /* Lines that the triangle may cover; alone: it covers the only one. */
-static void cross_triangle(thin_lines *l, const bvxi_touch_batch *b, uint32_t i, int axis, int alone)
+static void mark_thin_lines(thin_lines *l, const bvxi_touch_batch *b, uint32_t i, int axis, int alone)
 {
     const bvxi_surface_job *const job = l->tile->job;
     /* Half a voxel along the line turns "the last centre before" into "the voxel that holds it". Not beside a
@@ -280,7 +280,7 @@ static inline void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *
     /* Before the triangle is made ready: nearly all that face another axis. */
     if (single && job->solid != NULL && !l.facing && is_shown(&l, b->low[axis][i] - 1, b->high[axis][i]))
         return;
-    cross_triangle(&l, b, i, axis, covers);
+    mark_thin_lines(&l, b, i, axis, covers);
 }
 
 void bvxi_touch_thin(bvxi_surface_tile *tile, const uint32_t *id, uint64_t count)

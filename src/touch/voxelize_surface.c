@@ -112,14 +112,6 @@ static void join_slice(void *user, int32_t index)
     }
 }
 
-static void join_counts(bvxi_surface_job *job, const bvxi_surface_job *own)
-{
-    job->used[0] += own->used[0];
-    job->samples[0] += own->samples[0];
-    job->parts[0] += own->parts[0];
-    for (int a = 0; a < 3; a++) job->beyond[0][a] += own->beyond[0][a];
-}
-
 static bvx_status open_helpers(bvx_context *ctx, bvxi_surface_job *job)
 {
     uint64_t const count = (uint64_t)job->helper_count, words = bvxi_grid_words(job->grid);
@@ -161,7 +153,13 @@ static bvx_status touch_tiles(bvx_context *ctx, bvxi_surface_job *job, int32_t t
 
     /* Sums of whole numbers and sets of bits: in any order the same. */
     if (job->helper_count == 0) return BVX_OK;
-    for (int32_t h = 0; h < job->helper_count; h++) join_counts(job, &job->helpers[h].job);
+    for (int32_t h = 0; h < job->helper_count; h++) {
+        const bvxi_surface_job *const own = &job->helpers[h].job;
+        job->used[0] += own->used[0];
+        job->samples[0] += own->samples[0];
+        job->parts[0] += own->parts[0];
+        for (int a = 0; a < 3; a++) job->beyond[0][a] += own->beyond[0][a];
+    }
     BVXI_TRY(bvxi_each(ctx, "surface", to, to, job->size[2], join_slice, job));
     bvxi_drop(ctx, job->helper_words);
     bvxi_drop(ctx, job->helpers);

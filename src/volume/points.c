@@ -22,7 +22,6 @@ typedef struct points_work {
 
 static int32_t count_point_planes(int32_t minimum)
 {
-    /* Counters of that many bits can hold the number. */
     int32_t n = 0;
     while (((int64_t)1 << n) < minimum) n++;
     return n;
@@ -52,7 +51,6 @@ static void count_point(points_work *w, size_t word, uint64_t bit)
 {
     uint64_t *const set = &w->grid->words[word];
     if ((*set & bit) != 0) return; /* Full already: no counter is changed any more. */
-    /* One is added: a carry goes on from digit to digit. */
     for (int32_t p = 0; p < w->plane_count; p++) {
         uint64_t *const digit = &w->planes[(size_t)w->words * (size_t)p + word];
         *digit ^= bit;

@@ -61,7 +61,6 @@ enum { RANGE_LANES = 8 };
 ANY_ODD(any_odd_f32, uint32_t, UINT32_C(0x7f800000))
 ANY_ODD(any_odd_f64, uint64_t, UINT64_C(0x7ff0000000000000))
 
-/* Sample by sample: any type, n of them. */
 static void count_each(const uint8_t *p, int32_t type, int32_t n, bvxi_range_tally *tally)
 {
     uint32_t const size = bvxi_type_size(type);

@@ -169,14 +169,6 @@ void bvxi_holes_close(bvx_context *ctx, bvxi_holes *holes)
     memset(holes, 0, sizeof *holes);
 }
 
-/* Edges by their corners' numbers, sorted; an edge is never there both ways (hole_edges.c). */
-static int32_t has_repeated_edge(const uint64_t *edges, uint64_t count)
-{
-    for (uint64_t i = 1; i < count; i++)
-        if (edges[i] == edges[i - 1]) return 1;
-    return 0;
-}
-
 bvx_status bvxi_holes_append(bvx_context *ctx, const bvxi_snapped *s, uint64_t *edges, uint64_t count,
                              bvxi_holes *holes)
 {
@@ -191,8 +183,8 @@ bvx_status bvxi_holes_append(bvx_context *ctx, const bvxi_snapped *s, uint64_t *
     return BVX_OK;
 }
 
-static bvx_status open_holes(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped,
-                             int odd_once, bvxi_holes *holes)
+bvx_status bvxi_holes_open(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped,
+                           int odd_once, bvxi_holes *holes)
 {
     uint64_t *edges = NULL, count = 0;
     memset(holes, 0, sizeof *holes);
@@ -206,22 +198,11 @@ static bvx_status open_holes(bvx_context *ctx, const bvx_mesh_view *view, const 
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the loops' points", &holes->vertex));
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the loops' ends", &holes->loop_end));
         BVXI_TRY(bvxi_holes_append(ctx, snapped, edges, count, holes));
-        holes->repeated = has_repeated_edge(edges, count);
+        /* Edges are sorted by their corners' numbers, and never there both ways (hole_edges.c). */
+        for (uint64_t i = 1; i < count; i++) holes->repeated |= edges[i] == edges[i - 1];
     }
     bvxi_drop(ctx, edges);
     return BVX_OK;
-}
-
-bvx_status bvxi_holes_open(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped,
-                           bvxi_holes *holes)
-{
-    return open_holes(ctx, view, snapped, 1, holes);
-}
-
-bvx_status bvxi_holes_open_signed(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped,
-                                  bvxi_holes *holes)
-{
-    return open_holes(ctx, view, snapped, 0, holes);
 }
 
 bvx_status bvxi_holes_check_corners(bvx_context *ctx, const char *function, const bvx_mesh_view *view)
@@ -242,7 +223,7 @@ bvx_status bvxi_holes_open_rule(bvx_context *ctx, const char *function, const bv
     BVXI_TRY(bvxi_holes_check_corners(ctx, function, view));
     BVXI_TRY(bvxi_snap(ctx, function, view, lattice, &snapped));
     bvx_status status = BVXI_SHARE(ctx, 0.1, 1.0,
-                                   open_holes(ctx, view, &snapped, fill != BVX_FILL_WINDING, holes));
+                                   bvxi_holes_open(ctx, view, &snapped, fill != BVX_FILL_WINDING, holes));
     bvxi_snap_free(ctx, &snapped);
     return status;
 }

@@ -17,18 +17,15 @@ typedef struct bvxi_holes {
     int32_t repeated; /* 1: the loops have some edge more than once */
 } bvxi_holes;
 
-/* Find the edges that an odd number of triangles have, corners at equal snapped places taken as one, and join
- * them to loops. Triangles without area among them cancel out. The loops depend on the snapped triangles
- * only, not on any order of theirs. No loop: every row of centres meets the mesh an even number of times.
- * snapped: of axis 0; corners are below its vertices. Scratch: 16 bytes a vertex; then 8 and about 150 an
- * open edge; where most corners have numbers of their own 30 a vertex. */
+/* Find the open edges, corners at equal snapped places taken as one, and join them to loops. odd_once: those
+ * that an odd number of triangles have; no loop: every row of centres meets the mesh an even number of times.
+ * Else an edge is open as many times as more triangles run along it one way than the other, and the loops run
+ * that way; no loop: every row meets the mesh as often entering as leaving. Triangles without area cancel out.
+ * The loops depend on the snapped triangles only, not on any order of theirs. snapped: of axis 0; corners are
+ * below its vertices. Scratch: 16 bytes a vertex; then 8 and about 150 an open edge; where most corners have
+ * numbers of their own 30 a vertex. */
 bvx_status bvxi_holes_open(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped,
-                           bvxi_holes *holes);
-/* The same, but for triangles' directions: an edge is open as many times as
- * more triangles run along it one way than the other, and the loops run
- * that way. No loop: every row meets the mesh as often entering as leaving. */
-bvx_status bvxi_holes_open_signed(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped,
-                                  bvxi_holes *holes);
+                           int odd_once, bvxi_holes *holes);
 /* The loops are looked for before rows have read the triangles: are all corners below the vertex count? */
 bvx_status bvxi_holes_check_corners(bvx_context *ctx, const char *function, const bvx_mesh_view *view);
 /* The loops that a rule looks at: signed for WINDING, else plain. The mesh is snapped for it; scratch 16

@@ -21,13 +21,6 @@ static int is_zero_vector(const int64_t v[3])
     return (v[0] | v[1] | v[2]) == 0;
 }
 
-static double cross_length(const double a[3], const double b[3])
-{
-    double n[3];
-    bvxi_vec_cross(a, b, n);
-    return bvxi_vec_length(n);
-}
-
 static void to_unit(double v[3])
 {
     double const length = bvxi_vec_length(v);
@@ -37,7 +30,7 @@ static void to_unit(double v[3])
 /* On the edge along `edge` of a triangle whose third corner lies towards c. */
 static void lune_angle(const double edge[3], int along_x, const double c[3], double *re, double *im)
 {
-    double u[3] = {edge[0], edge[1], edge[2]}, across[3], back[3] = {0, 0, 0};
+    double u[3] = {edge[0], edge[1], edge[2]}, across[3], back[3] = {0, 0, 0}, n[3];
 
     to_unit(u);
     back[along_x ? 1 : 0] = -1;
@@ -50,7 +43,8 @@ static void lune_angle(const double edge[3], int along_x, const double c[3], dou
     to_unit(across);
     to_unit(back);
     *re = bvxi_vec_dot(back, across);
-    *im = cross_length(back, across);
+    bvxi_vec_cross(back, across, n);
+    *im = bvxi_vec_length(n);
 }
 
 /* At the corner between edges towards b and c. */

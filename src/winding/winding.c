@@ -171,7 +171,7 @@ bvx_status bvxi_wind(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *soli
     BVXI_TRY(bvxi_snap_turn(ctx, 0, from, &job->snapped));
     if (job->holes != NULL) return wind_with_holes(ctx, job, job->holes, solid, part, to, report);
     BVXI_TRY(bvxi_holes_check_corners(ctx, job->function, job->view));
-    BVXI_TRY(BVXI_SHARE(ctx, from, part, bvxi_holes_open_signed(ctx, job->view, &job->snapped, &holes)));
+    BVXI_TRY(BVXI_SHARE(ctx, from, part, bvxi_holes_open(ctx, job->view, &job->snapped, 0, &holes)));
     bvx_status const status = wind_with_holes(ctx, job, &holes, solid, part, to, report);
     bvxi_holes_close(ctx, &holes);
     return status;

@@ -25,7 +25,7 @@ cppcheck legacyUninitvar src/grid/sample.c a place for gradients that nobody rea
 cppcheck pointerSize src/core/heap.c the pointer itself is stored in front of the block
 cppcheck uninitvar src/contours/distance2d.c what lies below the top was put there
 cppcheck uninitvar src/layers/fill_loop.c shorter pieces of the loop are in the table before longer ones ask for them
-cppcheck uninitvar src/surface/disjoint_triangles.c the first corner sets both ends before the others are compared with them
+cppcheck uninitvar src/surface/sharp_cells.c the first corner sets both ends before the others are compared with them
 tidy bugprone-integer-division src/refine/children.c the division is an index
 tidy bugprone-not-null-terminated-result src/cli_inputs/inputs.c the name's end is copied with its zero
 tidy bugprone-not-null-terminated-result src/io/png.c bytes of a file, no text

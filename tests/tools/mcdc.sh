@@ -21,7 +21,7 @@ files='src/core/exact.c src/lattice/lattice.c src/lattice/lattice.h src/lattice/
     src/mesh/polygon.c src/mesh/polygon.h src/mesh/topology.c
     src/refine/children.c src/refine/cubes.h
     src/contours/section.h src/contours/simple.c
-    src/surface/disjoint_triangles.c src/surface/cell_loops.c src/surface/cells.h src/surface/count.c src/surface/keys.c
+    src/surface/cell_loops.c src/surface/cells.h src/surface/count.c
     src/touch/conservative.c src/solid/covered_rows.h src/solid/crossings.c src/touch/sampled.c
     src/solid/solid_rows.c src/solid/triangle_rows.c src/touch/thin.c src/touch/touch_cells.h src/touch/touch_cells.h src/touch/touch_rows.c'
 tests='below boolean check cut_triangle edge_vector faces lattice lod memory merge polygon refine refine_children refine_parts section_parts sections

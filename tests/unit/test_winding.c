@@ -265,7 +265,7 @@ static void test_four_angles_are_those_of_each(void)
         cut_holes(1 + trial % 4, 2 + trial % 7);
         view = maker_view(&mesh);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_snap(ctx, "test", &view, &l, &snap));
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_holes_open_signed(ctx, &view, &snap, &holes));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_holes_open(ctx, &view, &snap, 0, &holes));
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_sheet_open(ctx, &holes, &snap, &l, &sheet));
         for (int n = 0; n < 200 && holes.loops > 0; n++, asked++) {
             static const double near[3] = {1e-3, 1e-2, 1e-6};
@@ -312,8 +312,7 @@ static void assert_block_is_its_centres(const bvx_lattice *l, int is_signed)
 
     memset(b, 0, sizeof *b);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_snap(ctx, "test", &view, l, &snap));
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, is_signed ? bvxi_holes_open_signed(ctx, &view, &snap, &holes)
-                                              : bvxi_holes_open(ctx, &view, &snap, &holes));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_holes_open(ctx, &view, &snap, !is_signed, &holes));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_sheet_open(ctx, &holes, &snap, l, &sheet));
     b->sheet = &sheet;
     b->ties = maker_below(&seed, 2);

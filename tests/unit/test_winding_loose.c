@@ -57,8 +57,7 @@ static void open_loose(const bvx_lattice *l, int is_signed, loose_sheet *s)
 {
     bvx_mesh_view const view = maker_view(&mesh);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_snap(ctx, "test", &view, l, &s->snap));
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, is_signed ? bvxi_holes_open_signed(ctx, &view, &s->snap, &s->holes)
-                                              : bvxi_holes_open(ctx, &view, &s->snap, &s->holes));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_holes_open(ctx, &view, &s->snap, !is_signed, &s->holes));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_sheet_open(ctx, &s->holes, &s->snap, l, &s->sheet));
     TEST_ASSERT_NOT_NULL(s->sheet.tree);
 }

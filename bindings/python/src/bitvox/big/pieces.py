@@ -17,13 +17,13 @@ from typing import Any, Callable, Iterator, Sequence
 from .. import _arrays as arrays
 from .._errors import ArgumentError, FormatError, ResultWarning, need
 from .._lattice import Lattice, Placed, Window, _lattice_from
-from .._levels import simplify
 from .._mesh import Mesh
 from .._run import in_range, version
 from .._stages import merge
 from .._words import FaceRule
 from . import written
 from .chunks import Chunks, Index, indices, joins, planes
+from .coarser import collapsed
 from .disk import PART, Record, beside, compute, files, index_of, listed, name_of, put, read_bodies, read_piece, write_piece
 from .labels import Labels
 from .plan import one_type
@@ -31,9 +31,6 @@ from .store import path_of
 from .volume import Volume, surface_parts
 
 warnings.filterwarnings("ignore", "the target of|a volume of", ResultWarning, "dask")  # of single pieces, in tasks
-
-SAMPLES = 2000  # points a side from which the distance between a piece and its next level is measured
-LEFT = 4  # one triangle of so many is left by a level: that of a lattice with voxels twice as large
 
 
 class Pieces(Placed):
@@ -367,32 +364,6 @@ def _sample(cut: Chunks, made: dict[Any, Any], client: Any, show: Callable[[str]
          f"{disk / 2**30:.2g} GiB on the disk, about {seconds * len(left):.0f} s for the finest level")
 
 
-def _collapsed(mesh: Mesh, low: Sequence[float], high: Sequence[float], near: Sequence[float]) -> Mesh:
-    """A level of a piece that stays between its cuts.
-
-    Vertices on cuts stay. So do the triangles at low cuts: collapses there could lay triangles into the cut, and the piece beyond it
-    could do so too, where they would overlap. New vertices may come to lie beyond a cut: then those of the mesh stay that are as near
-    to it, and where that does not help, no vertex is new.
-    """
-    np = arrays.numpy("bitvox.big")
-    at, faces, (first, last) = np.asarray(mesh.vertices), np.asarray(mesh.faces), mesh.bounds
-    locked = np.zeros(len(at), bool)
-    locked[faces[(at < np.add(low, near)).any(axis=1)[faces].any(axis=1)]] = True
-    wanted: dict[str, Any] = {"triangles": max(1, mesh.n_faces // LEFT), "lock_border": True, "samples": SAMPLES, "threads": 1}
-    low, high = np.minimum(low, first), np.maximum(high, last)
-    for _ in range(3):
-        made = simplify(mesh, locked=locked, **wanted)
-        found = np.asarray(made.vertices)
-        below, above = (np.maximum(0, beyond.max(axis=0)) for beyond in (low - found, found - high))
-        if not below.any() and not above.any():
-            return made
-        locked |= (at < low + 4 * below).any(axis=1) | (at > high - 4 * above).any(axis=1)
-    kept = simplify(mesh, vertices="kept", locked=locked, **wanted)
-    made = kept._part(slice(None))
-    made.report = kept.report
-    return made
-
-
 def _welded(meshes: Sequence[Mesh]) -> Mesh:
     """One mesh, its vertices at equal positions one."""
     mesh = beside(meshes)
@@ -415,9 +386,9 @@ def _joined(place: str, cut: Chunks, level: int, index: Index, parts: Sequence[t
         for label, mesh in read_bodies(place, level - 1, i)[0].items() if record.triangles else ():
             fine.setdefault(label, []).append(mesh)
     near, ends = [edge / 8 for edge in cut.lattice.spacing], planes(cut, level, index)
-    made: dict[Any, Mesh] = {label: _collapsed(beside(fine.pop(label)), *ends, near) for label in sorted(fine)}
-    error = max((record.error for _, record in parts), default=0.0) + max((mesh.report.distance.max for mesh in made.values()), default=0.0)
-    return write_piece(place, level, index, made, error)
+    made = {label: collapsed(beside(fine.pop(label)), *ends, near) for label in sorted(fine)}
+    error = max((record.error for _, record in parts), default=0.0) + max((far for _, far in made.values()), default=0.0)
+    return write_piece(place, level, index, {label: mesh for label, (mesh, _) in made.items()}, error)
 
 
 def _known(place: str, level: int, index: Index) -> Record | None:

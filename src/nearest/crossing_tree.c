@@ -1,4 +1,4 @@
-/* level_crossings.c - pairs of triangles of a level that cross.
+/* crossing_tree.c - pairs of triangles that cross.
  *
  * Boxes in whole steps, eight to a node, lie over the triangles in their order, which is one of space. Each node of
  * eight triangles goes down that tree to those after it whose boxes meet its own. Along the diagonals of a cube most
@@ -12,7 +12,7 @@
  *
  * Each piece of the nodes writes its pairs to a part of its own and counts them; where they are too many for these
  * parts it looks for them again and writes them to where the counts say: no thread shows. */
-#include "simplify/level_crossings.h"
+#include "nearest/crossing_tree.h"
 #include "bits/bits.h"
 #include "core/simd_shorts.h"
 #include "mesh/cross.h"
@@ -339,6 +339,12 @@ static int held_crosses(const crossing_tree *tree, held_triangle *held, const ui
     return crosses(tree, &held->plane, p, v);
 }
 
+/* Keys sort as the pairs do, whichever of both was found first. */
+static uint64_t key_of_pair(uint64_t s, uint64_t t)
+{
+    return s < t ? s << 32 | t : t << 32 | s;
+}
+
 /* Count pairs between two nodes, or within one, on from found, and write those that there is room for. */
 static uint64_t pairs_of_nodes(const crossing_job *job, held_triangle *held, uint64_t first, uint64_t second,
                                uint64_t *keys, uint64_t room, uint64_t found)
@@ -369,8 +375,7 @@ static uint64_t pairs_of_nodes(const crossing_job *job, held_triangle *held, uin
             const uint32_t *const v = vertices_in(tree, t);
 
             if (share_fan(held[i].fan, v) || !held_crosses(tree, &held[i], v)) continue;
-            if (found < room) keys[found] = triangle_at(tree, s) << 32 | triangle_at(tree, t);
-            found++;
+            if (found++ < room) keys[found - 1] = key_of_pair(triangle_at(tree, s), triangle_at(tree, t));
         }
     }
     return found;
@@ -521,9 +526,10 @@ static bvx_status write_pairs(bvx_context *ctx, crossing_job *job, uint64_t coun
 }
 
 bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, double from, double to,
-                               uint32_t **pairs, uint64_t *count)
+                               uint64_t most, uint32_t **pairs, uint64_t *count)
 {
     crossing_job job = {.tree = tree, .pieces = bvxi_piece_count(tree->nodes[0], CROSSING_GRAIN)};
+    uint64_t const room = tree->triangles < CROSSING_KEYS ? tree->triangles : CROSSING_KEYS;
 
     *pairs = NULL;
     *count = 0;
@@ -531,15 +537,14 @@ bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, doub
                              &job.begins));
     job.counts = job.begins + job.pieces + 1;
     job.written = (uint8_t *)(job.counts + job.pieces + 1);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, CROSSING_KEYS * 8, "the crossings' keys", &job.keys));
+    BVXI_TRY(BVXI_ARRAY(ctx, room, "the crossings' keys", job.keys));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, tree->nodes[0] * 5, "the nodes' fans", &job.common));
     job.fresh = (uint8_t *)(job.common + tree->nodes[0]);
-    for (int32_t i = 0; i <= job.pieces; i++)
-        job.begins[i] = CROSSING_KEYS * (uint64_t)i / (uint64_t)job.pieces;
+    for (int32_t i = 0; i <= job.pieces; i++) job.begins[i] = room * (uint64_t)i / (uint64_t)job.pieces;
     bvxi_ranges(ctx, job.pieces, tree->nodes[0], common_piece, &job);
     BVXI_TRY(bvxi_each(ctx, "crossings", from, to, job.pieces, pairs_piece, &job));
     for (int32_t i = 0; i < job.pieces; i++) *count += job.counts[i];
-    if (*count != 0) BVXI_TRY(write_pairs(ctx, &job, *count, pairs));
+    if (*count != 0 && *count <= most) BVXI_TRY(write_pairs(ctx, &job, *count, pairs));
     bvxi_drop(ctx, job.common);
     bvxi_drop(ctx, job.keys);
     bvxi_drop(ctx, job.begins);

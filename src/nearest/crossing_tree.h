@@ -1,9 +1,10 @@
-/* level_crossings.h - triangles of a level that cross, and boxes over them that follow collapses. Only simplify/
- * includes this. Not installed. */
-#ifndef BVXI_CROSSINGS_H
-#define BVXI_CROSSINGS_H
+/* crossing_tree.h - boxes over triangles, which pairs of them cross, and what crosses one of them. Not installed. */
+#ifndef BVXI_CROSSING_TREE_H
+#define BVXI_CROSSING_TREE_H
 
-#include "simplify/corners.h"
+#include "core/core.h"
+
+#define BVXI_VERTEX_NONE UINT32_MAX
 
 enum { CROSSING_WIDTH = 8, CROSSING_LEVELS = 12, CROSSING_SLANTS = 4 };
 
@@ -27,8 +28,7 @@ typedef struct crossing_tree {
     const uint8_t
         *graph; /* of each vertex, 1: its triangles lie side by side, seen along some direction; or NULL */
     const uint8_t *fresh; /* of each vertex; pairs without such a one are left out; NULL: none are */
-    const uint32_t
-        *live; /* triangles that are not gone, ascending; NULL: all have a place [Size: triangles] */
+    const uint32_t *live; /* triangles in an order of space; NULL: all, as they are [Size: triangles] */
     uint64_t triangles;
     double low[3], scale; /* (position - low) * scale is within 0 and 1 */
 
@@ -45,9 +45,9 @@ bvx_status bvxi_crossing_tree_open(bvx_context *ctx, crossing_tree *tree);
 void bvxi_crossing_tree_move(crossing_tree *tree, uint32_t t);
 
 /* Find pairs of triangles that cross. *pairs becomes a block of scratch [Size: *count * 2], in rising order, each with
- * its lower index first, or NULL where none cross. */
+ * its lower index first, or NULL where there are none, or more than most. */
 bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, double from, double to,
-                               uint32_t **pairs, uint64_t *count);
+                               uint64_t most, uint32_t **pairs, uint64_t *count);
 
 /* Call visit for each triangle that crosses the one with corners p, but those with a vertex u or v, or one that skip
  * marks, or with vertices that all have BVXI_VERTEX_NONE in still (NULL: none), until it returns 1; returns what it

@@ -1,0 +1,96 @@
+"""One piece with fewer triangles, which stays between its cuts and encloses as much as before."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Sequence
+
+from .. import _arrays as arrays
+from .._levels import simplify
+from .._mesh import Mesh
+from .._stages import compare
+
+SAMPLES = 2000  # points a side from which the distance between a piece and its next level is measured
+LEFT = 4  # one triangle of so many is left by a level: that of a lattice with voxels twice as large
+ROUNDS = 3  # of steps along normals, each by what the ones before left
+
+
+def collapsed(mesh: Mesh, low: Sequence[float], high: Sequence[float], near: Sequence[float]) -> tuple[Mesh, float]:
+    """A level of a piece between its cuts, and how far it is from the piece.
+
+    Vertices on cuts stay. So do the triangles at low cuts: collapses there could lay triangles into the cut, and the piece beyond it
+    could do so too, where they would overlap. New vertices may come to lie beyond a cut: then those of the mesh stay that are as near
+    to it, and where that does not help, no vertex is new.
+    """
+    np = arrays.numpy("bitvox.big")
+    at, faces, (first, last) = np.asarray(mesh.vertices), np.asarray(mesh.faces), mesh.bounds
+    locked = np.zeros(len(at), bool)
+    locked[faces[(at < np.add(low, near)).any(axis=1)[faces].any(axis=1)]] = True
+    wanted: dict[str, Any] = {"triangles": max(1, mesh.n_faces // LEFT), "lock_border": True, "threads": 1}
+    least, most = np.minimum(low, first), np.maximum(high, last)
+    for _ in range(3):
+        made = simplify(mesh, locked=locked, **wanted)
+        found = np.asarray(made.vertices)
+        below, above = (np.maximum(0, beyond.max(axis=0)) for beyond in (least - found, found - most))
+        if not below.any() and not above.any():
+            break
+        locked |= (at < least + 4 * below).any(axis=1) | (at > most - 4 * above).any(axis=1)
+    else:
+        made = simplify(mesh, vertices="kept", locked=locked, **wanted)._part(slice(None))
+    made = _as_large(mesh, made, low, high, near)
+    return made, compare(mesh, made, samples=SAMPLES, threads=1).max
+
+
+def _as_large(mesh: Mesh, made: Mesh, low: Sequence[float], high: Sequence[float], near: Sequence[float]) -> Mesh:
+    """A level that encloses what its mesh does: vertices that are not at cuts move along their normals, all by one distance.
+
+    Vertices of a level settle by the middles of the triangles before it, which lie further in than their corners: what is round would
+    shrink from level to level. Sums are exact or in the order of faces, so that every machine writes the same bytes.
+    """
+    np = arrays.numpy("bitvox.big")
+    begin, faces, middle = np.asarray(made.vertices, float), np.asarray(made.faces, np.int64), np.mean(mesh.bounds, axis=0)
+    inner, outer, most = np.add(low, near), np.subtract(high, near), 4 * max(near)
+    wanted = _enclosed(np.asarray(mesh.vertices, float) - middle, np.asarray(mesh.faces, np.int64))
+    normal, area = _normals(begin, faces)
+    at, best, step, free = begin, made, 0.0, ((begin > inner) & (begin < outer)).all(axis=1)
+    for _ in range(ROUNDS):
+        taken = math.fsum(area[free].tolist())
+        more = (wanted - _enclosed(at - middle, faces)) / taken if taken > 0 else 0.0
+        if abs(more) < most / 400:
+            break
+        step = min(max(step + more, -most), most)
+        while True:
+            moved = np.where(free[:, None], begin + step * normal, begin).astype(made.vertices.dtype)
+            found = Mesh(moved, made.faces)
+            bad = ~((moved > inner) & (moved < outer)).all(axis=1)
+            bad[faces[found.crossings(threads=1)]] = True
+            if not (bad & free).any():
+                break
+            free &= ~bad
+        at, best = moved.astype(float), found
+    return best
+
+
+def _corners(at: Any, faces: Any) -> tuple[Any, Any, Any]:
+    return at[faces[:, 0]], at[faces[:, 1]], at[faces[:, 2]]
+
+
+def _enclosed(at: Any, faces: Any) -> float:
+    """With the cuts: of two surfaces that end in the same border the difference is what lies between them."""
+    a, (x, y, z) = _corners(at, faces)[0].T, _crossed(at, faces)
+    return math.fsum(((a[0] * x + a[1] * y + a[2] * z) / 6).tolist())
+
+
+def _normals(at: Any, faces: Any) -> tuple[Any, Any]:
+    """Of each vertex the normal, and the volume that a step of one along it adds, in the first order."""
+    np, corners = arrays.numpy("bitvox.big"), faces.ravel()
+    x, y, z = (np.bincount(corners, np.repeat(part / 6, 3), len(at)) for part in _crossed(at, faces))
+    length = np.sqrt(x * x + y * y + z * z)
+    return np.stack([x, y, z], axis=1) / np.where(length > 0, length, 1)[:, None], length
+
+
+def _crossed(at: Any, faces: Any) -> tuple[Any, Any, Any]:
+    """Twice the areas of faces, along their normals."""
+    a, b, c = _corners(at, faces)
+    (p, q, r), (u, v, w) = (b - a).T, (c - a).T
+    return q * w - r * v, r * u - p * w, p * v - q * u
