@@ -112,7 +112,7 @@ bvx_status bvxi_sign_features(bvxi_call call, const bvxi_nearest *nearest, doubl
                               const bvx_mesh_view *mesh, const bvxi_sparse *band, int32_t sign,
                               bvx_grid *inside)
 {
-    int const whole = memcmp(inside->size, inside->lattice.dims, sizeof inside->size) == 0;
+    int const whole = bvxi_grid_is_whole(inside);
     double const voxel = bvxi_largest_spacing(&inside->lattice), enough = width < voxel ? voxel : width;
     if (band->count == bvxi_grid_rows(inside) * (uint64_t)inside->size[0])
         return sign_band(call, mesh, band, sign, inside);

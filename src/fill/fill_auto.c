@@ -332,8 +332,7 @@ static bvx_status choose_or_fill(bvx_context *ctx, auto_work *w, bvx_grid *solid
 
     /* Filling by parity also says how deep rows are, so a sound mesh is done when it has been examined. */
     BVXI_TRY(choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND));
-    if (memcmp(solid->size, solid->lattice.dims, sizeof solid->size) == 0 &&
-        !has_more_rows(&solid->lattice) && !reach_around(w, &around))
+    if (bvxi_grid_is_whole(solid) && !has_more_rows(&solid->lattice) && !reach_around(w, &around))
         BVXI_TRY(BVXI_SHARE(ctx, 0.2, 0.4, try_parity(ctx, w, solid, report, filled)));
     return *filled ? BVX_OK : BVXI_SHARE(ctx, 0.4, AUTO_CHOSEN, choose_balanced(ctx, w, &solid->lattice));
 }

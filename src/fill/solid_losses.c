@@ -224,7 +224,8 @@ static bvx_status look_for_walls(bvx_context *ctx, const char *function, const b
 
     bvxi_walls_of_solid(ctx, function, mesh, solid, report, &walls);
     BVXI_TRY(bvxi_walls_open(&walls));
-    BVXI_TRY(bvxi_walls_find(&walls));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.4, bvxi_walls_gather(&walls)));
+    if (walls.count != 0) BVXI_TRY(BVXI_SHARE(ctx, 0.4, 1.0, bvxi_walls_ask(&walls, 1.0)));
     bvxi_tell_walls(&walls, report);
     return BVX_OK;
 }
@@ -258,9 +259,8 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
                              const bvx_grid *solid, const bvx_voxelize_options *o, bvx_solid_report *report)
 {
     const bvx_lattice *const l = &solid->lattice;
-    int const whole = memcmp(solid->size, l->dims, sizeof solid->size) == 0;
     int const look = o->check_thin == BVX_CHECK_ALWAYS ||
-                     (o->check_thin == BVX_CHECK_AUTO && whole && !o->add_shell);
+                     (o->check_thin == BVX_CHECK_AUTO && bvxi_grid_is_whole(solid) && !o->add_shell);
     loss_sums sums;
     uint64_t voxels;
 

@@ -39,7 +39,7 @@
 #define WALL_EVEN     0.97
 enum { WALL_STEPS_OUT = 3 };
 
-enum { WALL_GRAIN = 256, WALL_PIECES = 1024, WALL_BINS = 64, LIST_GRAIN = 1 << 14 };
+enum { WALL_GRAIN = 256, WALL_PIECES = 1024, WALL_BINS = 64 };
 
 /* ---- The list of places ---- */
 
@@ -52,47 +52,25 @@ void bvxi_walls_drop(bvxi_walls *t)
     t->count = 0;
 }
 
-typedef struct list_job {
-    bvxi_walls *walls;
-    int32_t pieces;
-    uint64_t first[BVXI_MOST_PIECES]; /* by piece of the words: how many are set, then where they go */
-} list_job;
-
-static void count_listed(void *user, int32_t piece, uint64_t begin, uint64_t end)
-{
-    list_job *const job = user;
-    const uint64_t *const words = job->walls->places.words;
-    uint64_t count = 0;
-    for (uint64_t i = begin; i < end; i++) count += bvxi_popcount(words[i]);
-    job->first[piece] = count;
-}
-
-/* In the order of the grid, so the list has one order. */
-static void list_wall_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
-{
-    const list_job *const job = user;
-    const uint64_t *const words = job->walls->places.words;
-    uint64_t n = job->first[piece];
-    for (uint64_t i = begin; i < end; i++)
-        for (uint64_t bits = words[i]; bits != 0; bits &= bits - 1)
-            job->walls->at[n++] = i * 64 + (uint64_t)bvxi_lowest(bits);
-}
-
-/* The set centres of places, in order. */
+/* The set centres of places, in the order of the grid, so that the list has one order. Nearly all words are 0. */
 bvx_status bvxi_walls_list(bvxi_walls *t)
 {
-    list_job job = {.walls = t, .pieces = bvxi_piece_count(t->bytes / 8, LIST_GRAIN)};
+    uint64_t const words = t->bytes / 8;
+    uint64_t count = 0, n = 0;
 
     bvxi_walls_drop(t);
-    BVXI_TRY(bvxi_for_pieces(t->ctx, "thin", 0.1, 0.1, job.pieces, job.walls->bytes / 8, count_listed, &job));
-    uint64_t const count = bvxi_place_counts(job.first, (uint64_t)job.pieces);
+    for (uint64_t i = 0; i < words; i++)
+        if (t->places.words[i] != 0) count += bvxi_popcount(t->places.words[i]);
     if (count == 0) return BVX_OK;
 
     BVXI_TRY(bvxi_alloc(t->ctx, BVXI_SCRATCH, count * 8, "the thin places", &t->at));
     t->count = count;
     BVXI_TRY(
         bvxi_alloc(t->ctx, BVXI_SCRATCH, count * sizeof *t->point, "the walls at thin places", &t->point));
-    return bvxi_for_pieces(t->ctx, "thin", 0.1, 0.1, job.pieces, job.walls->bytes / 8, list_wall_piece, &job);
+    for (uint64_t i = 0; i < words; i++)
+        for (uint64_t bits = t->places.words[i]; bits != 0; bits &= bits - 1)
+            t->at[n++] = i * 64 + (uint64_t)bvxi_lowest(bits);
+    return BVX_OK;
 }
 
 /* ---- Where the lattice loses the surface ---- */
@@ -183,27 +161,17 @@ static void unit_normal(const bvxi_walls *t, uint32_t triangle, double n[3])
     for (int a = 0; a < 3; a++) n[a] /= length;
 }
 
-static int is_inside_at(const bvx_grid *g, const double place[3])
-{
-    int32_t at[3];
-
-    for (int a = 0; a < 3; a++) {
-        double const v = (place[a] - g->lattice.origin[a]) / g->lattice.spacing[a] - g->low[a];
-
-        /* Beyond the window is outside. */
-        if (!(v >= 0 && v < (double)g->size[a])) return 0;
-        at[a] = (int32_t)v;
-    }
-    return bvx_grid_get(g, at[0], at[1], at[2]);
-}
-
 /* Nothing of the solid behind a face: half a voxel, three quarters and one deep. */
 static int is_nothing_behind(const bvxi_walls *t, const double p[3], const double out[3])
 {
+    const bvx_grid *const g = t->solid;
+
     for (int step = 2; step <= 4; step++) {
         double at[3];
-        for (int a = 0; a < 3; a++) at[a] = p[a] - out[a] * (0.25 * step) * t->unit;
-        if (is_inside_at(t->solid, at)) return 0;
+        for (int a = 0; a < 3; a++)
+            at[a] = (p[a] - out[a] * (0.25 * step) * t->unit - g->lattice.origin[a]) / g->lattice.spacing[a] -
+                    g->low[a];
+        if (bvxi_grid_at(g, at)) return 0;
     }
     return 1;
 }
@@ -444,10 +412,4 @@ bvx_status bvxi_walls_gather(bvxi_walls *t)
     /* Only beside holes does it matter which way faces look. */
     t->inverted = t->open == BVXI_WALLS_HOLES && is_inside_out(t->mesh);
     return BVX_OK;
-}
-
-bvx_status bvxi_walls_find(bvxi_walls *t)
-{
-    BVXI_TRY(BVXI_SHARE(t->ctx, 0.0, 0.4, bvxi_walls_gather(t)));
-    return t->count == 0 ? BVX_OK : BVXI_SHARE(t->ctx, 0.4, 1.0, bvxi_walls_ask(t, 1.0));
 }

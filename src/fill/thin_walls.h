@@ -77,13 +77,12 @@ bvx_status bvxi_triangles_near(bvx_context *ctx, const bvx_mesh_view *mesh, cons
 /* Mark the places where the lattice may lose the surface; list them; take the
  * triangles around them and make a search of these (near has none where there
  * are none); look at all that are listed. bvxi_walls_gather is all but the last (count is 0
- * where there is nothing to ask), bvxi_walls_find the four of them. */
+ * where there is nothing to ask). */
 bvx_status bvxi_walls_mark(bvxi_walls *t);
 bvx_status bvxi_walls_list(bvxi_walls *t);
 bvx_status bvxi_walls_near(bvxi_walls *t);
 bvx_status bvxi_walls_ask(bvxi_walls *t, double limit);
 bvx_status bvxi_walls_gather(bvxi_walls *t);
-bvx_status bvxi_walls_find(bvxi_walls *t);
 /* Forget the list; the triangles around the places. */
 void bvxi_walls_drop(bvxi_walls *t);
 void bvxi_walls_forget(bvxi_walls *t);

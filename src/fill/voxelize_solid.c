@@ -286,8 +286,7 @@ static bvx_status report_losses(bvx_context *ctx, const bvx_mesh_view *mesh, con
 
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.95, bvxi_solid_losses(ctx, solid_name, mesh, solid, o, report)));
     if (report->fill == BVX_FILL_BELOW) return BVX_OK;
-    if (memcmp(solid->size, l->dims, sizeof l->dims) == 0 && report->mesh_volume == 0 &&
-        bvxi_solid_is_closed(report))
+    if (bvxi_grid_is_whole(solid) && report->mesh_volume == 0 && bvxi_solid_is_closed(report))
         BVXI_TRY(BVXI_SHARE(
             ctx, 0.95, 0.95,
             bvxi_see_volume(ctx, solid_name, mesh, l, o->fill, report->volume, &report->crossing_volume)));

@@ -141,11 +141,13 @@ static inline int32_t block_index(uint32_t block, int axis)
     return (int32_t)(block >> axis * NEAR_BITS & ((1u << NEAR_BITS) - 1));
 }
 
-/* 1: block b is a or beside it. The difference of each coordinate, and one more, is added to its highest bit. */
-static inline int is_block_beside(uint32_t a, uint32_t b)
+/* 1: blocks b and c are a or beside it. The difference of each coordinate, and one more, is added to its highest bit;
+ * of both at once. */
+static inline int are_blocks_beside(uint32_t a, uint32_t b, uint32_t c)
 {
-    uint32_t const ones = 1u | 1u << NEAR_BITS | 1u << 2 * NEAR_BITS, all = (1u << 3 * NEAR_BITS) - 1;
-    uint32_t const high = ones << (NEAR_BITS - 1), x = ((a & all) | high) - (b & all) + ones;
+    uint64_t const both = UINT64_C(0x100000001), ones = both * (1u | 1u << NEAR_BITS | 1u << 2 * NEAR_BITS);
+    uint64_t const all = both * ((1u << 3 * NEAR_BITS) - 1), high = ones << (NEAR_BITS - 1);
+    uint64_t const x = ((both * a & all) | high) - (((uint64_t)b << 32 | c) & all) + ones;
 
     return (x & ~(3 * ones)) == high && (x & x >> 1 & ones) == 0;
 }
@@ -157,9 +159,7 @@ static int is_in_marked_block(const near_job *t, const uint32_t c[3])
 
     /* Most triangles lie in one block, or in that and blocks beside it. */
     if (corner[0] == corner[1] && corner[0] == corner[2]) return corner[0] >> 3 * NEAR_BITS == MARK;
-    if (corner[0] >> 3 * NEAR_BITS == 0 && is_block_beside(corner[0], corner[1]) &&
-        is_block_beside(corner[0], corner[2]))
-        return 0;
+    if (corner[0] >> 3 * NEAR_BITS == 0 && are_blocks_beside(corner[0], corner[1], corner[2])) return 0;
     for (int a = 0; a < 3; a++) {
         int32_t const p = block_index(corner[0], a), q = block_index(corner[1], a);
         int32_t const r = block_index(corner[2], a);

@@ -55,6 +55,20 @@ static inline uint64_t *bvxi_grid_row(const bvx_grid *grid, int32_t y, int32_t z
            ((uint64_t)z * (uint64_t)grid->size[1] + (uint64_t)y) * (uint64_t)grid->words_per_row;
 }
 
+/* 1 when the window is the whole lattice. */
+static inline int bvxi_grid_is_whole(const bvx_grid *grid)
+{
+    return memcmp(grid->size, grid->lattice.dims, sizeof grid->size) == 0;
+}
+
+/* 1 when the voxel that holds a place is set; beyond the window none is. at: [Units: voxels of the window] */
+static inline int bvxi_grid_at(const bvx_grid *grid, const double at[3])
+{
+    for (int a = 0; a < 3; a++)
+        if (!(at[a] >= 0 && at[a] < (double)grid->size[a])) return 0;
+    return bvx_grid_get(grid, (int32_t)at[0], (int32_t)at[1], (int32_t)at[2]);
+}
+
 /* Bits of each row's last word at or past size[0]: nothing of the library's sets them. */
 static inline uint64_t bvxi_grid_past(const bvx_grid *grid)
 {

@@ -31,31 +31,36 @@ static void welded_triangle(const bvx_mesh_view *mesh, const uint32_t *represent
     for (int k = 0; k < 3; k++) v[k] = representative[v[k]];
 }
 
-/* Corners and the normal of length 1 of a triangle, and twice its area: 0 without a normal. */
-static double facet_of(const bvx_mesh_view *mesh, const uint32_t v[3], double p[3][3], double n[3])
+/* By triangle: the normal of length 1, and twice the area, 0 without a normal. */
+static void list_facets(const bvx_mesh_view *mesh, const uint32_t *representative, double *facet)
 {
-    for (int k = 0; k < 3; k++) bvxi_view_position(mesh, v[k], p[k]);
-    double const size = bvxi_facet_normal((const double(*)[3])p, n);
-    for (int a = 0; a < 3 && size > 0; a++) n[a] /= size;
-    return size;
+    for (uint64_t t = 0; t < mesh->triangle_count; t++, facet += 4) {
+        double p[3][3];
+        uint32_t v[3];
+
+        welded_triangle(mesh, representative, t, v);
+        for (int k = 0; k < 3; k++) bvxi_view_position(mesh, v[k], p[k]);
+        facet[3] = bvxi_facet_normal((const double(*)[3])p, facet);
+        for (int a = 0; a < 3 && facet[3] > 0; a++) facet[a] /= facet[3];
+    }
 }
 
 /* Two sides (3 * triangle + k: from corner k to the next) of one edge. */
-static void add_edge(const bvx_mesh_view *mesh, const uint32_t *representative, uint32_t one, uint32_t other,
-                     edge_lengths *sum)
+static void add_edge(const bvx_mesh_view *mesh, const uint32_t *representative, const double *facet,
+                     uint32_t one, uint32_t other, edge_lengths *sum)
 {
-    double p[3][3], q[3][3], n[3], m[3], length = 0, cosine;
+    const double *const n = facet + 4 * (size_t)(one / 3), *const m = facet + 4 * (size_t)(other / 3);
+    double p[2][3], length = 0, cosine = bvxi_vec_dot(n, m);
     uint32_t v[3], w[3];
 
+    if (!(n[3] > 0) || !(m[3] > 0)) return;
     welded_triangle(mesh, representative, one / 3, v);
     welded_triangle(mesh, representative, other / 3, w);
-    if (!(facet_of(mesh, v, p, n) > 0) || !(facet_of(mesh, w, q, m) > 0)) return;
+    for (uint32_t k = 0; k < 2; k++) bvxi_view_position(mesh, v[(one + k) % 3], p[k]);
 
     /* Sides that run the same way belong to triangles of opposite orientation. */
-    cosine = bvxi_vec_dot(n, m);
     if (v[one % 3] == w[other % 3]) cosine = -cosine;
-    for (int a = 0; a < 3; a++)
-        length += (p[(one + 1) % 3][a] - p[one % 3][a]) * (p[(one + 1) % 3][a] - p[one % 3][a]);
+    for (int a = 0; a < 3; a++) length += (p[1][a] - p[0][a]) * (p[1][a] - p[0][a]);
     length = sqrt(length);
 
     sum->all += length;
@@ -67,6 +72,7 @@ static bvx_status measure_edges(bvx_context *ctx, const bvx_mesh_view *mesh, con
                                 uint64_t *keys, uint32_t *side, edge_lengths *sum)
 {
     uint64_t const n = 3 * mesh->triangle_count;
+    double *facet;
 
     for (uint64_t i = 0; i < n; i++) {
         uint32_t v[3];
@@ -77,12 +83,16 @@ static bvx_status measure_edges(bvx_context *ctx, const bvx_mesh_view *mesh, con
         side[i] = (uint32_t)i;
     }
     BVXI_TRY(bvxi_radix_sort(ctx, keys, side, n));
+    /* Once each, in less room than sorting took. */
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, mesh->triangle_count * 32, "the facets' normals", &facet));
+    list_facets(mesh, representative, facet);
 
     for (uint64_t i = 0; i + 1 < n; i++) {
         if (keys[i] != keys[i + 1]) continue;
-        add_edge(mesh, representative, side[i], side[i + 1], sum);
+        add_edge(mesh, representative, facet, side[i], side[i + 1], sum);
         i++;
     }
+    bvxi_drop(ctx, facet);
     return BVX_OK;
 }
 

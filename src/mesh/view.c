@@ -132,27 +132,6 @@ static bvx_status check_every_position(bvx_context *ctx, const char *function, c
     return BVX_OK;
 }
 
-static void bounds_by_triangle(const bvx_mesh_view *v, double low[3], double high[3])
-{
-    uint32_t c[3];
-    double p[3];
-
-    /* The first corner's vertex starts both bounds; there is a triangle, as the caller has checked. */
-    bvxi_view_triangle(v, 0, c);
-    bvxi_view_position(v, c[0], low);
-    bvxi_view_position(v, c[0], high);
-    for (uint64_t t = 0; t < v->triangle_count; t++) {
-        bvxi_view_triangle(v, t, c);
-        for (int k = 0; k < 3; k++) {
-            bvxi_view_position(v, c[k], p);
-            for (int a = 0; a < 3; a++) {
-                low[a] = p[a] < low[a] ? p[a] : low[a];
-                high[a] = p[a] > high[a] ? p[a] : high[a];
-            }
-        }
-    }
-}
-
 /* ---- packed floats with packed 32-bit indices ---- */
 
 enum {
@@ -311,7 +290,24 @@ static int bounds_packed(const bvx_mesh_view *v, double low[3], double high[3])
 
 void bvxi_view_used_bounds(const bvx_mesh_view *v, double low[3], double high[3])
 {
-    if (!bounds_packed(v, low, high)) bounds_by_triangle(v, low, high);
+    uint32_t c[3];
+    double p[3];
+
+    if (bounds_packed(v, low, high)) return;
+    /* The first corner's vertex starts both bounds; there is a triangle, as the caller has checked. */
+    bvxi_view_triangle(v, 0, c);
+    bvxi_view_position(v, c[0], low);
+    bvxi_view_position(v, c[0], high);
+    for (uint64_t t = 0; t < v->triangle_count; t++) {
+        bvxi_view_triangle(v, t, c);
+        for (int k = 0; k < 3; k++) {
+            bvxi_view_position(v, c[k], p);
+            for (int a = 0; a < 3; a++) {
+                low[a] = p[a] < low[a] ? p[a] : low[a];
+                high[a] = p[a] > high[a] ? p[a] : high[a];
+            }
+        }
+    }
 }
 
 bvx_status bvxi_view_bounds(bvx_context *ctx, const char *function, const bvx_mesh_view *view, double low[3],
@@ -325,7 +321,7 @@ bvx_status bvxi_view_bounds(bvx_context *ctx, const char *function, const bvx_me
     if (!bounds_packed(view, lo, hi)) {
         BVXI_TRY(check_every_index(ctx, function, view));
         BVXI_TRY(check_every_position(ctx, function, view));
-        bounds_by_triangle(view, lo, hi);
+        bvxi_view_used_bounds(view, lo, hi);
     }
     for (int a = 0; a < 3; a++) {
         low[a] = lo[a] + 0.0; /* turns -0 into 0, so that the order of vertices does not show */

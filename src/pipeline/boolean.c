@@ -2,7 +2,6 @@
  * two solids, a word operation, and a surface whose vertices lie on the mesh that bounds the result there.
  *
  * Guarantee: closed, manifold and free of crossings, whatever the meshes are (surface/field_surface.c). */
-#include "nearest/nearest.h"
 #include "mesh/mesh.h"
 #include "mesh/topology.h"
 #include "mesh/view.h"
@@ -22,27 +21,16 @@
  * voxels to the part. What is left of a difference lies within a, of an intersection within both boxes: only
  * there the lattice has to be. */
 
-static bvxi_body_box joined_boxes(const bvxi_body_box box[2])
+/* What both boxes are in, or what they have in common. Boxes that have no space in common leave nothing; the first one
+ * is then as good as any. */
+static bvxi_body_box box_of_both(const bvxi_body_box box[2], int common)
 {
     bvxi_body_box r = box[0];
 
     for (int a = 0; a < 3; a++) {
-        r.low[a] = box[1].low[a] < r.low[a] ? box[1].low[a] : r.low[a];
-        r.high[a] = box[1].high[a] > r.high[a] ? box[1].high[a] : r.high[a];
-    }
-    return r;
-}
-
-/* Boxes that have no space in common leave nothing; the first one is then as good as any. */
-static bvxi_body_box common_box(const bvxi_body_box box[2])
-{
-    bvxi_body_box r = box[0];
-
-    for (int a = 0; a < 3; a++) {
-        r.low[a] = box[1].low[a] > r.low[a] ? box[1].low[a] : r.low[a];
-        r.high[a] = box[1].high[a] < r.high[a] ? box[1].high[a] : r.high[a];
-        /* Without common space: nothing is left, and any lattice shows that. */
-        if (!(r.low[a] < r.high[a])) return box[0];
+        if ((box[1].low[a] < r.low[a]) != common) r.low[a] = box[1].low[a];
+        if ((box[1].high[a] > r.high[a]) != common) r.high[a] = box[1].high[a];
+        if (common && !(r.low[a] < r.high[a])) return box[0];
     }
     return r;
 }
@@ -78,9 +66,9 @@ bvx_status bvxi_check_fit(bvx_context *ctx, const char *function, bvx_fit *fit)
 bvx_status bvxi_boolean_lattice(bvx_context *ctx, int32_t operation, int32_t resolution,
                                 const bvxi_body_box box[2], bvx_lattice *lattice)
 {
-    bvxi_body_box const fit = operation == BVX_BOOLEAN_DIFFERENCE     ? box[0]
-                              : operation == BVX_BOOLEAN_INTERSECTION ? common_box(box)
-                                                                      : joined_boxes(box);
+    bvxi_body_box const fit = operation == BVX_BOOLEAN_DIFFERENCE
+                                  ? box[0]
+                                  : box_of_both(box, operation == BVX_BOOLEAN_INTERSECTION);
     /* A layer around, so that the surface closes within the lattice. */
     bvx_lattice_options const o = {.struct_size = sizeof o, .resolution = resolution, .padding = 1};
     bvx_mesh_view const corners = {.positions = &fit, .vertex_count = 2, .position_type = BVX_F64};
@@ -246,6 +234,7 @@ static bvx_status keep_thin_walls(boolean_job *job, int32_t i)
     /* The walls' search goes by the mesh and the solid as they are. */
     bvxi_walls_of_solid(job->ctx, boolean_name, b->mesh, &b->solid, r, &walls);
     walls.parts = keep;
+    walls.unsummed = job->options->report == NULL;
     BVXI_TRY(bvxi_walls_open(&walls));
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.5, 0.7, bvxi_walls_gather(&walls)));
     if (walls.count != 0) BVXI_TRY(BVXI_SHARE(job->ctx, 0.7, 0.8, bvxi_walls_ask(&walls, 1.0)));
@@ -409,19 +398,11 @@ static bvx_status drop_boolean_crumbs(boolean_job *job)
 static bvx_status drop_boolean_parts(boolean_job *job)
 {
     const bvx_boolean_options *const o = job->options;
-    bvx_keep_report report;
-    bvx_keep_options const keep = {.struct_size = sizeof keep,
-                                   .at_least = o->parts.least_part,
-                                   .largest = o->parts.keep_largest,
-                                   .report = &report};
 
     if (job->report.voxels == 0) return BVX_OK;
     /* Crumbs first: they are sorted out by shape, parts by size alone. */
     if (!o->parts.keep_crumbs) BVXI_TRY(drop_boolean_crumbs(job));
-    if (o->parts.least_part > 1 || o->parts.keep_largest != 0) {
-        BVXI_TRY(bvx_grid_keep(job->ctx, &job->inside, &keep, &job->inside));
-        job->report.parts_dropped = report.dropped;
-    }
+    BVXI_TRY(bvxi_keep_large_parts(job->ctx, &o->parts, &job->inside, &job->report.parts_dropped));
     return bvx_grid_count(job->ctx, &job->inside, &job->report.voxels);
 }
 
@@ -429,21 +410,6 @@ static bvx_status drop_boolean_parts(boolean_job *job)
 
 /* How far from a centre its body is looked for among nearby triangles at first [Units: largest spacings] */
 #define BOOLEAN_REACH 2.0
-
-static bvx_status measure_among(boolean_job *job, boolean_body *b, const bvx_mesh_view *mesh)
-{
-    /* ends of edges that the body crosses */
-    double const guess = bvxi_largest_spacing(&job->lattice) * (1 + 1e-6);
-    bvxi_nearest *nearest = NULL;
-
-    BVXI_TRY(bvxi_nearest_open(bvxi_call_of(job->ctx, boolean_name, "measure", 0.0, 0.3), mesh, &job->lattice,
-                               &nearest));
-    bvxi_nearest_prefer_planes(nearest);
-    BVXI_TRY(
-        bvxi_nearest_fill(bvxi_call_of(job->ctx, NULL, "measure", 0.3, 1.0), nearest, guess, &b->values));
-    bvxi_nearest_close(job->ctx, nearest);
-    return BVX_OK;
-}
 
 /* Among the triangles near what is measured, where they are few: what lies within reach of a centre is nearer than all
  * that is not among them. *all becomes 1 where that holds for each centre. */
@@ -459,7 +425,7 @@ static bvx_status measure_nearby(boolean_job *job, boolean_body *b, int *all)
     BVXI_TRY(bvxi_triangles_near(job->ctx, b->mesh, &b->values.where, reach, 0, &near, &corner));
     if (near.triangle_count != 0 && near.triangle_count <= b->mesh->triangle_count / 2) {
         *all = 1;
-        status = measure_among(job, b, &near);
+        status = bvxi_measure_ends(job->ctx, boolean_name, &near, 0, &b->values);
         for (uint64_t i = 0; i < b->values.count && status == BVX_OK; i++) *all &= distances[i] <= reach;
     }
     bvxi_drop(job->ctx, corner);
@@ -487,7 +453,9 @@ static bvx_status measure_body(boolean_job *job, boolean_body *b)
     /* A body that does not bound the result anywhere needs no search tree. */
     if (b->values.count == 0) return BVX_OK;
     if (partly) BVXI_TRY(BVXI_SHARE(ctx, 0.05, 0.5, measure_nearby(job, b, &measured)));
-    if (!measured) BVXI_TRY(BVXI_SHARE(ctx, partly ? 0.5 : 0.05, 1.0, measure_among(job, b, b->mesh)));
+    if (!measured)
+        BVXI_TRY(BVXI_SHARE(ctx, partly ? 0.5 : 0.05, 1.0,
+                            bvxi_measure_ends(ctx, boolean_name, b->mesh, 0, &b->values)));
     bvxi_thin_values(&b->thin, &b->values);
     return BVX_OK;
 }

@@ -1,5 +1,6 @@
 /* crossed_edges.c - the centres that have a neighbour on the other side of a surface: only these need a
  * distance. 64 at a time, from a word and its six neighbours. */
+#include "nearest/nearest.h"
 #include "pipeline/steps.h"
 
 enum { ENDS_GRAIN = 4096 /* least words a piece */ };
@@ -59,4 +60,20 @@ bvx_status bvxi_ends_mark(bvx_context *ctx, const bvx_grid *inside, const bvx_gr
     job.where = where;
     return bvxi_for(ctx, "ends", bvxi_grid_rows(inside), 1 + ENDS_GRAIN / (uint64_t)inside->words_per_row,
                     mark_ends_piece, &job);
+}
+
+bvx_status bvxi_measure_ends(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, double off,
+                             const bvxi_sparse *values)
+{
+    const bvx_lattice *const lattice = &values->where.lattice;
+    /* As far as an edge is long; a little more for rounding. */
+    double const guess = (off + bvxi_largest_spacing(lattice)) * (1 + 1e-6);
+    bvxi_nearest *nearest = NULL;
+
+    BVXI_TRY(bvxi_nearest_open(bvxi_call_of(ctx, function, "measure", 0.0, 0.4), mesh, lattice, &nearest));
+    bvxi_nearest_prefer_planes(nearest);
+    bvx_status const status = bvxi_nearest_fill(bvxi_call_of(ctx, NULL, "measure", 0.4, 1.0), nearest, guess,
+                                                values);
+    bvxi_nearest_close(ctx, nearest);
+    return status;
 }

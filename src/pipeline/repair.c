@@ -35,6 +35,12 @@ static bvx_status check_repair_lattice(bvx_context *ctx, bvx_repair_options *o)
 
 /* ---- The resolution for a triangle count ---- */
 
+static bvx_status fill_at(bvxi_repair_job *job, int32_t resolution)
+{
+    BVXI_TRY(bvxi_repair_lattice(job, resolution));
+    return bvxi_repair_inside(job);
+}
+
 static bvx_status count_at(bvxi_repair_job *job, int32_t resolution, uint64_t *triangles)
 {
     /* Doubles, so that counting never fails for coordinates that only the final type would refuse. */
@@ -42,8 +48,7 @@ static bvx_status count_at(bvxi_repair_job *job, int32_t resolution, uint64_t *t
         .struct_size = sizeof o, .face_rule = job->options->placing.face_rule, .position_type = BVX_F64};
     uint64_t vertices;
 
-    BVXI_TRY(bvxi_repair_lattice(job, resolution));
-    BVXI_TRY(bvxi_repair_inside(job));
+    BVXI_TRY(fill_at(job, resolution));
     return bvx_extract_count(job->ctx, &job->inside, &o, &vertices, triangles);
 }
 
@@ -94,12 +99,6 @@ static bvx_status search_repair(bvxi_repair_job *job, int32_t *resolution)
             bvxi_repair_name, target, (int64_t)high, high_count);
     *resolution = low;
     return BVX_OK;
-}
-
-static bvx_status fill_at(bvxi_repair_job *job, int32_t resolution)
-{
-    BVXI_TRY(bvxi_repair_lattice(job, resolution));
-    return bvxi_repair_inside(job);
 }
 
 static bvx_status flatten_repaired(const bvxi_repair_job *job, bvx_mesh *repaired)

@@ -140,18 +140,6 @@ static piece_sums *sums_of(const bvxi_repair_job *job, const all_sums *sums, uin
     return &sums->piece[sums->number[job->piece[vertex]]];
 }
 
-/* 1 when the voxel that holds a place is set. [Units: voxels of the window] */
-static int is_set_at(const bvx_grid *solid, const double at[3])
-{
-    /* Beyond the window nothing is set. */
-    for (int a = 0; a < 3; a++)
-        if (!(at[a] >= 0 && at[a] < (double)solid->size[a])) return 0;
-    size_t row = (size_t)at[2] * (size_t)solid->size[1] + (size_t)at[1];
-    return (int)(solid->words[row * (size_t)solid->words_per_row + ((size_t)at[0] >> 6)] >>
-                     ((size_t)at[0] & 63) &
-                 1);
-}
-
 /* Is there solid half a voxel or a voxel behind a triangle's middle, on
  * either side? step: a voxel of the largest spacing, in voxels. */
 static int has_solid_behind(const bvx_grid *solid, const double step[3], const double p[3][3],
@@ -169,7 +157,7 @@ static int has_solid_behind(const bvx_grid *solid, const double step[3], const d
     }
     for (int d = 0; d < 4; d++) {
         for (int a = 0; a < 3; a++) at[a] = middle[a] + way[a] * depth[d];
-        if (is_set_at(solid, at)) return 1;
+        if (bvxi_grid_at(solid, at)) return 1;
     }
     return 0;
 }

@@ -4,31 +4,11 @@
  * Only centres with a neighbour on the other side are measured. Where there are shells, a centre takes what
  * is nearer of the body's surface and the shell's: the union of both. Edges that no triangle comes near are
  * crossed by a lid over a hole, and the winding number says where. */
-#include "nearest/nearest.h"
 #include "pipeline/repair.h"
 
 #include <math.h>
 
 /* ---- Closest points ---- */
-
-/* off: how far the surface between the centres lies off the mesh. Where it
- * is no lid, its edges' ends are nearer than an edge. */
-static bvx_status measure_mesh(bvxi_repair_job *job, const bvxi_sparse *v, const bvx_mesh_view *mesh,
-                               double off, double from, double to)
-{
-    /* As far as an edge is long; a little more for rounding. */
-    double const guess = (off + bvxi_largest_spacing(&job->lattice)) * (1 + 1e-6);
-    double const part = 0.5 * (from + to);
-    bvxi_nearest *nearest = NULL;
-
-    BVXI_TRY(bvxi_nearest_open(bvxi_call_of(job->ctx, bvxi_repair_name, "measure", from, part), mesh,
-                               &job->lattice, &nearest));
-    bvxi_nearest_prefer_planes(nearest);
-    bvx_status status = bvxi_nearest_fill(bvxi_call_of(job->ctx, NULL, "measure", part, to), nearest, guess,
-                                          v);
-    bvxi_nearest_close(job->ctx, nearest);
-    return status;
-}
 
 /* The union of body and shell: signed distances, the lesser one's value. */
 static void join_values(const bvxi_repair_job *job, const bvxi_sparse *v, double thick,
@@ -59,7 +39,8 @@ static bvx_status measure_with_shells(bvxi_repair_job *job, const bvxi_sparse *v
 
     BVXI_TRY(bvxi_sparse_columns(job->ctx, &sheets, BVX_F64, BVXI_VECTORS | BVXI_DISTANCES));
 
-    BVXI_TRY(measure_mesh(job, &sheets, &job->sheets, thick, 0.5, 1.0));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.5, 1.0,
+                        bvxi_measure_ends(job->ctx, bvxi_repair_name, &job->sheets, thick, &sheets)));
     join_values(job, v, thick, &sheets);
     return BVX_OK;
 }
@@ -71,7 +52,9 @@ static bvx_status open_values(bvxi_repair_job *job, bvxi_sparse *v)
     uint32_t const triangles = job->report.sharp && !shells ? BVXI_TRIANGLES : 0;
 
     BVXI_TRY(bvxi_sparse_columns(job->ctx, v, BVX_F64, BVXI_VECTORS | BVXI_DISTANCES | triangles));
-    if (job->body.triangle_count != 0) BVXI_TRY(measure_mesh(job, v, &job->body, 0, 0.0, shells ? 0.5 : 1.0));
+    if (job->body.triangle_count != 0)
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, shells ? 0.5 : 1.0,
+                            bvxi_measure_ends(job->ctx, bvxi_repair_name, &job->body, 0, v)));
     bvxi_thin_values(&job->thin, v);
     return shells ? BVXI_SCOPE(job->ctx, measure_with_shells(job, v)) : BVX_OK;
 }

@@ -50,10 +50,10 @@ static const uint32_t *bar_corners(const bar_job *b, uint64_t t)
 }
 
 /* n: twice its area, along its normal. */
-static void bar_triangle(const bar_job *b, uint64_t t, double p[3][3], double n[3])
+static inline void bar_triangle(const bar_job *b, uint64_t t, const double *p[3], double n[3])
 {
-    for (int k = 0; k < 3; k++) memcpy(p[k], b->place + 3 * (uint64_t)bar_corners(b, t)[k], sizeof p[k]);
-    bvxi_facet_cross((const double(*)[3])p, n);
+    for (int k = 0; k < 3; k++) p[k] = b->place + 3 * (uint64_t)bar_corners(b, t)[k];
+    bvxi_area_normal(p[0], p[1], p[2], n);
 }
 
 /* ---- Which vertices ---- */
@@ -64,14 +64,10 @@ static int ends_along(const bar_job *b, const double p[3], const double way[3])
     const bvx_grid *const g = b->inside;
 
     for (int step = 1; step <= BAR_THICK; step++) {
-        int32_t at[3];
+        double at[3];
 
-        for (int a = 0; a < 3; a++) {
-            double const v = p[a] + way[a] * step - g->low[a];
-            if (!(v >= 0 && v < (double)g->size[a])) return 1;
-            at[a] = (int32_t)v;
-        }
-        if (!bvx_grid_get(g, at[0], at[1], at[2])) return 1;
+        for (int a = 0; a < 3; a++) at[a] = p[a] + way[a] * step - g->low[a];
+        if (!bvxi_grid_at(g, at)) return 1;
     }
     return 0;
 }
@@ -111,7 +107,8 @@ static void place_bar_vertices(bar_job *b)
 static void sum_bar_areas(bar_job *b)
 {
     for (uint64_t t = 0; t < b->surface->triangle_count; t++) {
-        double p[3][3], n[3], size;
+        const double *p[3];
+        double n[3], size;
 
         bar_triangle(b, t, p, n);
         size = bvxi_vec_length(n);
@@ -207,7 +204,8 @@ static void look_from_triangles(void *user, uint64_t begin, uint64_t end)
 
     for (uint64_t i = begin; i < end; i++) {
         const uint32_t *const c = bar_corners(b, b->triangle[i]);
-        double p[3][3], n[3], middle[3], off[3];
+        const double *p[3];
+        double n[3], middle[3], off[3];
 
         bar_triangle(b, b->triangle[i], p, n);
         for (int a = 0; a < 3; a++) middle[a] = (p[0][a] + p[1][a] + p[2][a]) / 3;
@@ -225,7 +223,8 @@ static void move_bars(bar_job *b)
 {
     for (uint64_t n = 0; n < b->count; n++) b->bar[n].lack = b->bar[n].gain = b->bar[n].rise = 0;
     for (uint64_t i = 0; i < b->triangles; i++) {
-        double p[3][3], area[3];
+        const double *p[3];
+        double area[3];
 
         bar_triangle(b, b->triangle[i], p, area);
         for (int k = 0; k < 3; k++) {

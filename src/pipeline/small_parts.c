@@ -16,17 +16,18 @@
  * cavity's empty corners may touch beyond; they stay cavities of their own). A space of empty voxels is a
  * cavity when it does not touch the window's sides. */
 
-static bvx_status keep_large_parts(bvxi_repair_job *job)
+bvx_status bvxi_keep_large_parts(bvx_context *ctx, const bvx_parts *parts, bvx_grid *inside,
+                                 uint64_t *dropped)
 {
-    const bvx_repair_options *const o = job->options;
     bvx_keep_report report;
     bvx_keep_options const keep = {.struct_size = sizeof keep,
-                                   .at_least = o->parts.least_part,
-                                   .largest = o->parts.keep_largest,
+                                   .at_least = parts->least_part,
+                                   .largest = parts->keep_largest,
                                    .report = &report};
 
-    BVXI_TRY(bvx_grid_keep(job->ctx, &job->inside, &keep, &job->inside));
-    job->report.parts_dropped += report.dropped;
+    if (parts->least_part <= 1 && parts->keep_largest == 0) return BVX_OK;
+    BVXI_TRY(bvx_grid_keep(ctx, inside, &keep, inside));
+    *dropped += report.dropped;
     return BVX_OK;
 }
 
@@ -66,7 +67,7 @@ bvx_status bvxi_repair_clean(bvxi_repair_job *job)
     r->cavities_dropped = crumbs[1];
 
     /* Parts before cavities: one that goes may have had cavities of its own. */
-    if (o->parts.least_part > 1 || o->parts.keep_largest != 0) BVXI_TRY(keep_large_parts(job));
+    BVXI_TRY(bvxi_keep_large_parts(job->ctx, &o->parts, &job->inside, &r->parts_dropped));
     return o->parts.least_cavity > 1 ? BVXI_SCOPE(job->ctx, fill_small_cavities(job)) : BVX_OK;
 }
 
@@ -187,15 +188,8 @@ static void find_small_parts(crumb_job *job)
 static int crumb_at(const crumb_job *job, const double at[3])
 {
     /* Beyond the window: nothing, or the outside. */
-    for (int a = 0; a < 3; a++)
-        if (!(at[a] >= 0 && at[a] < (double)job->inside->size[a])) return job->empty;
-    uint64_t const bit = UINT64_C(1) << ((size_t)at[0] & 63);
-    size_t const word = ((size_t)at[2] * (size_t)job->inside->size[1] + (size_t)at[1]) *
-                            (size_t)job->inside->words_per_row +
-                        ((size_t)at[0] >> 6);
-    /* Not of the kind that parts are made of. */
-    if (((job->inside->words[word] & bit) != 0) == (job->empty != 0)) return 0;
-    return (job->small.words[word] & bit) != 0 ? 2 : 1;
+    if (bvxi_grid_at(job->inside, at) == (job->empty != 0)) return 0;
+    return bvxi_grid_at(&job->small, at) ? 2 : 1;
 }
 
 /* The voxel on either side of a triangle's middle that is of a part. */

@@ -16,6 +16,11 @@ bvx_status bvxi_check_fit(bvx_context *ctx, const char *function, bvx_fit *fit);
  * that is not NULL. Beyond the window all is outside along x; y and z stop there. */
 bvx_status bvxi_ends_mark(bvx_context *ctx, const bvx_grid *inside, const bvx_grid *body, bvx_grid *where);
 
+/* Their closest points of a mesh, in the columns that values has, whatever the order of triangles. off: how far the
+ * surface between the centres lies off the mesh. Where it is no lid, its edges' ends are nearer than an edge. */
+bvx_status bvxi_measure_ends(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, double off,
+                             const bvxi_sparse *values);
+
 /* repair_surface.c: a bvxi_missing_fn, user bvxi_lids: lids lie where the winding number passes a half. winding:
  * NULL where there is none. */
 typedef struct bvxi_lids {
@@ -41,6 +46,10 @@ void bvxi_warn_of_lids(bvx_context *ctx, double share, uint64_t holes, const bvx
 void bvxi_longest_rim(const bvx_mesh_view *mesh, const bvxi_holes *holes, bvxi_rim *longest);
 
 /* ---- Small parts of a solid that the meshes it was made from have no part for ---- */
+
+/* As parts says: small ones go, or all but the largest; *dropped grows by those that went. */
+bvx_status bvxi_keep_large_parts(bvx_context *ctx, const bvx_parts *parts, bvx_grid *inside,
+                                 uint64_t *dropped);
 
 /* A mesh that the solid was made from. piece: of each vertex, as bvxi_pieces fills it, once they are known. */
 typedef struct bvxi_crumb_source {

@@ -17,7 +17,7 @@ typedef struct bvxi_thin {
     bvx_mesh_view mesh;
 } bvxi_thin;
 
-/* thicken.c: put centres to inside until the walls hold that bvxi_walls_find
+/* thicken.c: put centres to inside until the walls hold that bvxi_walls_ask
  * has found and listed there; walls->solid is inside. thin, all zero, takes
  * over what the surface needs. bvxi_thin_close frees it, also after a failure. */
 bvx_status bvxi_thicken(bvxi_walls *walls, bvx_grid *inside, bvxi_thin *thin);

@@ -298,10 +298,11 @@ static void place_slot(cut_walk *k, uint64_t slot)
                 place_cut(k, vertex[axis]++, axis, w * 64 + bit - (axis == 0), low, high);
             }
 
-        /* Only now: value_before reads the count of the word that ends here. */
+        /* Only now: value_before reads the count of the word that ends here. Most have none. */
         for (int32_t b = 0; b < k->bodies && w < words; b++)
             for (int32_t r = 0; r < 3; r++)
-                if (k->row[b][r].words != NULL) k->row[b][r].next += bvxi_popcount(k->row[b][r].words[w]);
+                if (k->row[b][r].words != NULL && k->row[b][r].words[w] != 0)
+                    k->row[b][r].next += bvxi_popcount(k->row[b][r].words[w]);
     }
 }
 

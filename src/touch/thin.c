@@ -177,8 +177,8 @@ static int facing_axis(const bvxi_touch_batch *b, uint32_t i)
     for (int a = 0; a < 3; a++) {
         int const y = a == 2 ? 0 : a + 1, z = a == 0 ? 2 : a - 1;
         int64_t const n = u[y] * v[z] - u[z] * v[y], size = n < 0 ? -n : n;
-        if (size > most) facing = a;
-        if (size > most) most = size;
+        facing = size > most ? a : facing;
+        most = size > most ? size : most;
     }
     return facing;
 }
@@ -226,7 +226,7 @@ static int least_corner(const int32_t q[3][3])
 }
 
 /* Lines that the triangle may cover; alone: it covers the only one. */
-static void cross_lines(thin_lines *l, const bvxi_touch_batch *b, uint32_t i, int axis, int alone)
+static void mark_thin_lines(thin_lines *l, const bvxi_touch_batch *b, uint32_t i, int axis, int alone)
 {
     const bvxi_surface_job *const job = l->tile->job;
     /* Half a voxel along the line turns "the last centre before" into "the voxel that holds it". Not beside a
@@ -234,11 +234,8 @@ static void cross_lines(thin_lines *l, const bvxi_touch_batch *b, uint32_t i, in
     int32_t const shift = job->solid != NULL ? 0 : 1 << job->fraction_bits >> 1;
     int32_t q[3][3];
 
-    for (int c = 0; c < 3; c++) {
-        q[c][0] = b->p[c][l->axis[0]][i] + shift;
-        q[c][1] = b->p[c][l->axis[1]][i];
-        q[c][2] = b->p[c][l->axis[2]][i];
-    }
+    for (int c = 0; c < 3; c++)
+        for (int a = 0; a < 3; a++) q[c][a] = b->p[c][l->axis[a]][i] + (a == 0 ? shift : 0);
     /* Places that are summed have the same bits for any order of corners from the least corner on. */
     int const first = l->facing ? least_corner((const int32_t(*)[3])q) : 0;
     if (!bvxi_triangle_setup(q[first], q[(first + 1) % 3], q[(first + 2) % 3], &l->t)) return;
@@ -283,7 +280,7 @@ static inline void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *
     /* Before the triangle is made ready: nearly all that face another axis. */
     if (single && job->solid != NULL && !l.facing && is_shown(&l, b->low[axis][i] - 1, b->high[axis][i]))
         return;
-    cross_lines(&l, b, i, axis, covers);
+    mark_thin_lines(&l, b, i, axis, covers);
 }
 
 void bvxi_touch_thin(bvxi_surface_tile *tile, const uint32_t *id, uint64_t count)

@@ -37,17 +37,8 @@ static void ask_centres(bvxi_turns_block *block, turns_asked *asked)
             p[i][a] = (block->low[a] + asked->at[i < asked->count ? i : 0][a]) * step + step / 2;
     if (asked->count == 1) answer[0] = bvxi_sheet_turns(block->sheet, p[0], block->want_clear);
     else bvxi_sheet_turns_four(block->sheet, (const int64_t(*)[3])p, block->want_clear, answer);
-    for (int32_t i = 0; i < asked->count; i++) {
-        const bvxi_sheet_answer *const a = &answer[i];
-        uint32_t const row = bvxi_turns_row(asked->at[i][1], asked->at[i][2]);
-        int32_t const x = asked->at[i][0];
-        set_turns(block, row, x, a->whole, block->want_clear && a->clear);
-        /* Exactly a half: the rule decides which way it falls. */
-        if (block->ties && a->tie != 0) {
-            block->turns[row * BVXI_TURNS_SIDE + (uint32_t)x] = 2 * a->whole + a->tie;
-            block->dirty = 1;
-        }
-    }
+    for (int32_t i = 0; i < asked->count; i++)
+        put_answer(block, &answer[i], asked->at[i][0], asked->at[i][1], asked->at[i][2]);
     asked->count = 0;
 }
 

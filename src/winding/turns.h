@@ -133,6 +133,19 @@ static inline void settle_brick(bvxi_turns_block *block, const turns_brick *b, i
         }
 }
 
+/* A tie is kept as one more or less than the doubled number: the rule decides which way it falls. */
+static inline void put_answer(bvxi_turns_block *block, const bvxi_sheet_answer *a, int32_t x, int32_t y,
+                              int32_t z)
+{
+    uint32_t const row = bvxi_turns_row(y, z);
+
+    set_turns(block, row, x, a->whole, block->want_clear && a->clear);
+    if (block->ties && a->tie != 0) {
+        block->turns[row * BVXI_TURNS_SIDE + (uint32_t)x] = 2 * a->whole + a->tie;
+        block->dirty = 1;
+    }
+}
+
 /* What a centre says by itself. */
 static inline void ask_centre(bvxi_turns_block *block, int32_t x, int32_t y, int32_t z)
 {
@@ -140,14 +153,8 @@ static inline void ask_centre(bvxi_turns_block *block, int32_t x, int32_t y, int
     int64_t const p[3] = {(block->low[0] + x) * step + step / 2, (block->low[1] + y) * step + step / 2,
                           (block->low[2] + z) * step + step / 2};
     bvxi_sheet_answer const a = bvxi_sheet_turns(block->sheet, p, block->want_clear);
-    uint32_t const row = bvxi_turns_row(y, z);
 
-    /* A tie is kept as one more or less than the doubled number, for the rule to settle. */
-    set_turns(block, row, x, a.whole, block->want_clear && a.clear);
-    if (block->ties && a.tie != 0) {
-        block->turns[row * BVXI_TURNS_SIDE + (uint32_t)x] = 2 * a.whole + a.tie;
-        block->dirty = 1;
-    }
+    put_answer(block, &a, x, y, z);
 }
 
 /* Is the whole number nearest to turns, and on which side of a quarter they are, certain to rest? */

@@ -148,7 +148,7 @@ static bvx_status wind_over_holes(bvx_context *ctx, bvxi_solid_job *job, const b
     job->take_lists = NULL;
     job->user = NULL;
     /* Windows have their own rows alone. */
-    if (report->unbalanced_rows == 0 && memcmp(solid->size, solid->lattice.dims, sizeof solid->size) == 0)
+    if (report->unbalanced_rows == 0 && bvxi_grid_is_whole(solid))
         report->unbalanced_rows = rows_through(job->view, holes, &solid->lattice);
     bvxi_sheet_close(ctx, &sheet);
     return BVX_OK;
