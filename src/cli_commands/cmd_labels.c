@@ -11,7 +11,8 @@
 
 typedef struct labels_options {
     bvx_labels_options surfaces;
-    const char *only; /* names or values, commas between */
+    const char *only;  /* names or values, commas between */
+    const char *names; /* a file */
 } labels_options;
 
 static void start_labels(void *options)
@@ -25,6 +26,9 @@ static void start_labels(void *options)
 static const cli_argument labels_rows[] = {
     {.also = cli_takes_output},
     TEXT("--only", "A,B,C", OWN(only), "these labels, by their names or values [all]"),
+    FILE_NAME("--names", "FILE", OWN(names),
+              "lines of a number, a name and red, green, blue: FreeSurfer's, .csv, .tsv;\n"
+              "or ITK-SNAP's"),
     LONG("--background", "N", OWN(surfaces.background), 0, 9223372036854774784.0,
          "the label that is no body [0]"),
     FLAG("--staircase", OWN(surfaces.staircase), "vertices stay at the corners of voxels [smoothed]"),
@@ -41,7 +45,7 @@ static const cli_argument labels_rows[] = {
     {.also = cli_takes_all},
     {0}};
 
-enum { VALUE_ROOM = 24, HEAD_ROOM = 1 << 20, KEY_ROOM = 64 };
+enum { VALUE_ROOM = 24, HEAD_ROOM = 1 << 20, KEY_ROOM = 64, LINE_ROOM = 512 };
 
 typedef struct label_body {
     uint64_t at; /* index of the complex's labels */
@@ -54,6 +58,7 @@ typedef struct label_body {
 
 typedef struct labels_job {
     cli_volume volume;
+    cli_bytes table; /* of names */
     bvx_complex complex;
     label_body *body, **chosen;
     int count, meshes; /* of labels, of those chosen */
@@ -129,6 +134,17 @@ static void take_segment_colour(label_body *b, const char *text, size_t size)
     }
 }
 
+static int take_name(cli_run *run, label_body *b, const char *text, size_t size)
+{
+    if ((b->named = malloc(size + 1)) == NULL) return cli_fail(run, "no memory for names");
+    memcpy(b->named, text, size);
+    b->named[size] = 0;
+    b->name = b->named;
+    for (char *p = b->named; *p != 0; p += cli_utf8_length(p) + (cli_utf8_length(p) == 0))
+        if (cli_utf8_length(p) == 0 || (unsigned char)*p < ' ') *p = '?';
+    return CLI_DONE;
+}
+
 static int take_segments(cli_run *run, labels_job *j)
 {
     const cli_bytes *const file = &j->volume.file;
@@ -140,14 +156,46 @@ static int take_segments(cli_run *run, labels_job *j)
         if (b == NULL || b->named != NULL) continue;
         if ((text = find_segment(file, n, "Color", &size)) != NULL) take_segment_colour(b, text, size);
         if ((text = find_segment(file, n, "Name", &size)) == NULL) continue;
-        if ((b->named = malloc(size + 1)) == NULL) return cli_fail(run, "no memory for names");
-        memcpy(b->named, text, size);
-        b->named[size] = 0;
-        b->name = b->named;
-        for (char *p = b->named; *p != 0; p += cli_utf8_length(p) + (cli_utf8_length(p) == 0))
-            if (cli_utf8_length(p) == 0 || (unsigned char)*p < ' ') *p = '?';
+        CLI_TRY(take_name(run, b, text, size));
     }
     return CLI_DONE;
+}
+
+/* A line of ITK-SNAP; of .csv or .tsv, whose name may stand in quotes; of FreeSurfer. */
+static int take_line(cli_run *run, labels_job *j, const char *line)
+{
+    static const char *const forms[3] = {
+        " %23[^,;\t]%*1[,;\t]\"%511[^\"]\"%*1[,;\t]%3d%*1[,;\t]%3d%*1[,;\t]%3d",
+        " %23[^,;\t]%*1[,;\t]%511[^,;\t\r]%*1[,;\t]%3d%*1[,;\t]%3d%*1[,;\t]%3d", "%23s %511s %3d %3d %3d"};
+    char value[VALUE_ROOM], name[LINE_ROOM];
+    int c[3],
+        got = sscanf(line, "%23s %3d %3d %3d %*d %*d %*d \"%511[^\"]", value, &c[0], &c[1], &c[2], name);
+
+    if (got < 5) got = 0;
+    for (int i = 0; i < 3 && got < 2; i++) got = sscanf(line, forms[i], value, name, &c[0], &c[1], &c[2]);
+    label_body *const b = got < 2 ? NULL : find_body(j, value, strlen(value), 0);
+    if (b == NULL || b->named != NULL) return CLI_DONE;
+    b->coloured = got == 5 && (uint32_t)(c[0] | c[1] | c[2]) < 256;
+    for (int i = 0; i < 3 && b->coloured; i++) b->colour[i] = (uint8_t)c[i];
+    return take_name(run, b, name, strlen(name));
+}
+
+static int take_table(cli_run *run, labels_job *j, const char *path)
+{
+    char line[LINE_ROOM];
+    int named = 0;
+
+    CLI_TRY(cli_read_bytes(run, path, j->volume.file.size, &j->table));
+    for (size_t at = 0, n = 0; at < j->table.size; at++) {
+        char const c = (char)j->table.bytes[at];
+        if (c != '\n' && n + 1 < sizeof line) line[n++] = c;
+        if (c != '\n' && at + 1 < j->table.size) continue;
+        line[n] = 0;
+        n = 0;
+        CLI_TRY(take_line(run, j, line));
+    }
+    for (int i = 0; i < j->count; i++) named += j->body[i].named != NULL;
+    return named != 0 ? CLI_DONE : cli_fail(run, "%s: no line has the number of a label and a name", path);
 }
 
 /* Colors of the theme "Set2" and "Dark2" of colorbrewer2.org, by turns. */
@@ -182,6 +230,8 @@ static int list_bodies(cli_run *run, labels_job *j)
         else snprintf(b->value, sizeof b->value, "%" PRId64, value);
         b->name = b->value;
     }
+    const char *const names = ((const labels_options *)run->own)->names;
+    if (names != NULL) CLI_TRY(take_table(run, j, names));
     return cli_input_format(run, run->options->input[0]) == BVX_FORMAT_NRRD ? take_segments(run, j)
                                                                             : CLI_DONE;
 }
@@ -340,11 +390,10 @@ static void free_labels(cli_run *run, void *work)
     bvx_complex_free(run->context, &j->complex);
 }
 
-static const cli_owned labels_owns[] = {CLI_OWNS(BYTES, labels_job, names),
-                                        CLI_OWNS(BYTES, labels_job, colours),
-                                        CLI_OWNS(BYTES, labels_job, chosen),
-                                        CLI_OWNS(VOLUME, labels_job, volume),
-                                        {0}};
+static const cli_owned labels_owns[] = {
+    CLI_OWNS(BYTES, labels_job, names),   CLI_OWNS(BYTES, labels_job, colours),
+    CLI_OWNS(BYTES, labels_job, chosen),  CLI_OWNS(BYTES, labels_job, table.bytes),
+    CLI_OWNS(VOLUME, labels_job, volume), {0}};
 
 const cli_command cli_labels = {
     .name = "labels",
@@ -356,11 +405,12 @@ const cli_command cli_labels = {
     .details =
         "Reads a volume of whole numbers (.nrrd .nhdr .npy .vti .raw) and writes the surface of each label's\n"
         "voxels, smoothed: closed, manifold, and where two labels touch the same faces in both. %s in the name\n"
-        "is the label's name, which NRRD files of 3D Slicer have, or its number. Without %s a .glb has a node\n"
+        "is the label's name, of --names or of an NRRD of 3D Slicer, or its number. Without %s a .glb has a node\n"
         "for each label, with its name and color. 'bitvox voxelize --label' makes a grid of one label.",
     .example = "bitvox labels fixtures/labels.npy -o body_%s.ply\n"
                "bitvox labels fixtures/labels.npy -o bodies.glb --only 1,7 --triangles 1000",
-    .most = "--only --background --staircase --triangles --error --window --threads --memory-limit --json",
+    .most =
+        "--only --names --background --staircase --triangles --error --window --threads --memory-limit --json",
     .rows = labels_rows,
     .start = start_labels,
     .own = sizeof(labels_options),

@@ -328,10 +328,8 @@ static void link_cell(label_scan *s, const int32_t c[3], uint32_t pattern, uint3
                            beyond_new = first_other + other->of[other_edge];
 
             /* Flaps take the new vertex beyond a low side, the old one beyond a high side, so that they agree. */
-            if (own_new != own || beyond_new != beyond) {
-                bvxi_net_set_link(&w->net, own_new, 2 * a, beyond_new);
-                bvxi_net_set_link(&w->net, beyond_new, 2 * a + 1, own);
-            }
+            bvxi_net_set_link(&w->net, own_new, 2 * a, beyond_new);
+            bvxi_net_set_link(&w->net, beyond_new, 2 * a + 1, own);
             bvxi_net_set_link(&w->net, own, 2 * a, beyond);
             bvxi_net_set_link(&w->net, beyond, 2 * a + 1, own);
         }

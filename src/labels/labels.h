@@ -12,7 +12,7 @@
 enum { BVXI_PATTERNS = 4096, BVXI_SPLITS = 5506 };
 
 /* Offsets of vertices are in parts of a voxel; the limit is 0.49 voxels. */
-enum { BVXI_NET_UNITS = 65536, BVXI_NET_LIMIT = 32112 };
+enum { BVXI_NET_UNITS = 65536, BVXI_NET_LIMIT = 32112, BVXI_NET_FLAP = 3 };
 
 /* What leads through a side whose four edges have different ends: none of its labels, that of the voxels with
  * offsets 0, 0 and 1, 1, or that of the other two. */
@@ -100,8 +100,6 @@ static inline void bvxi_net_set_link(const bvxi_net *net, uint32_t vertex, int32
 
 /* The axis of the lattice edge that a face lies around, BVXI_NET_FLAP of a flap: the cells of two corners across from
  * each other differ by a step along either other axis. */
-enum { BVXI_NET_FLAP = 3 };
-
 static inline uint32_t bvxi_net_axis(const bvxi_net *net, uint32_t face)
 {
     const uint64_t *const cells = net->complex->cells;

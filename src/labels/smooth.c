@@ -30,10 +30,8 @@ static float const relax_step = 2.0F / 2.25F;
 static float const radius_squared = 1.75F / 2.25F * (1.75F / 2.25F);
 static double const correct = 2.0;       /* further than any pair moves */
 static double const longest_move = 0.25; /* move of a round [Units: voxels] */
-static double const kept_volume =
-    1e-4; /* of the volume that a pair may keep, for each face [Units: voxels] */
-
-static double const last_step = 8.0; /* times that volume */
+static double const kept_volume = 1e-4;  /* most that a pair keeps, for each face [Units: voxels^3] */
+static double const last_step = 8.0;     /* times that volume */
 
 typedef struct net_work {
     bvxi_net *net;
@@ -126,28 +124,18 @@ static void cross_ways(const int32_t from[3], const int32_t b[3], const int32_t 
 /* 36 times the volume that a triangle sweeps; last gets twice its area vector at the end. That is a quadratic of the
  * share of the way, whose mean is the mean of both ends less a sixth of the quadratic term. Bits: 55, as ways are
  * shorter than 2 voxels. */
-static int64_t swept(const bvxi_face *f, int32_t b, int32_t c, int64_t last[3])
+static int64_t swept(const bvxi_face *f, int32_t b, int32_t c, double last[3])
 {
-    int64_t bent[3], sum = 0;
+    int64_t area[3], bent[3], sum = 0;
 
-    cross_ways(f->place[0], f->place[b], f->place[c], last);
+    cross_ways(f->place[0], f->place[b], f->place[c], area);
     cross_ways(f->moved[0], f->moved[b], f->moved[c], bent);
     for (int32_t d = 0; d < 3; d++) {
         int64_t const begin = d == f->axis ? f->turn * SQUARE : 0;
-        sum += (f->moved[0][d] + f->moved[b][d] + f->moved[c][d]) * (3 * (begin + last[d]) - bent[d]);
+        sum += (f->moved[0][d] + f->moved[b][d] + f->moved[c][d]) * (3 * (begin + area[d]) - bent[d]);
+        last[d] = (double)area[d];
     }
     return sum;
-}
-
-static int is_free_vertex(const net_work *w, uint32_t vertex)
-{
-    return w->net->complex->junctions[vertex] == 0;
-}
-
-static double half_length(const int64_t v[3])
-{
-    double const way[3] = {(double)v[0], (double)v[1], (double)v[2]};
-    return bvxi_vec_length(way);
 }
 
 /* What a pair's faces have swept. With area, areas get the area vectors of its free vertices, to which those of the
@@ -155,22 +143,23 @@ static double half_length(const int64_t v[3])
  * are. */
 static double measure_pair(const net_work *w, uint64_t begin, uint64_t end, double *area, uint64_t *corners)
 {
+    const bvx_complex *const c = w->net->complex;
     double volume = 0.0;
 
     for (uint64_t i = begin; i < end; i++) {
-        int64_t half[2][3];
+        double half[2][3];
         bvxi_face f;
 
         bvxi_read_face(w->net, w->faces[i] & FACE_BITS, w->faces[i] >> AXIS_SHIFT, &f);
         volume += (double)(swept(&f, 1, 2, half[0]) + swept(&f, 2, 3, half[1]));
         if (area == NULL) continue;
-        double const size[2] = {half_length(half[0]), half_length(half[1])};
+        double const size[2] = {bvxi_vec_length(half[0]), bvxi_vec_length(half[1])};
         for (int32_t n = 0; n < 4; n++) {
-            if (!is_free_vertex(w, f.vertex[n])) continue;
+            if (c->junctions[f.vertex[n]] != 0) continue;
             float *const sum = w->areas + 3 * (size_t)f.vertex[n];
             int const first = n != 3, second = n != 1;
             for (int32_t d = 0; d < 3; d++)
-                sum[d] += (float)((first ? half[0][d] : 0) + (second ? half[1][d] : 0));
+                sum[d] += (float)((first ? half[0][d] : 0.0) + (second ? half[1][d] : 0.0));
             (*corners)++;
             *area += ((first ? size[0] : 0.0) + (second ? size[1] : 0.0)) / (6.0 * (double)SQUARE);
         }
@@ -181,15 +170,17 @@ static double measure_pair(const net_work *w, uint64_t begin, uint64_t end, doub
 /* Move a pair's free vertices along their normals, each once: its area vector becomes 0. */
 static void move_pair(const net_work *w, uint64_t begin, uint64_t end, double distance)
 {
+    const bvx_complex *const c = w->net->complex;
+
     for (uint64_t i = begin; i < end; i++) {
-        const uint32_t *const t = w->net->complex->mesh.triangles + 6 * (size_t)(w->faces[i] & FACE_BITS);
+        const uint32_t *const t = c->mesh.triangles + 6 * (size_t)(w->faces[i] & FACE_BITS);
         uint32_t const vertex[4] = {t[0], t[1], t[2], t[5]};
 
         for (int32_t n = 0; n < 4; n++) {
             float *const sum = w->areas + 3 * (size_t)vertex[n];
             int16_t *const o = w->net->offset + 3 * (size_t)vertex[n];
             double const area[3] = {(double)sum[0], (double)sum[1], (double)sum[2]};
-            if (!is_free_vertex(w, vertex[n]) || bvxi_vec_is_zero(area)) continue;
+            if (c->junctions[vertex[n]] != 0 || bvxi_vec_is_zero(area)) continue;
             double const size = bvxi_vec_length(area);
             for (int32_t d = 0; d < 3; d++) {
                 o[d] = clamp((float)((double)o[d] + distance * BVXI_NET_UNITS * area[d] / size));
@@ -238,11 +229,6 @@ static void correct_pairs(void *user, uint64_t first, uint64_t last)
     }
 }
 
-static uint32_t rank_of_side(const bvx_complex *c, uint32_t face, int32_t side)
-{
-    return c->sides[2 * (size_t)(face & FACE_BITS) + (size_t)side];
-}
-
 /* By the lower label, then by the higher: counted by the higher first. */
 static bvx_status sort_faces(bvx_context *ctx, net_work *w)
 {
@@ -260,14 +246,15 @@ static bvx_status sort_faces(bvx_context *ctx, net_work *w)
         for (uint64_t i = 0; i < faces; i++) {
             uint32_t const f = side == 1 ? (uint32_t)i | bvxi_net_axis(w->net, (uint32_t)i) << AXIS_SHIFT
                                          : w->pairs[i];
-            (side == 1 ? w->pairs : w->faces)[count[rank_of_side(c, f, side)]++] = f;
+            (side == 1 ? w->pairs
+                       : w->faces)[count[c->sides[2 * (size_t)(f & FACE_BITS) + (size_t)side]]++] = f;
         }
     }
     bvxi_drop(ctx, count);
 
     for (uint64_t i = 0; i < faces; i++)
-        if (i == 0 || rank_of_side(c, w->faces[i - 1], 0) != rank_of_side(c, w->faces[i], 0) ||
-            rank_of_side(c, w->faces[i - 1], 1) != rank_of_side(c, w->faces[i], 1))
+        if (i == 0 || memcmp(c->sides + 2 * (size_t)(w->faces[i - 1] & FACE_BITS),
+                             c->sides + 2 * (size_t)(w->faces[i] & FACE_BITS), 8) != 0)
             w->pairs[w->pair_count++] = (uint32_t)i;
     w->pairs[w->pair_count] = (uint32_t)faces;
     return BVX_OK;

@@ -28,10 +28,11 @@ enum {
 
 typedef struct tangle {
     bvxi_net *net;
-    double margin;   /* more than rounded positions change volumes of tetrahedra [Units: voxels^3] */
-    uint8_t *state;  /* of each vertex: IS_NEAR, IS_MOVED, and STRIKE as often as it was moved */
-    uint8_t *chosen; /* of each face */
-    uint32_t *index; /* of each vertex in the look, or UINT32_MAX */
+    double margin;  /* more than rounded positions change volumes of tetrahedra [Units: voxels^3] */
+    uint8_t *state; /* of each vertex: IS_NEAR, IS_MOVED, and STRIKE as often as it was moved */
+    int wanted;
+    uint8_t *chosen;                /* of each face */
+    uint32_t *index;                /* of each vertex in the look, or UINT32_MAX */
     uint32_t *vertices, *triangles; /* of the look: which they are; three indices each */
     void *positions;
     uint64_t vertex_count, triangle_count;
@@ -83,24 +84,16 @@ static void choose_suspects(void *user, uint64_t begin, uint64_t end)
     for (uint64_t f = begin; f < end; f++) t->chosen[f] = !is_in_envelope(t, (uint32_t)f);
 }
 
-static int has_state(const tangle *t, uint64_t face, int state)
-{
-    int any = 0;
-    for (int32_t n = 0; n < 4; n++)
-        any |= t->state[bvxi_face_vertex(t->net->complex, (uint32_t)face, n)] & state;
-    return any != 0;
-}
-
-static void choose_moved(void *user, uint64_t begin, uint64_t end)
+/* Faces of which a vertex has the wanted state. */
+static void choose_by_state(void *user, uint64_t begin, uint64_t end)
 {
     const tangle *const t = user;
-    for (uint64_t f = begin; f < end; f++) t->chosen[f] = (uint8_t)has_state(t, f, IS_MOVED);
-}
-
-static void choose_near(void *user, uint64_t begin, uint64_t end)
-{
-    const tangle *const t = user;
-    for (uint64_t f = begin; f < end; f++) t->chosen[f] = (uint8_t)has_state(t, f, IS_NEAR);
+    for (uint64_t f = begin; f < end; f++) {
+        int any = 0;
+        for (int32_t n = 0; n < 4; n++)
+            any |= t->state[bvxi_face_vertex(t->net->complex, (uint32_t)f, n)] & t->wanted;
+        t->chosen[f] = any != 0;
+    }
 }
 
 /* Mark all vertices in the cells of the chosen faces. */
@@ -191,11 +184,14 @@ static bvx_status look_for_crossings(bvx_context *ctx, tangle *t, int first, uin
     uint32_t *pairs;
     bvx_mesh_view view;
 
-    BVXI_TRY(BVXI_SHARE(
-        ctx, 0.0, 0.2,
-        bvxi_for(ctx, "envelopes", c->face_count, CLOSE_GRAIN, first ? choose_suspects : choose_moved, t)));
+    t->wanted = IS_MOVED;
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.2,
+                        bvxi_for(ctx, "envelopes", c->face_count, CLOSE_GRAIN,
+                                 first ? choose_suspects : choose_by_state, t)));
     mark_near(t);
-    BVXI_TRY(BVXI_SHARE(ctx, 0.2, 0.3, bvxi_for(ctx, "near", c->face_count, CLOSE_GRAIN, choose_near, t)));
+    t->wanted = IS_NEAR;
+    BVXI_TRY(
+        BVXI_SHARE(ctx, 0.2, 0.3, bvxi_for(ctx, "near", c->face_count, CLOSE_GRAIN, choose_by_state, t)));
     BVXI_TRY(gather_near_faces(ctx, t));
     bvx_mesh_view_of(&c->mesh, &view);
     view.positions = t->positions;

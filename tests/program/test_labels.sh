@@ -63,6 +63,26 @@ segments 'a "b" \' '5' >s.seg.nrrd
 works 'quotes in a name' labels s.seg.nrrd -o q.glb --quiet
 gives 'are escaped' 0 'components  2' info q.glb
 
+# ---- names of a table ----
+printf '# no\n1   Left-Thalamus  255 0 255 0\n 7 Late 400 0 0 0\n1 Again 0 0 0 0\n' >fs.txt
+printf '3 Left-Thalamus\n' >three.txt
+printf 'no names\n' >none.txt
+printf '    0   0 0 0  0 0 0    "Clear Label"\n    1   255    0  255        1  1  1    "Label, 1"\n' >snap.txt
+printf 'index,name,r,g,b\r\n1,"Gray, matter",255,0,255\r\n2,b c' >t.csv
+printf 'index\tname\tabbreviation\n2\tLeft Hippocampus\tLH\n' >t.tsv
+gives 'names of FreeSurfer' 0 'n_Left-Thalamus.ply: .* closed' labels "$labels" -o n_%s.ply --names fs.txt
+holds 'a label without one has its number' [ -f n_2.ply ]
+gives 'names of ITK-SNAP' 0 'n_Label, 1.ply' labels "$labels" -o n_%s.ply --names snap.txt
+gives 'names of .csv' 0 'n_b c.ply' labels "$labels" -o n_%s.ply --names t.csv --only 'b c'
+gives 'names of .tsv' 0 'n_Left Hippocampus.ply' labels "$labels" -o n_%s.ply --names t.tsv
+for n in fs.txt snap.txt t.csv; do
+    works "colours of $n" labels "$labels" -o n.glb --names $n --quiet
+    holds 'are in the .glb' [ "$(count 'baseColorFactor":\[1,0,1,1\]' n.glb)" = 1 ]
+done
+gives 'the table first' 0 'x_Left-Thalamus' labels s.seg.nrrd -o x_%s.ply --names three.txt
+refuses 1 'none.txt: no line has the number of a label and a name' labels "$labels" -o x_%s.ply --names none.txt
+refuses 1 'absent.txt' labels "$labels" -o x_%s.ply --names absent.txt
+
 # ---- 64 bits: 2^53, one more and two more are one double ----
 # shellcheck disable=SC2059
 for k in 0 1 2; do printf "\\00$k\\0\\0\\0\\0\\0\\040\\0"; done >wide.raw

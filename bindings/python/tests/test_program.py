@@ -39,7 +39,7 @@ NAMES = {
     "faces": ([bitvox.faces, bitvox.voxelize, *VOLUME], {"origin": "corner", **OF_MESHES, **OF_VOLUMES}),
     "fill": ([bitvox.Grid.fill, bitvox.find_seed, bitvox.find_pockets, bitvox.simplify], {"seed": "seeds", "add-shell": bitvox.Grid.__or__, **OF_MESHES}),
     "components": ([bitvox.Grid.components, bitvox.Grid.keep, bitvox.simplify], {**OF_MESHES, "seed": "seeds", "keep-largest": "largest", "fill-cavities": bitvox.Grid.fill_cavities}),
-    "labels": ([bitvox.Volume.surfaces, bitvox.read_volume], {"staircase": "smooth", "only": bitvox.Surfaces, "window": bitvox.Volume.window, "normals": bitvox.write, "sample-type": "dtype", "big-endian": "dtype",
+    "labels": ([bitvox.Volume.surfaces, bitvox.read_volume], {"staircase": "smooth", "only": bitvox.Surfaces, "names": bitvox.read_segments, "window": bitvox.Volume.window, "normals": bitvox.write, "sample-type": "dtype", "big-endian": "dtype",
                                                               "skip": "offset", "voxel-size": "spacing", **OF_MESHES}),
     "compare": ([bitvox.compare], {}),
     "morph": ([bitvox.Grid.dilate, bitvox.Grid.hollow, bitvox.Grid.distance, bitvox.voxelize, bitvox.surface, bitvox.simplify],

@@ -62,6 +62,7 @@ class Files(Folder):
         self.tree = bitvox.refine(self.small, base=5, levels=3)
         self.tree.save(self / "t.bvx")
         self.samples = np.add.outer(np.add.outer(np.arange(12), np.arange(9) * 2), np.arange(7) * 3).astype(">u2")  # [x, y, z]
+        (self / "names.txt").write_text("1  One  10 20 30 0\n7  Seven\n")
         (self / "s.raw").write_bytes(b"head" + self.samples.transpose(2, 1, 0).tobytes())
 
     def joint(self, spacing):
@@ -94,6 +95,13 @@ def npy_of(array):
     file = io.BytesIO()
     np.save(file, np.asfortranarray(array))
     return file.getvalue()
+
+
+def named(at):
+    """Labels with the names and colors of a table."""
+    volume = bitvox.read_volume(LABELS)
+    volume.segments = bitvox.read_segments(at / "names.txt")
+    return volume
 
 
 def written(surfaces, path):
@@ -285,6 +293,7 @@ ROWS = {
         ("LABELS --only 1 --window 0,0,0,20,20,20", "ply",
          lambda at: bitvox.Volume(bitvox.read_volume(LABELS).array[:20, :20, :20], lattice=bitvox.read_volume(LABELS).lattice).surfaces()[1]),
         ("LABELS", "glb", lambda at: written(bitvox.read_volume(LABELS).surfaces(), at / "written.glb")),
+        ("LABELS --names names.txt", "glb", lambda at: written(named(at).surfaces(), at / "written.glb")),
         (f"{RAW} --only LABEL", "ply", lambda at: at.raw.surfaces()[int(at.samples.max())]),
     ),
     "info": ((RAW, None, lambda at: {"least": float(at.samples.min()), "greatest": float(at.samples.max())}),),

@@ -409,6 +409,26 @@ def glb_head(path):
     return json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
 
 
+def test_segments_are_read_from_tables(tmp_path):
+    tables = {
+        "freesurfer.txt": ("# id name r g b a\n0 Unknown 0 0 0 0\n 3   Left-Thalamus  0 118 14 0\n5 Late 400 0 0 0\n3 Again 1 1 1 0\n",
+                           {0: ("Unknown", (0, 0, 0)), 3: ("Left-Thalamus", (0, 118, 14)), 5: ("Late", None)}),
+        "snap.label": ('####\n    0     0    0    0        0  0  0    "Clear Label"\n    3   255    0    7        1  1  1    "Label, 3"\n',
+                       {0: ("Clear Label", (0, 0, 0)), 3: ("Label, 3", (255, 0, 7))}),
+        "atlas.csv": ('index,name,r,g,b\r\n3,"Gray, matter",10,20,30\r\n5,b c\r\n', {3: ("Gray, matter", (10, 20, 30)), 5: ("b c", None)}),
+        "atlas.tsv": ("index\tname\tabbreviation\n3\tLeft Hippocampus\tLH\n", {3: ("Left Hippocampus", None)}),
+    }
+    volume = bitvox.read_volume(segmentation(tmp_path / "s.nrrd"))
+    for name, (text, wanted) in tables.items():
+        (tmp_path / name).write_text(text, newline="")
+        assert bitvox.read_segments(tmp_path / name) == wanted
+        volume.segments = bitvox.read_segments(tmp_path / name)
+        assert volume.surfaces().segments[3].name == wanted[3][0]
+    (tmp_path / "none.csv").write_text("index,name\n")
+    with pytest.raises(bitvox.FormatError, match="none.csv: no line has"):
+        bitvox.read_segments(tmp_path / "none.csv")
+
+
 def test_segments_of_one_name_are_saved_by_their_values(tmp_path):
     bodies = bitvox.read_volume(segmentation(tmp_path / "s.nrrd", names=("same", "Same"))).surfaces()
     bodies.save(tmp_path / "%s.stl")

@@ -26,7 +26,7 @@ from ._field import Field as Field, field as field
 from ._files import Writer as Writer, dumps as dumps, loads as loads, read as read, write as write, write_levels as write_levels
 from ._grid import Attached as Attached, Grid as Grid
 from ._image import Image as Image, render as render
-from ._labels import Complex as Complex, Segment as Segment, Surfaces as Surfaces
+from ._labels import Complex as Complex, Segment as Segment, Surfaces as Surfaces, read_segments as read_segments
 from ._lattice import Lattice as Lattice, Window as Window
 from ._levels import Levels as Levels, hull as hull, lod as lod, simplify as simplify
 from ._mesh import Mesh as Mesh

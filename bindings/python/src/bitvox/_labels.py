@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterator, NamedTuple
 from . import _arrays as arrays
 from ._bytes import format_of
 from ._calls import call
-from ._errors import ArgumentError, need
+from ._errors import ArgumentError, FormatError, need
 from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
 from ._run import Progress, Run, ffi, lib, options_of
@@ -57,6 +57,44 @@ def segments_of(data: Any) -> dict[int, Segment]:
             color = None
         if re.fullmatch(r"-?\d{1,20}", value := one.get("LabelValue", "")):
             found.setdefault(int(value), Segment(one.get("Name") or value, color))
+    return found
+
+
+# ITK-SNAP; .csv and .tsv, whose names may stand in quotes; FreeSurfer. As the program has them.
+_COLOR = r"[,;\t]\s*(?P<red>\d{1,3})[,;\t]\s*(?P<green>\d{1,3})[,;\t]\s*(?P<blue>\d{1,3})"
+_ROWS = tuple(re.compile(row) for row in (
+    r'\s*(?P<value>\S+)\s+(?P<red>\d{1,3})\s+(?P<green>\d{1,3})\s+(?P<blue>\d{1,3})\s+\d+\s+\d+\s+\d+\s*"(?P<name>[^"]+)',
+    rf'\s*(?P<value>[^,;\t]+)[,;\t]"(?P<name>[^"]+)"(?:{_COLOR})?', rf"\s*(?P<value>[^,;\t]+)[,;\t](?P<name>[^,;\t\r]+)(?:{_COLOR})?",
+    r"\s*(?P<value>\S+)\s+(?P<name>\S+)(?:\s+(?P<red>\d{1,3})\s+(?P<green>\d{1,3})\s+(?P<blue>\d{1,3}))?",
+))
+
+
+def read_segments(path: str | os.PathLike[str]) -> dict[int, Segment]:
+    """Names and colors of labels from a table, for `Volume.segments`.
+
+    Parameters
+    ----------
+    path
+        lines of a number, a name and, if it has them, red, green and blue from 0 to 255: a FreeSurfer look-up table, .csv, .tsv; or labels of
+        ITK-SNAP. The first line of a number counts; other lines are passed over.
+
+    Examples
+    --------
+    >>> with open('atlas.csv', 'w') as file:
+    ...     _ = file.write('index,name\\n1,"Gray, matter"\\n2,Thalamus,20,90,200\\n')
+    >>> bitvox.read_segments('atlas.csv')
+    {1: Segment(name='Gray, matter', color=None), 2: Segment(name='Thalamus', color=(20, 90, 200))}
+    """
+    found: dict[int, Segment] = {}
+    with open(path, "rb") as file:
+        lines = file.read().decode(errors="replace").split("\n")
+    for line in lines:
+        row = next((row for row in (form.match(line) for form in _ROWS) if row), None)
+        if row and re.fullmatch(r"-?\d{1,20}", row["value"]):
+            color = tuple(int(row[part]) for part in ("red", "green", "blue")) if row["red"] else None
+            found.setdefault(int(row["value"]), Segment(row["name"], color if color and max(color) < 256 else None))  # type: ignore[arg-type]
+    if not found:
+        raise FormatError(f"{os.fsdecode(path)}: no line has the number of a label and a name")
     return found
 
 
