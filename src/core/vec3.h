@@ -89,4 +89,13 @@ static inline float bvxi_float_above(double x)
     return -bvxi_float_below(-x);
 }
 
+/* (b - a) x (c - a): twice the triangle's area along its normal. */
+static inline void bvxi_area_normal(const double *a, const double *b, const double *c, double n[3])
+{
+    double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    double const v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+
+    bvxi_vec_cross(u, v, n);
+}
+
 #endif

@@ -9,13 +9,7 @@
 /* n becomes the normal by the right hand, as long as twice the area. */
 static inline void bvxi_facet_cross(const double t[3][3], double n[3])
 {
-    double u[3], v[3];
-
-    for (int a = 0; a < 3; a++) {
-        u[a] = t[1][a] - t[0][a];
-        v[a] = t[2][a] - t[0][a];
-    }
-    bvxi_vec_cross(u, v, n);
+    bvxi_area_normal(t[0], t[1], t[2], n);
 }
 
 /* The same; returns that length. */

@@ -14,6 +14,7 @@
 #ifndef BVXI_CORNERS_H
 #define BVXI_CORNERS_H
 
+#include "core/vec3.h"
 #include "simplify/room.h"
 
 #define BVXI_VERTEX_GHOST (UINT32_MAX - 1)
@@ -101,17 +102,6 @@ static inline void bvxi_corners_join(bvxi_corners *m, int32_t a, int32_t b)
 {
     bvxi_corner_put_left(m, bvxi_corner_previous(a), bvxi_corner_next(b));
     bvxi_corner_put_left(m, bvxi_corner_previous(b), bvxi_corner_next(a));
-}
-
-/* (b - a) x (c - a): twice the triangle's area along its normal. */
-static inline void bvxi_area_normal(const double *a, const double *b, const double *c, double n[3])
-{
-    double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-    double const v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-
-    n[0] = u[1] * v[2] - u[2] * v[1];
-    n[1] = u[2] * v[0] - u[0] * v[2];
-    n[2] = u[0] * v[1] - u[1] * v[0];
 }
 
 /* The first corner of each vertex from begin to end, which has one. */
