@@ -13,6 +13,7 @@
  * Guarantee: pairs are listed in the order of triangles, and each vertex moves once a round, so the result follows
  * from the labels alone. */
 #include "labels/labels.h"
+#include "nearest/closest.h"
 
 enum {
     ROUNDS = 64,
@@ -199,11 +200,8 @@ static bvx_status look_for_crossings(bvx_context *ctx, tangle *t, int first, uin
     view.vertex_count = t->vertex_count;
     view.triangle_count = t->triangle_count;
 
-    /* Counted first: no length is enough for all lists. */
-    BVXI_TRY(BVXI_SHARE(ctx, 0.3, 0.9, bvx_mesh_crossings(ctx, &view, count, NULL, 0)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.3, 1.0, bvxi_crossing_pairs(ctx, &view, UINT64_MAX, &pairs, count)));
     if (*count == 0) return BVX_OK;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, *count * 8, "the crossings", &pairs));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.9, 1.0, bvx_mesh_crossings(ctx, &view, count, pairs, *count)));
     for (uint64_t i = 0; i < 2 * *count; i++)
         for (uint64_t k = 0; k < 3; k++) move_back(t, t->vertices[t->triangles[3 * (size_t)pairs[i] + k]]);
     turn_flaps(t);

@@ -12,6 +12,7 @@
  * open between the two sections, and what they do depends on the outline that they may open into. They stay
  * in the level of the loop around them, with all that lies in them, and are blended as they always were. */
 #include "layers/slab.h"
+#include "nearest/closest.h"
 
 #include <math.h>
 
@@ -482,11 +483,8 @@ bvx_status bvxi_nesting_crossed(bvxi_stack *s, const bvxi_slab *slabs, uint32_t 
     view.triangle_count = m.triangles;
     view.position_type = BVX_F64;
 
-    /* Counted first: nearly always there is none, and no list is needed. */
-    BVXI_TRY(BVXI_SHARE(s->ctx, 0.5, 0.9, bvx_mesh_crossings(s->ctx, &view, &crossings, NULL, 0)));
-    if (crossings == 0) return BVX_OK;
-    BVXI_TRY(BVXI_ARRAY(s->ctx, 2 * crossings, "the crossings of levels", pairs));
-    BVXI_TRY(BVXI_SHARE(s->ctx, 0.9, 1.0, bvx_mesh_crossings(s->ctx, &view, &crossings, pairs, crossings)));
+    BVXI_TRY(
+        BVXI_SHARE(s->ctx, 0.5, 1.0, bvxi_crossing_pairs(s->ctx, &view, UINT64_MAX, &pairs, &crossings)));
     nest_mark_pairs(&m, pairs, crossings, found);
     return BVX_OK;
 }

@@ -107,19 +107,13 @@ static inline int bvxi_closest_children(uint64_t count, uint64_t first)
     return count - first < BVXI_CLOSEST_WIDTH ? (int)(count - first) : BVXI_CLOSEST_WIDTH;
 }
 
-/* Corners of the triangle at a place of the curve, times scale: a power of two. */
-static inline void bvxi_closest_corners_by(const bvxi_closest_tree *tree, uint64_t place, double scale,
-                                           double t[3][3])
-{
-    for (size_t k = 0; k < 9; k++)
-        t[k / 3][k % 3] = scale * (tree->position_type == BVX_F32
-                                       ? (double)((const float *)tree->corners)[9 * (size_t)place + k]
-                                       : ((const double *)tree->corners)[9 * (size_t)place + k]);
-}
-
+/* Corners of the triangle at a place of the curve, scaled. */
 static inline void bvxi_closest_corners(const bvxi_closest_tree *tree, uint64_t place, double t[3][3])
 {
-    bvxi_closest_corners_by(tree, place, tree->scale, t);
+    for (size_t k = 0; k < 9; k++)
+        t[k / 3][k % 3] = tree->scale * (tree->position_type == BVX_F32
+                                             ? (double)((const float *)tree->corners)[9 * (size_t)place + k]
+                                             : ((const double *)tree->corners)[9 * (size_t)place + k]);
 }
 
 struct bvx_closest {
@@ -155,6 +149,9 @@ void bvxi_distance_forget(bvx_context *ctx, bvxi_distance_tree *kept);
 /* As bvx_mesh_crossings, of a welded mesh with triangles. Vertices that no triangle uses may be anything. *pairs
  * becomes a block of scratch [Size: *count * 2], NULL where there are none, or more than most. */
 bvx_status bvxi_mesh_crossings(bvx_context *ctx, const bvxi_welded *mesh, uint64_t most, uint32_t **pairs,
+                               uint64_t *count);
+/* The same of any view, which is checked. Its vertices at equal positions are one. */
+bvx_status bvxi_crossing_pairs(bvx_context *ctx, const bvx_mesh_view *mesh, uint64_t most, uint32_t **pairs,
                                uint64_t *count);
 
 #endif

@@ -13,6 +13,8 @@ enum { PAIRS_GRAIN = 4096 /* vertices or triangles a task */ };
 #define PAIRS_NARROWEST 1e-290
 #define PAIRS_WIDEST    1e290
 
+static const char crossings_name[] = "bvx_mesh_crossings";
+
 typedef struct pairs_job {
     const bvxi_welded *mesh;
     bvxi_curve curve;
@@ -102,33 +104,44 @@ bvx_status bvxi_mesh_crossings(bvx_context *ctx, const bvxi_welded *mesh, uint64
     return BVX_OK;
 }
 
+bvx_status bvxi_crossing_pairs(bvx_context *ctx, const bvx_mesh_view *mesh, uint64_t most, uint32_t **pairs,
+                               uint64_t *count)
+{
+    uint32_t *representative;
+    bvxi_welded welded = {.view = mesh};
+
+    *count = 0;
+    *pairs = NULL;
+    BVXI_TRY(bvxi_view_check(ctx, crossings_name, mesh));
+    if (mesh->triangle_count == 0) return BVX_OK;
+    BVXI_TRY(bvxi_view_bounds(ctx, crossings_name, mesh, welded.low, welded.high));
+
+    /* Triangles that share a position share a corner, whatever their vertices' indices. */
+    BVXI_TRY(BVXI_ARRAY(ctx, mesh->vertex_count, "the crossings' welding", representative));
+    welded.representative = representative;
+    BVXI_TRY(bvxi_weld(ctx, mesh, representative, &welded.different));
+    BVXI_TRY(bvxi_mesh_crossings(ctx, &welded, most, pairs, count));
+    bvxi_drop(ctx, representative);
+    return BVX_OK;
+}
+
 static bvx_status run_mesh_crossings(bvx_context *context, const bvx_mesh_view *mesh, uint64_t *count,
                                      uint32_t *pairs, uint64_t capacity)
 {
-    static const char *const function = "bvx_mesh_crossings";
     uint64_t const most = pairs == NULL ? 0 : capacity < UINT32_MAX ? capacity : UINT32_MAX;
-    uint32_t *representative, *found;
-    bvxi_welded welded = {.view = mesh};
+    uint32_t *found;
 
-    if (count == NULL) return bvxi_fail_null(context, function, "count");
-    *count = 0;
-    BVXI_TRY(bvxi_view_check(context, function, mesh));
-    if (mesh->triangle_count == 0) return BVX_OK;
-    BVXI_TRY(bvxi_view_bounds(context, function, mesh, welded.low, welded.high));
-
-    /* Triangles that share a position share a corner, whatever their vertices' indices. */
-    BVXI_TRY(BVXI_ARRAY(context, mesh->vertex_count, "the crossings' welding", representative));
-    welded.representative = representative;
-    BVXI_TRY(bvxi_weld(context, mesh, representative, &welded.different));
-    BVXI_TRY(bvxi_mesh_crossings(context, &welded, most, &found, count));
+    if (count == NULL) return bvxi_fail_null(context, crossings_name, "count");
+    BVXI_TRY(bvxi_crossing_pairs(context, mesh, most, &found, count));
 
     /* The count is right also where the array is too small: the caller learns what would be enough. */
     if (pairs != NULL && capacity < *count)
         return bvxi_fail(context, BVX_ERR_CAPACITY, "%s: there are %u pairs, the array given holds %u",
-                         function, *count, capacity);
+                         crossings_name, *count, capacity);
     if (pairs != NULL && most < *count)
         return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: there are %u pairs, the limit of a list is %u", function, *count, most);
+                             "%s: there are %u pairs, the limit of a list is %u", crossings_name, *count,
+                             most);
     if (pairs != NULL && *count != 0) memcpy(pairs, found, (size_t)*count * 8);
     return BVX_OK;
 }

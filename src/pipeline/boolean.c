@@ -21,11 +21,25 @@
  * voxels to the part. What is left of a difference lies within a, of an intersection within both boxes: only
  * there the lattice has to be. */
 
+typedef struct body_box {
+    double low[3], high[3];
+} body_box;
+
+/* Of the part of a box that lies on the lattice: its longest and its shortest side, 0 when there is none.
+ * [Units: voxels] */
+typedef struct box_sides {
+    double longest, shortest;
+    int32_t whole; /* 1: all of the box lies on the lattice */
+} box_sides;
+
+/* Seen in fewer voxels than FEW along its longest side a body is coarse: WANTED would show it. */
+enum { BOOLEAN_FEW = 6, BOOLEAN_WANTED = 64 };
+
 /* What both boxes are in, or what they have in common. Boxes that have no space in common leave nothing; the first one
  * is then as good as any. */
-static bvxi_body_box box_of_both(const bvxi_body_box box[2], int common)
+static body_box box_of_both(const body_box box[2], int common)
 {
-    bvxi_body_box r = box[0];
+    body_box r = box[0];
 
     for (int a = 0; a < 3; a++) {
         if ((box[1].low[a] < r.low[a]) != common) r.low[a] = box[1].low[a];
@@ -36,7 +50,7 @@ static bvxi_body_box box_of_both(const bvxi_body_box box[2], int common)
 }
 
 /* Farther vertices need fewer fraction bits for their places to fit 2^30. */
-static void give_way(const bvxi_body_box box[2], bvx_lattice *l)
+static void give_way(const body_box box[2], bvx_lattice *l)
 {
     double farthest = 0.0;
 
@@ -63,12 +77,14 @@ bvx_status bvxi_check_fit(bvx_context *ctx, const char *function, bvx_fit *fit)
                          (int64_t)fit->resolution);
 }
 
-bvx_status bvxi_boolean_lattice(bvx_context *ctx, int32_t operation, int32_t resolution,
-                                const bvxi_body_box box[2], bvx_lattice *lattice)
+/* Around what can be left: of a difference the box of a, of an intersection what both have in common, else both. An
+ * empty voxel on every side. Boxes that stick out take fraction bits, down to 4. */
+static bvx_status fit_boolean(bvx_context *ctx, int32_t operation, int32_t resolution, const body_box box[2],
+                              bvx_lattice *lattice)
 {
-    bvxi_body_box const fit = operation == BVX_BOOLEAN_DIFFERENCE
-                                  ? box[0]
-                                  : box_of_both(box, operation == BVX_BOOLEAN_INTERSECTION);
+    body_box const fit = operation == BVX_BOOLEAN_DIFFERENCE
+                             ? box[0]
+                             : box_of_both(box, operation == BVX_BOOLEAN_INTERSECTION);
     /* A layer around, so that the surface closes within the lattice. */
     bvx_lattice_options const o = {.struct_size = sizeof o, .resolution = resolution, .padding = 1};
     bvx_mesh_view const corners = {.positions = &fit, .vertex_count = 2, .position_type = BVX_F64};
@@ -78,10 +94,10 @@ bvx_status bvxi_boolean_lattice(bvx_context *ctx, int32_t operation, int32_t res
     return BVX_OK;
 }
 
-bvxi_box_sides bvxi_sides_on_lattice(const bvxi_body_box *box, const bvx_lattice *lattice)
+static box_sides sides_on_lattice(const body_box *box, const bvx_lattice *lattice)
 {
-    static bvxi_box_sides const none = {0.0, 0.0, 0};
-    bvxi_box_sides r = {0.0, 1e300, 1};
+    static box_sides const none = {0.0, 0.0, 0};
+    box_sides r = {0.0, 1e300, 1};
 
     for (int a = 0; a < 3; a++) {
         double const h = lattice->spacing[a], far_end = lattice->origin[a] + lattice->dims[a] * h;
@@ -97,7 +113,8 @@ bvxi_box_sides bvxi_sides_on_lattice(const bvxi_body_box *box, const bvx_lattice
     return r;
 }
 
-int32_t bvxi_advised_resolution(const bvx_lattice *lattice, double voxels, double wanted)
+/* The resolution at which so many voxels become wanted, at most 2^24. */
+static int32_t advise_resolution(const bvx_lattice *lattice, double voxels, double wanted)
 {
     int32_t longest = 1;
     double n;
@@ -136,7 +153,7 @@ typedef struct boolean_job {
     int32_t operation;
     bvx_lattice lattice;
     boolean_body body[2];
-    bvxi_body_box box[2];
+    body_box box[2];
     bvxi_crumb_source source[2]; /* pieces once they are known */
     bvx_grid inside;
     uint64_t grid_bytes;
@@ -183,8 +200,7 @@ static bvx_status choose_boolean_lattice(boolean_job *job, const bvx_mesh *resul
         BVXI_TRY(bvxi_view_apart(job->ctx, boolean_mesh[i], job->body[i].mesh, result));
     }
     if (job->options->fit.lattice == NULL)
-        return bvxi_boolean_lattice(job->ctx, job->operation, job->options->fit.resolution, job->box,
-                                    &job->lattice);
+        return fit_boolean(job->ctx, job->operation, job->options->fit.resolution, job->box, &job->lattice);
     job->lattice = *job->options->fit.lattice;
     return BVX_OK;
 }
@@ -215,7 +231,7 @@ static bvx_status open_boolean_grids(boolean_job *job)
 static void advise_boolean(boolean_job *job, int32_t what, double voxels, double wanted)
 {
     /* The finest advice counts: it shows all that was too small. */
-    int32_t const advised = bvxi_advised_resolution(&job->lattice, voxels, wanted);
+    int32_t const advised = advise_resolution(&job->lattice, voxels, wanted);
 
     job->report.few |= what;
     if (advised > job->report.advised_resolution) job->report.advised_resolution = advised;
@@ -252,7 +268,7 @@ static bvx_status keep_thin_walls(boolean_job *job, int32_t i)
 static int32_t resolution_of_lost_body(const boolean_job *job, int32_t i, double shortest)
 {
     const bvx_solid_report *const r = job->body[i].report;
-    int32_t const of_box = bvxi_advised_resolution(&job->lattice, shortest, 2.0);
+    int32_t const of_box = advise_resolution(&job->lattice, shortest, 2.0);
 
     /* Walls were found, but no resolution holds them. */
     if (r->thin_voxels != 0 && r->thin_resolution == 0) return 0;
@@ -262,7 +278,7 @@ static int32_t resolution_of_lost_body(const boolean_job *job, int32_t i, double
 /* A body that lies on the lattice and has none of its voxels is lost, and so would be what is requested. */
 static bvx_status judge_body(boolean_job *job, int32_t i, uint64_t voxels)
 {
-    bvxi_box_sides const sides = bvxi_sides_on_lattice(&job->box[i], &job->lattice);
+    box_sides const sides = sides_on_lattice(&job->box[i], &job->lattice);
     const bvx_solid_report *const r = job->body[i].report;
     const int32_t *const n = job->lattice.dims;
 
@@ -292,8 +308,8 @@ static bvx_status judge_body(boolean_job *job, int32_t i, uint64_t voxels)
         /* A body that lies on the lattice in part only: few voxels of it are no error. */
         advise_boolean(job, i == 0 ? BVX_FEW_A : BVX_FEW_B, sides.shortest, 2.0);
         if (advised > job->report.advised_resolution) job->report.advised_resolution = advised;
-    } else if (sides.longest > 0.0 && sides.longest < BVXI_BOOLEAN_FEW) {
-        advise_boolean(job, i == 0 ? BVX_FEW_A : BVX_FEW_B, sides.longest, BVXI_BOOLEAN_WANTED);
+    } else if (sides.longest > 0.0 && sides.longest < BOOLEAN_FEW) {
+        advise_boolean(job, i == 0 ? BVX_FEW_A : BVX_FEW_B, sides.longest, BOOLEAN_WANTED);
     }
     return BVX_OK;
 }
@@ -307,7 +323,7 @@ static bvx_status judge_result(boolean_job *job)
     if (job->report.voxels == 0) return BVX_OK;
     bvxi_grid_content(&job->inside, &box);
     for (int a = 0; a < 3; a++) longest = box.size[a] > longest ? box.size[a] : longest;
-    if (longest < BVXI_BOOLEAN_FEW) advise_boolean(job, BVX_FEW_RESULT, longest, BVXI_BOOLEAN_WANTED);
+    if (longest < BOOLEAN_FEW) advise_boolean(job, BVX_FEW_RESULT, longest, BOOLEAN_WANTED);
     return BVX_OK;
 }
 
@@ -653,7 +669,7 @@ static bvx_status warn_of_operands_parts(boolean_job *job, uint64_t parts, doubl
         return BVX_OK;
     /* Of bodies beyond the lattice pieces are missing, whatever its resolution is. */
     for (int i = 0; i < 2; i++)
-        if (!bvxi_sides_on_lattice(&job->box[i], &job->lattice).whole) return BVX_OK;
+        if (!sides_on_lattice(&job->box[i], &job->lattice).whole) return BVX_OK;
     BVXI_TRY(BVXI_SCOPE(job->ctx, count_apart(job, parts, &apart)));
     if (parts < apart) BVXI_WARN(job->ctx, BVX_WARN_JOINED, (double)parts, (double)apart, finer);
     return BVX_OK;

@@ -9,6 +9,7 @@
  * not show. */
 #include "mesh/cross.h"
 #include "mesh/mesh.h"
+#include "nearest/closest.h"
 #include "pipeline/thicken.h"
 
 #include <math.h>
@@ -409,15 +410,10 @@ static void take_changed(flatten_job *f)
 static bvx_status mark_crossings(flatten_job *f, const bvx_mesh_view *view)
 {
     bvx_context *const ctx = f->ctx;
-    uint64_t count, room;
+    uint64_t count;
     uint32_t *pairs;
 
-    BVXI_TRY(bvx_mesh_crossings(ctx, view, &count, NULL, 0));
-    if (count == 0) return BVX_OK;
-    /* Counted first, as nearly always there is none. */
-    room = count; /* a call that fails leaves no count */
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * 8, "the crossings of thin walls", &pairs));
-    BVXI_TRY(bvx_mesh_crossings(ctx, view, &count, pairs, room));
+    BVXI_TRY(bvxi_crossing_pairs(ctx, view, UINT64_MAX, &pairs, &count));
     for (uint64_t n = 0; n < 2 * count; n++) mark_triangle(f, f->part[pairs[n]]);
     bvxi_drop(ctx, pairs);
     return BVX_OK;

@@ -52,11 +52,6 @@ uint32_t bvxi_given_vertex(const bvxi_collapse *c, int32_t corner)
     return v[at % 3];
 }
 
-uint32_t bvxi_given_triangle(const bvxi_collapse *c, int32_t corner)
-{
-    return (uint32_t)(given_corner(c, corner) / 3);
-}
-
 static uint32_t uv_index(const bvxi_collapse *c, int32_t corner, uint32_t vertex)
 {
     return c->given->uv_indices != NULL ? c->given->uv_indices[given_corner(c, corner)] : vertex;
@@ -339,7 +334,7 @@ bvx_status bvxi_attributes_open(bvxi_collapse *c)
         BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.triangles * 4, "the triangles' materials",
                             &s->material));
         for (uint64_t t = 0; t < c->mesh.triangles; t++)
-            s->material[t] = m->materials[bvxi_given_triangle(c, (int32_t)(4 * t))];
+            s->material[t] = m->materials[given_corner(c, (int32_t)(4 * t)) / 3];
     }
     if (m->uvs == NULL && m->uvs2 == NULL && m->normals == NULL && m->colours == NULL &&
         c->options.given.vertices != BVX_VERTICES_KEPT)

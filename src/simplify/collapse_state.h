@@ -194,9 +194,8 @@ void bvxi_collapse_undo_since(bvxi_collapse *c, uint32_t order);
 
 /* attributes.c */
 bvx_status bvxi_attributes_open(bvxi_collapse *c);
-/* The vertex and triangle of the given mesh that a corner had when it was opened. */
+/* The vertex of the given mesh that a corner had when it was opened. */
 uint32_t bvxi_given_vertex(const bvxi_collapse *c, int32_t corner);
-uint32_t bvxi_given_triangle(const bvxi_collapse *c, int32_t corner);
 /* 1: attributes have a seam along an edge of two triangles, or materials a border. */
 int bvxi_attributes_part(const bvxi_collapse *c, int32_t edge);
 /* 1: each row of one end has a row of its own at the other, so that a collapse and its undoing know which becomes
@@ -232,8 +231,6 @@ bvx_status bvxi_collapse_number(bvxi_collapse *c, uint32_t **index);
  * them. From then on collapses are looked at one by one, until the end is called. */
 bvx_status bvxi_collapse_judge(bvxi_collapse *c, double from, double to, uint64_t *undone);
 void bvxi_collapse_end_careful(bvxi_collapse *c);
-/* 1 where triangles of the mesh crossed that are part of this one. */
-int bvxi_collapse_has_come(const bvxi_collapse *c, uint32_t triangle);
 /* 1 when triangles from p to the edges of a link [Size: count + 1] would cross others, or each other,
  * once u and v are gone. */
 int bvxi_collapse_crosses(const bvxi_collapse *c, uint32_t u, uint32_t v, const uint32_t *link, int32_t count,

@@ -295,6 +295,14 @@ static bvx_status gather_origin(bvxi_collapse *c, judge_origin *o)
     return bvxi_crossing_tree_open(c->ctx, &o->tree);
 }
 
+/* 1 where triangles of the mesh crossed that are part of this one. */
+static int has_come(const bvxi_collapse *c, uint32_t triangle)
+{
+    const uint32_t *const v = c->mesh.triangle[triangle].vertex;
+
+    return c->came != NULL && (c->came[v[0]] | c->came[v[1]] | c->came[v[2]]) != 0;
+}
+
 /* Mark the vertices of triangles that crossed in the mesh, near the crossing pairs of the level. */
 static bvx_status mark_origin(bvxi_collapse *c, double at)
 {
@@ -310,9 +318,7 @@ static bvx_status mark_origin(bvxi_collapse *c, double at)
         const uint32_t *const pair = c->pairs + 2 * i;
 
         /* Where both have come already nothing else is to be found. */
-        if (!is_fresh_pair(c, pair) ||
-            (bvxi_collapse_has_come(c, pair[0]) && bvxi_collapse_has_come(c, pair[1])))
-            continue;
+        if (!is_fresh_pair(c, pair) || (has_come(c, pair[0]) && has_come(c, pair[1]))) continue;
         for (int k = 0; k < 6; k++) o.beside[m->triangle[pair[k % 2]].vertex[k / 2]] = 1;
     }
     bvxi_ranges(c->ctx, bvxi_piece_count(c->first_vertices, JUDGE_GRAIN), c->first_vertices, near_piece, &o);
@@ -323,13 +329,6 @@ static bvx_status mark_origin(bvxi_collapse *c, double at)
 }
 
 /* ---- Collapses one by one ---- */
-
-int bvxi_collapse_has_come(const bvxi_collapse *c, uint32_t triangle)
-{
-    const uint32_t *const v = c->mesh.triangle[triangle].vertex;
-
-    return c->came != NULL && (c->came[v[0]] | c->came[v[1]] | c->came[v[2]]) != 0;
-}
 
 int bvxi_collapse_crosses(const bvxi_collapse *c, uint32_t u, uint32_t v, const uint32_t *link, int32_t count,
                           const double *p)
@@ -413,9 +412,8 @@ static void look_around(judge_found *list, uint32_t v, int boxes)
                               (c->last[w[0]] & c->last[w[1]] & c->last[w[2]]) == BVXI_VERTEX_NONE;
 
             list->triangle = t;
-            bvxi_crossing_tree_visit(&c->tree, p, graph, BVXI_VERTEX_NONE,
-                                     bvxi_collapse_has_come(c, t) ? c->came : NULL, still ? c->last : NULL,
-                                     add_pair, list);
+            bvxi_crossing_tree_visit(&c->tree, p, graph, BVXI_VERTEX_NONE, has_come(c, t) ? c->came : NULL,
+                                     still ? c->last : NULL, add_pair, list);
         }
     } while (at != c->any[v]);
 }
@@ -475,7 +473,7 @@ static bvx_status undo_pairs(judge_found *list, uint64_t *undone)
 
         if (bvxi_corner_gone(&c->mesh, (int32_t)(4 * s)) || bvxi_corner_gone(&c->mesh, (int32_t)(4 * t)))
             continue;
-        if (bvxi_collapse_has_come(c, s) && bvxi_collapse_has_come(c, t)) continue;
+        if (has_come(c, s) && has_come(c, t)) continue;
         if (!bvxi_crossing_pair(&c->tree, s, t)) continue;
         if (list->settled) {
             /* Where none has settled both were that way before. */

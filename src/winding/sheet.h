@@ -143,11 +143,6 @@ void bvxi_sheet_around_four(const bvxi_sheet *sheet, const int64_t p[4][3], doub
 void bvxi_sheet_turns_four(const bvxi_sheet *sheet, const int64_t p[4][3], int32_t want_clear,
                            bvxi_sheet_answer answer[4]);
 
-/* sheet_near.c: what the near edges sweep on the straight way from the place by h, added to *turns; and how
- * often that enters the near triangles, more than leaves. 0: doubles cannot decide. */
-int bvxi_sheet_swept(const bvxi_sheet_look *look, const double h[3], double *turns);
-int bvxi_sheet_entered(const bvxi_sheet_look *look, const double h[3], int32_t *times);
-
 /* ---- Polynomials in x ---- */
 
 /* Source: Greengard, Rokhlin. A Fast Algorithm for Particle Simulations. 1987, with Taylor's series in place

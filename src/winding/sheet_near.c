@@ -11,10 +11,11 @@
  * cutting blocks use them. */
 #include "winding/turns.h"
 
-/* Going by h, an edge from a to b sweeps the parallelogram a, b, b - h, a - h. Both halves of it, a, b, c = b
+/* What the near edges sweep on the straight way from the place by h, added to *turns; 0: doubles cannot decide. Going by
+ * h, an edge from a to b sweeps the parallelogram a, b, b - h, a - h. Both halves of it, a, b, c = b
  * - h and a, c, d = a - h, have the volume - h (a x b) with the origin; half their solid angles are those of
  * the complex numbers below, all edges' a product. */
-int bvxi_sheet_swept(const bvxi_sheet_look *look, const double h[3], double *turns)
+static int sweep_edges(const bvxi_sheet_look *look, const double h[3], double *turns)
 {
     double const hh = bvxi_vec_dot(h, h);
     double re = 1, im = 0;
@@ -85,7 +86,8 @@ static int32_t enter_triangle(const bvxi_near_triangle *t, const double h[3])
     return to > 0 ? 1 : -1;
 }
 
-int bvxi_sheet_entered(const bvxi_sheet_look *look, const double h[3], int32_t *times)
+/* How often that way enters the near triangles, more than leaves; 0: as above. */
+static int count_entered(const bvxi_sheet_look *look, const double h[3], int32_t *times)
 {
     *times = 0;
     for (int32_t t = 0; t < look->triangles; t++) {
@@ -110,12 +112,12 @@ int bvxi_turns_of_centre(const bvxi_turns_block *block, const bvxi_sheet_look *l
 
     /* First all near edges as linear; where that leaves a doubt, what they sweep exactly. */
     if (!is_certain(block, linear, look->rest + (look->bend + look->edge_bend) * part, &n, clear)) {
-        if (look->edges == 0 || !bvxi_sheet_swept(look, h, &turns)) return 0;
+        if (look->edges == 0 || !sweep_edges(look, h, &turns)) return 0;
         if (!is_certain(block, turns, look->rest + look->bend * part, &n, clear)) return 0;
     }
     /* Too many near triangles were met to be listed. */
     if (look->triangles > BVXI_LOOK_TRIANGLES) return 0;
-    if (look->triangles > 0 && !bvxi_sheet_entered(look, h, &entered)) return 0;
+    if (look->triangles > 0 && !count_entered(look, h, &entered)) return 0;
     *whole = (int32_t)n + entered;
     return 1;
 }
