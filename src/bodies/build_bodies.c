@@ -47,13 +47,12 @@ static bvx_status run_build_bodies(bvx_context *context, const bvx_sections *sec
                                    const bvx_sections_options *options, const int32_t *labels, uint32_t count,
                                    bvx_mesh *meshes)
 {
-    bvxi_oblique o;
+    bvxi_oblique o = {0};
 
     if (labels == NULL) return bvxi_fail_null(context, bodies_name, "labels");
     if (meshes == NULL) return bvxi_fail_null(context, bodies_name, "meshes");
     BVXI_TRY(check_labels(context, labels, count));
 
-    memset(&o, 0, sizeof o);
     o.ctx = context;
     o.function = bodies_name;
     BVXI_TRY(bvxi_take_options(context, bodies_name, options, &o.options, sizeof o.options));

@@ -391,11 +391,10 @@ bvx_status bvxi_joint_surfaces(bvxi_oblique *o, bvxi_joint_cut *cut, bvx_mesh *m
 {
     int const count = (int)o->body_count;
     joint_list list;
-    joint_faces f;
+    joint_faces f = {0};
 
     BVXI_TRY(list_all_faces(o, cut, &list));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, cut_pinched(o, cut, &list)));
-    memset(&f, 0, sizeof f);
     f.o = o;
     f.cut = cut;
     BVXI_TRY(find_points(&f));

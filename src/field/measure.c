@@ -16,14 +16,14 @@
 static bvx_status sign_by_solid(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t *sign, bvx_grid *inside)
 {
     bvx_solid_report report;
-    bvx_voxelize_options o = {.struct_size = sizeof o};
 
     /* A field's sign and a solid's fill are one decision, made once. Only the choice is of interest: what
      * voxels lose of the mesh's walls and volume costs a third of a narrow field, and a field says
      * neither. */
-    o.fill = *sign;
-    o.report = *sign == BVX_FILL_AUTO ? &report : NULL;
-    o.check_thin = BVX_CHECK_NEVER;
+    bvx_voxelize_options o = {.struct_size = sizeof o,
+                              .fill = *sign,
+                              .report = *sign == BVX_FILL_AUTO ? &report : NULL,
+                              .check_thin = BVX_CHECK_NEVER};
     memcpy(o.window.low, inside->low, sizeof o.window.low);
     memcpy(o.window.size, inside->size, sizeof o.window.size);
     BVXI_TRY(bvx_voxelize_solid(ctx, mesh, &inside->lattice, &o, inside));
@@ -260,8 +260,7 @@ static bvx_status run_measure_field(bvx_context *context, const bvx_mesh_view *m
                                     const bvx_lattice *lattice, const bvx_field_options *options,
                                     bvx_field *field)
 {
-    measure_job job;
-    memset(&job, 0, sizeof job);
+    measure_job job = {0};
     BVXI_TRY(check_measure(context, mesh, lattice, options, field, &job));
     bvx_status const status = measure_steps(context, lattice, &job);
     if (status != BVX_OK) {

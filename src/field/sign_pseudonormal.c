@@ -267,7 +267,6 @@ bvx_status bvxi_sign_pseudonormal(bvxi_call call, const bvx_mesh_view *mesh, con
 {
     double const middle = call.from + (call.to - call.from) * 0.3;
     uint64_t const mark = bvxi_scratch_begin(call.ctx);
-    pseudo_rule rule = {0};
     double low[3], high[3];
 
     if (mesh->triangle_count > UINT32_MAX / 3)
@@ -275,8 +274,7 @@ bvx_status bvxi_sign_pseudonormal(bvxi_call call, const bvx_mesh_view *mesh, con
                              "%s: mesh.triangle_count is %u, the limit of BVX_FILL_PSEUDONORMAL is %u",
                              call.function, mesh->triangle_count, (uint64_t)(UINT32_MAX / 3));
     BVXI_TRY(bvxi_view_bounds(call.ctx, call.function, mesh, low, high));
-    rule.mesh = mesh;
-    rule.scale = bvxi_unit_scale(low, high);
+    pseudo_rule rule = {.mesh = mesh, .scale = bvxi_unit_scale(low, high)};
     BVXI_TRY(pseudo_open(call.ctx, &rule));
     BVXI_TRY(
         BVXI_SHARE(call.ctx, call.from, middle,

@@ -104,7 +104,6 @@ static bvx_status fill_turned(bvx_context *ctx, const char *function, below_job 
 bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *second_job,
                       const bvx_voxelize_options *o, bvx_grid *solid, bvx_solid_report *report)
 {
-    below_job below = {0};
     int32_t *first = NULL, *second = NULL;
     int32_t const axis = o->up == BVX_UP_Z ? 2 : o->up - BVX_UP_X;
     bvx_grid turned;
@@ -114,8 +113,8 @@ bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *sec
     if (second_job != NULL)
         BVXI_TRY(
             find_highest(bvxi_solid_step(ctx, job, 0.5, 0.8), second_job, &turned, axis, report, &second));
-    below.first = first;
-    below.second = second;
-    below.base = o->has_base ? base_index(&solid->lattice, axis, o->base) : INT32_MIN;
+    below_job below = {.first = first,
+                       .second = second,
+                       .base = o->has_base ? base_index(&solid->lattice, axis, o->base) : INT32_MIN};
     return fill_turned(ctx, job->function, &below, axis, &turned, solid, report);
 }

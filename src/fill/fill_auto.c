@@ -341,9 +341,8 @@ bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh
                           bvxi_fill_by_name_fn *by_name, bvx_grid *solid, bvx_solid_report *report)
 {
     int32_t filled = 0;
-    auto_work w;
+    auto_work w = {0};
 
-    memset(&w, 0, sizeof w);
     w.choice.view = *mesh;
     BVXI_TRY(bvxi_solid_open(ctx, function, mesh, &solid->lattice, &w.job));
     BVXI_TRY(choose_or_fill(ctx, &w, solid, report, &filled));

@@ -230,11 +230,10 @@ static int find_seed_box(seed_search *s)
 static bvx_status run_find_seed(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh,
                                 uint64_t limit, bvx_seed *seed)
 {
-    seed_search s;
+    seed_search s = {0};
 
     if (seed == NULL) return bvxi_fail_null(context, seed_name, "seed");
     BVXI_TRY(bvxi_grid_check(context, seed_name, surface));
-    memset(&s, 0, sizeof s);
     s.surface = s.judge.surface = surface;
     s.judge.ctx = context;
     s.judge.function = seed_name;

@@ -200,8 +200,7 @@ static bvx_status check_within(bvx_context *ctx, checker *c, int weld, const dou
 bvx_status bvxi_check_welded(bvx_context *ctx, const char *function, const bvxi_welded *mesh, int edges_alone,
                              bvx_certificate *certificate)
 {
-    checker c;
-    memset(&c, 0, sizeof c);
+    checker c = {0};
     c.view = mesh->view;
     c.vertex_count = mesh->different;
     c.representative = mesh->representative;
@@ -215,11 +214,10 @@ static bvx_status run_mesh_check(bvx_context *context, const bvx_mesh_view *mesh
 {
     static const char *const function = "bvx_mesh_check";
     double low[3], high[3];
-    checker c;
+    checker c = {0};
 
     if (certificate == NULL) return bvxi_fail_null(context, function, "certificate");
     memset(certificate, 0, sizeof *certificate);
-    memset(&c, 0, sizeof c);
     c.view = mesh;
     BVXI_TRY(bvxi_view_check(context, function, mesh));
     if (weld != 0 && weld != 1)

@@ -506,10 +506,8 @@ uint64_t bvxi_polygon_ears_size(uint32_t count)
 bvx_status bvxi_polygon_ears(bvxi_ring *ring, void *scratch)
 {
     uint32_t v = 0, left = ring->count, vain = 0, round = 0;
-    polygon_ears e = {0};
 
-    e.ring = ring;
-    e.ask = EAR_ASK;
+    polygon_ears e = {.ring = ring, .ask = EAR_ASK};
     ears_prepare(&e, scratch);
     while (left > 3 && e.looks < e.looks_left) {
         /* Called by looks, since a corner may take one or all reflex ones. */

@@ -134,12 +134,11 @@ static uint64_t drill(const drain_hole *hole, double radius, bvx_grid *shell)
 static bvx_status make_hole(bvx_context *ctx, const char *function, const bvx_hollow_options *o,
                             const bvx_grid *hollow, bvx_grid *shell, bvx_hollow_report *report)
 {
-    drain_hole hole;
+    drain_hole hole = {0};
     uint64_t count, sum[2];
     int32_t side = 0, layer;
 
     /* The side is one bit of six, two for each axis: low and high. */
-    memset(&hole, 0, sizeof hole);
     while (o->drain_side >> side != 1) side++;
     hole.axis = side / 2;
     hole.high = side % 2;
@@ -213,10 +212,9 @@ static bvx_status run_grid_hollow(bvx_context *context, const bvx_grid *grid,
 {
     static const char *const function = "bvx_grid_hollow";
     bvx_hollow_options o;
-    bvx_hollow_report report;
+    bvx_hollow_report report = {0};
     bvx_window window;
 
-    memset(&report, 0, sizeof report);
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));
     BVXI_TRY(check_hollow(context, function, &o));

@@ -186,15 +186,14 @@ static bvx_status run_steps(bvx_context *ctx, const char *stage, double from, do
 bvx_status bvxi_morph_runs(bvx_context *ctx, const bvxi_morph *morph, int32_t operation, double from,
                            double to, const bvxi_bit_box *source, const bvxi_bit_box *target)
 {
-    runs_job job = {0};
     int ok = 1;
 
-    job.from = *source;
-    job.to = *target;
-    job.cpu = bvxi_cpu(ctx);
-    job.tail = bvxi_tail_mask(source->size[0]);
-    job.flip = operation == BVXI_ERODE ? ~UINT64_C(0) : 0;
-    job.around = (morph->beyond != 0) != (operation == BVXI_ERODE) ? ~UINT64_C(0) : 0;
+    runs_job job = {.from = *source,
+                    .to = *target,
+                    .cpu = bvxi_cpu(ctx),
+                    .tail = bvxi_tail_mask(source->size[0]),
+                    .flip = operation == BVXI_ERODE ? ~UINT64_C(0) : 0,
+                    .around = (morph->beyond != 0) != (operation == BVXI_ERODE) ? ~UINT64_C(0) : 0};
 
     /* How far the ball reaches decides how much each worker holds. */
     for (int a = 0; a < 3; a++) job.reach[a] = ball_extent(morph, a);

@@ -352,8 +352,7 @@ static bvx_status run_tiles(transform_job *job)
 bvx_status bvxi_transform_run(const bvxi_transform *transform)
 {
     uint64_t const mark = bvxi_scratch_begin(transform->ctx);
-    transform_job job;
-    memset(&job, 0, sizeof job);
+    transform_job job = {0};
     job.t = transform;
     BVXI_TRY(open_transform(&job));
     return bvxi_scratch_end(transform->ctx, mark, run_tiles(&job));

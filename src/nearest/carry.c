@@ -199,7 +199,7 @@ static bvx_status carry_with_tree(bvx_context *ctx, const char *of_source, carry
 static bvx_status run_mesh_carry(bvx_context *context, const bvx_mesh *source, bvx_mesh *target)
 {
     static const char *const function = "bvx_mesh_carry", *const of_source = "bvx_mesh_carry, source";
-    carry_work w;
+    carry_work w = {0};
     if (source == NULL) return bvxi_fail_null(context, function, "source");
     if (target == NULL) return bvxi_fail_null(context, function, "target");
     if (source == target)
@@ -207,7 +207,6 @@ static bvx_status run_mesh_carry(bvx_context *context, const bvx_mesh *source, b
                              "%s: source and target are one mesh", function);
 
     /* Both meshes are checked before a tree is built. */
-    memset(&w, 0, sizeof w);
     w.source = source;
     BVXI_TRY(check_carried_mesh(context, of_source, source));
     bvx_mesh_view_of(source, &w.from);

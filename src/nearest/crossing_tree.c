@@ -453,11 +453,10 @@ static uint64_t pairs_of_node(const crossing_job *job, uint64_t node, uint64_t *
     box_query whole;
     uint64_t stack[WIDTH * CROSSING_LEVELS]; /* level in the low bits */
     int32_t depth = 0;
-    triangle_box box;
 
     if (!hold_node(job, node, held)) return found;
     if (!share_a_fan(job, node, node)) found = pairs_of_nodes(job, held, node, node, keys, room, found);
-    box = box_of_all(&tree->node[0][node]);
+    triangle_box box = box_of_all(&tree->node[0][node]);
     put_query(&box, 6, &whole);
 
     if (tree->levels > 1) stack[depth++] = (uint64_t)(tree->levels - 1);

@@ -117,11 +117,10 @@ static box_sides sides_on_lattice(const body_box *box, const bvx_lattice *lattic
 static int32_t advise_resolution(const bvx_lattice *lattice, double voxels, double wanted)
 {
     int32_t longest = 1;
-    double n;
 
     /* The padding's voxels hold nothing. */
     for (int a = 0; a < 3; a++) longest = lattice->dims[a] - 2 > longest ? lattice->dims[a] - 2 : longest;
-    n = voxels > 0.0 ? longest * (wanted / voxels) : 1e300;
+    double const n = voxels > 0.0 ? longest * (wanted / voxels) : 1e300;
     return n < (double)(1 << 24) ? (int32_t)-floor(-n) : 1 << 24;
 }
 
@@ -743,7 +742,6 @@ static bvx_status look_closer(const boolean_job *job, bvx_lattice *lattice, bool
     bvx_boolean_options o = *job->options;
     boolean_job closer = {.ctx = job->ctx, .options = &o, .operation = job->operation};
     bvx_mesh result = {0};
-    bvx_status status;
 
     for (int a = 0; a < 3; a++) {
         lattice->spacing[a] *= 0.5;
@@ -755,7 +753,7 @@ static bvx_status look_closer(const boolean_job *job, bvx_lattice *lattice, bool
     for (int i = 0; i < 2; i++) closer.body[i].mesh = closer.source[i].mesh = job->body[i].mesh;
     closer.body[0].report = &closer.report.solid_a;
     closer.body[1].report = &closer.report.solid_b;
-    status = boolean_steps(&closer, &result);
+    bvx_status status = boolean_steps(&closer, &result);
     if (status == BVX_OK) status = measure_result(&closer, &result, shape);
     bvx_mesh_free(job->ctx, &result);
     *seen = status == BVX_OK;
@@ -863,24 +861,21 @@ static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, cons
                               int32_t operation, const bvx_boolean_options *options, bvx_mesh *result)
 {
     bvx_boolean_options o;
-    boolean_job job;
-    bvx_status status;
-    int mine;
+    boolean_job job = {0};
 
     if (result == NULL) return bvxi_fail_null(context, boolean_name, "result");
     BVXI_TRY(bvxi_take_options(context, boolean_name, options, &o, sizeof o));
     BVXI_TRY(check_boolean_options(context, operation, &o));
-    memset(&job, 0, sizeof job);
     job.ctx = context;
     job.options = &o;
     job.operation = operation;
 
-    mine = result->positions == NULL;
+    int const mine = result->positions == NULL;
     job.body[0].mesh = job.source[0].mesh = a;
     job.body[0].report = &job.report.solid_a;
     job.body[1].mesh = job.source[1].mesh = b;
     job.body[1].report = &job.report.solid_b;
-    status = BVXI_SHARE(context, 0.0, 0.97, boolean_steps(&job, result));
+    bvx_status status = BVXI_SHARE(context, 0.0, 0.97, boolean_steps(&job, result));
     if (status == BVX_OK && o.report != NULL)
         status = BVXI_SHARE(context, 0.97, 1.0, warn_of_boolean(&job, result));
     /* Only what the library made is freed. */

@@ -258,20 +258,16 @@ static int is_better_without(const bvx_repair_report *with, const bvx_repair_rep
 static bvx_status measure_surface(levels_job *job, int32_t resolution, bvx_mesh *surface)
 {
     bvx_repair_report *const report = &job->report.repair;
-    bvx_repair_report with;
-    bvxi_repair_facts facts;
     bvx_mesh without = {0};
-    uint64_t mark;
-    bvx_status status;
 
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.7, repair_surface(job, resolution, BVX_THIN_KEEP, surface)));
     if (!has_new_handles(job)) return BVX_OK;
 
     /* The report is written anew; the better surface's one stays. */
-    with = *report;
-    facts = job->facts;
-    mark = bvxi_scratch_begin(job->ctx);
-    status = bvxi_scratch_keep(
+    bvx_repair_report with = *report;
+    bvxi_repair_facts const facts = job->facts;
+    uint64_t const mark = bvxi_scratch_begin(job->ctx);
+    bvx_status const status = bvxi_scratch_keep(
         job->ctx, mark,
         BVXI_SHARE(job->ctx, 0.7, 1.0, repair_surface(job, resolution, BVX_THIN_SHELL, &without)));
     if (status != BVX_OK && status != BVX_ERR_EMPTY) return status;
@@ -319,13 +315,12 @@ static bvx_status simplify_measured(levels_job *job)
     const bvx_levels_options *const o = job->options;
     int32_t resolution = o->fit.resolution;
     int const is_given = o->fit.lattice != NULL || o->fit.resolution != 0;
-    uint64_t mark;
     bvx_status status;
 
     /* A resolution that was given is not changed. */
     if (!is_given) BVXI_TRY(plan_resolution(job, &resolution));
     job->report.planned_resolution = resolution;
-    mark = bvxi_scratch_begin(job->ctx);
+    uint64_t const mark = bvxi_scratch_begin(job->ctx);
 
     while ((status = bvxi_scratch_keep(job->ctx, mark, simplify_measured_at(job, resolution))) ==
                BVX_ERR_BUDGET &&
@@ -433,11 +428,9 @@ static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *me
     bvx_levels_options o;
     levels_job job = {.ctx = context, .mesh = mesh, .options = &o};
     double low[3], high[3];
-    uint64_t used;
-    bvx_status status;
 
     if (levels == NULL) return bvxi_fail_null(context, levels_name, "levels");
-    used = bvx_memory_used(context);
+    uint64_t const used = bvx_memory_used(context);
     BVXI_TRY(bvxi_take_options(context, levels_name, options, &o, sizeof o));
     BVXI_TRY(check_levels_options(context, &o));
     BVXI_TRY(bvxi_view_check(context, levels_name, mesh));
@@ -452,7 +445,7 @@ static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *me
         return bvxi_fail(context, BVX_ERR_EMPTY, "%s: the mesh has no triangles", levels_name);
     BVXI_TRY(bvxi_view_bounds(context, levels_name, mesh, low, high));
     job.report.solid = wants_solid(&o);
-    status = levels_steps(&job);
+    bvx_status status = levels_steps(&job);
     if (status != BVX_OK) bvxi_levels_drop(context, levels, level_count);
     if (status == BVX_ERR_BUDGET) status = explain_budget(&job, used);
     if (status != BVX_OK || o.report == NULL) return status;

@@ -549,9 +549,8 @@ bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_
                         bvx_mesh *mesh)
 {
     uint64_t const bytes = mesh->vertex_count * 4, mark = bvxi_scratch_begin(ctx);
-    flatten_job f;
+    flatten_job f = {0};
 
-    memset(&f, 0, sizeof f);
     f.ctx = ctx;
     f.function = function;
     f.bodies = bodies;

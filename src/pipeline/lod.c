@@ -308,15 +308,13 @@ static bvx_status run_build_lods(bvx_context *context, const bvx_grid *solid, co
                                  uint64_t level_count, bvx_mesh *levels)
 {
     bvx_lod_options o;
-    lod_job job = {0};
     bvx_status status = BVX_OK;
 
     if (levels == NULL) return bvxi_fail_null(context, lod_name, "levels");
     BVXI_TRY(bvxi_take_options(context, lod_name, options, &o, sizeof o));
     BVXI_TRY(bvxi_grid_check(context, lod_name, solid));
     BVXI_TRY(check_lod_options(context, solid, &o, level_count));
-    job.solid = solid;
-    job.options = &o;
+    lod_job job = {.solid = solid, .options = &o};
     /* Levels are independent: each has its own search. */
     for (job.level = 0; job.level < level_count && status == BVX_OK; job.level++) {
         int32_t resolution = o.resolutions != NULL ? o.resolutions[job.level] : 0;

@@ -175,7 +175,7 @@ bvx_status bvxi_repair_known(bvx_context *context, const bvx_mesh_view *mesh, co
                              const bvx_repair_options *options, bvxi_repair_facts *facts, bvx_mesh *repaired)
 {
     bvx_repair_options o;
-    bvxi_repair_job job;
+    bvxi_repair_job job = {0};
 
     if (repaired == NULL) return bvxi_fail_null(context, bvxi_repair_name, "repaired");
     BVXI_TRY(bvxi_take_options(context, bvxi_repair_name, options, &o, sizeof o));
@@ -184,7 +184,6 @@ bvx_status bvxi_repair_known(bvx_context *context, const bvx_mesh_view *mesh, co
     BVXI_TRY(bvxi_view_apart(context, bvxi_repair_name, mesh, repaired));
     BVXI_TRY(bvxi_check_options(context, bvxi_repair_name, &o, BVXI_OPTIONS(repair_rows)));
     BVXI_TRY(check_repair_lattice(context, &o));
-    memset(&job, 0, sizeof job);
     job.ctx = context;
     job.options = &o;
     job.given = mesh;

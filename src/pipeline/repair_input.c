@@ -228,7 +228,6 @@ static bvx_status judge_marked(bvxi_repair_job *job, const uint32_t *representat
 static bvx_status take_pieces(bvxi_repair_job *job, const uint32_t *representative)
 {
     const bvx_certificate *const c = &job->report.before;
-    bvxi_piece_marks by = {0};
     double centre[3];
 
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->vertex_count * 4, "the vertices' pieces",
@@ -240,8 +239,7 @@ static bvx_status take_pieces(bvxi_repair_job *job, const uint32_t *representati
     for (int a = 0; a < 3; a++) centre[a] = 0.5 * c->box.low[a] + 0.5 * c->box.high[a];
     if (job->patches.part == NULL && c->nonmanifold_vertices != 0 && c->components > 1)
         BVXI_TRY(bvxi_patches_open(job->ctx, &job->mesh, representative, centre, 0, &job->patches));
-    by.piece = job->piece;
-    by.part = job->patches.part;
+    bvxi_piece_marks by = {.piece = job->piece, .part = job->patches.part};
     if (job->report.sign != BVX_FILL_VOTE) BVXI_TRY(judge_marked(job, representative, &by));
     bvxi_patches_close(job->ctx, &job->patches);
     return BVX_OK;

@@ -104,11 +104,10 @@ static bvx_status compare_handles(bvxi_repair_job *job)
 {
     bvx_repair_report *const r = &job->report;
     bvx_certificate c = r->before;
-    int64_t handles;
 
     if (r->turned + c.duplicates != 0) BVXI_TRY(bvx_mesh_check(job->ctx, &job->mesh, 1, &c));
     if (!c.edge_manifold || !c.vertex_manifold || !c.oriented) return BVX_OK;
-    handles = lidded_handles(&c, r->holes);
+    int64_t const handles = lidded_handles(&c, r->holes);
     job->facts.handles = handles < INT32_MAX ? (int32_t)handles : INT32_MAX;
     if (lidded_handles(&r->after, 0) <= handles || r->crossings != 0) return BVX_OK;
     return bvx_mesh_crossings(job->ctx, &job->mesh, &r->crossings, NULL, 0);
@@ -215,10 +214,9 @@ static void warn_of_topology(bvx_context *ctx, const bvx_repair_report *r, const
 
 void bvxi_warn_of_lids(bvx_context *ctx, double share, uint64_t holes, const bvxi_rim *longest)
 {
-    bvx_warning *w;
-
     if (holes == 0 || share <= REPAIR_LIDS) return;
-    w = BVXI_WARN(ctx, BVX_WARN_LIDS, (double)holes, (double)(int)(100.0 * share + 0.5), longest->length);
+    bvx_warning *const w = BVXI_WARN(ctx, BVX_WARN_LIDS, (double)holes, (double)(int)(100.0 * share + 0.5),
+                                     longest->length);
     w->placed = 1;
     memcpy(w->low, longest->low, sizeof w->low);
     memcpy(w->high, longest->high, sizeof w->high);

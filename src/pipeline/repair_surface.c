@@ -90,10 +90,9 @@ static bvx_status extract_repaired(bvxi_repair_job *job, const bvxi_sparse *v, b
     bvx_field_surface_options o = {
         .placing = job->options->placing, .sharp_angle = BVXI_SHARP_ANGLE, .report = &report};
     bvxi_lids const lids = {job->winding, &job->lattice};
-    bvxi_cut_rule rule;
+    bvxi_cut_rule rule = {0};
 
     o.placing.sharp = job->report.sharp ? BVX_SHARP_ALWAYS : BVX_SHARP_NEVER;
-    memset(&rule, 0, sizeof rule);
     rule.values = v;
     rule.mesh = &job->body;
     rule.missing = bvxi_lid_ratios;

@@ -52,7 +52,7 @@ static bvx_status thicken(repair_walls *t)
 
 bvx_status bvxi_repair_thicken(bvxi_repair_job *job)
 {
-    repair_walls t;
+    repair_walls t = {0};
 
     /* What an earlier resolution found goes. */
     bvxi_thin_close(job->ctx, &job->thin);
@@ -62,7 +62,6 @@ bvx_status bvxi_repair_thicken(bvxi_repair_job *job)
     if (job->body.triangle_count == 0) return BVX_OK;
     /* nobody asks what is lost */
     if (job->options->thin != BVX_THIN_KEEP && job->options->report == NULL) return BVX_OK;
-    memset(&t, 0, sizeof t);
     t.job = job;
     t.walls.ctx = job->ctx;
     t.walls.function = bvxi_repair_name;

@@ -62,12 +62,10 @@ bvx_status bvxi_octree_leaves(bvxi_call step, const bvx_octree *tree, int32_t st
 {
     double const middle = leaves != NULL ? step.from + (step.to - step.from) * 0.4 : step.to;
     bvx_context *const ctx = step.ctx;
-    leaves_job job = {0};
 
     BVXI_TRY(bvxi_octree_check(ctx, step.function, tree));
     BVXI_TRY(bvxi_octree_check_states(ctx, step.function, states));
-    job.tree = tree;
-    job.states = states != 0 ? states : BVX_STATE_SURFACE | BVX_STATE_INSIDE;
+    leaves_job job = {.tree = tree, .states = states != 0 ? states : BVX_STATE_SURFACE | BVX_STATE_INSIDE};
     job.pieces = bvxi_piece_count((uint64_t)tree->base[0] * (uint64_t)tree->base[1] * (uint64_t)tree->base[2],
                                   1);
     BVXI_TRY(bvxi_each(ctx, step.stage, step.from, middle, job.pieces, leaves_of_piece, &job));
@@ -133,7 +131,6 @@ bvx_status bvx_octree_neighbours(bvx_context *context, const bvx_octree *tree, c
                                  uint64_t *count)
 {
     static const char *const function = "bvx_octree_neighbours";
-    neighbour_list list = {0};
     int32_t v[3], at;
     uint64_t bit;
 
@@ -157,8 +154,7 @@ bvx_status bvx_octree_neighbours(bvx_context *context, const bvx_octree *tree, c
     memcpy(v, leaf->ijk, sizeof v);
 
     v[direction % 3] += direction >= 3 ? 1 : -1;
-    list.leaves = leaves;
-    list.capacity = leaves != NULL ? capacity : 0;
+    neighbour_list list = {.leaves = leaves, .capacity = leaves != NULL ? capacity : 0};
 
     if (v[direction % 3] >= 0 && v[direction % 3] < tree->base[direction % 3] << leaf->level) {
         const bvxi_octets *const o = bvxi_octree_holder(tree, leaf->level, v, &at, &bit);

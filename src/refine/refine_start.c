@@ -112,9 +112,8 @@ static void touch_start_tile(void *user, int32_t number)
     bvxi_surface_job *const job = &start->surface;
     uint64_t const begin = job->bins.end[number], count = job->bins.end[number + 1] - begin;
     const uint32_t *const id = job->bins.id != NULL ? job->bins.id + begin : NULL;
-    bvxi_surface_tile tile;
+    bvxi_surface_tile tile = {0};
 
-    memset(&tile, 0, sizeof tile);
     tile.job = job;
     tile.rows = bvxi_tiles_rows(&job->tiles, number);
     tile.number = number;
@@ -188,12 +187,11 @@ static bvx_status make_start_lists(bvxi_refine_job *job, start_job *start)
 static bvx_status touch_start_grid(bvxi_refine_job *job)
 {
     const bvx_octree *const tree = job->tree;
-    bvx_grid grid = {0};
     start_job *start;
 
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sizeof *start, "the start's counts", &start));
-    grid.words = job->grids.words[job->start];
-    grid.words_per_row = bvxi_refine_row_words(tree, job->start);
+    bvx_grid grid = {.words = job->grids.words[job->start],
+                     .words_per_row = bvxi_refine_row_words(tree, job->start)};
     start->refine = job;
     for (int a = 0; a < 3; a++) start->surface.size[a] = tree->base[a] << job->start;
     start->surface.view = job->view;

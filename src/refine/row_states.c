@@ -155,15 +155,12 @@ static bvx_status decide_by_solids(bvxi_refine_job *job, const bvx_mesh_view *ne
 bvx_status bvxi_octree_row_states(bvxi_refine_job *job)
 {
     uint64_t const count = gather_near(job, NULL);
-    bvx_mesh_view nearby = {0};
     double *positions = NULL;
     /* A copy of most of the mesh would cost more than it saves. */
     if (count > job->view->triangle_count / 2) return decide_by_solids(job, job->view);
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, count * 72, "the triangles near the window", &positions));
     gather_near(job, positions);
-    nearby.positions = positions;
-    nearby.position_type = BVX_F64;
-    nearby.triangle_count = count;
-    nearby.vertex_count = 3 * count;
+    bvx_mesh_view nearby = {
+        .positions = positions, .position_type = BVX_F64, .triangle_count = count, .vertex_count = 3 * count};
     return decide_by_solids(job, &nearby);
 }

@@ -346,12 +346,11 @@ static void close_side(bvxi_collapse *c, const loop_side *side)
 static int cut_handle(loop_work *w, loop_side side[2])
 {
     bvxi_collapse *const c = w->c;
-    int crosses;
 
     for (int i = 0; i < 2; i++)
         if (!gather_loop(&c->mesh, &side[i]) || !place_side(c, &side[i])) return 0;
     for (int i = 0; i < 2; i++) toggle_side(&c->mesh, &side[i]);
-    crosses = side_crosses(c, &side[0], &side[1]) || side_crosses(c, &side[1], &side[0]);
+    int const crosses = side_crosses(c, &side[0], &side[1]) || side_crosses(c, &side[1], &side[0]);
     for (int i = 0; i < 2; i++) toggle_side(&c->mesh, &side[i]);
     if (crosses) return 0;
 
@@ -377,7 +376,6 @@ static int drop_knob(loop_work *w, const loop_side side[2])
     const loop_side *const s = &side[ended];
     uint32_t n = 0, within = 0;
     int32_t beside[3];
-    int put;
 
     for (uint32_t i = 0; i < w->queued; i++)
         if (w->mark_triangle[w->queue[i]] == own) w->queue[n++] = w->queue[i];
@@ -393,7 +391,7 @@ static int drop_knob(loop_work *w, const loop_side side[2])
     }
 
     for (uint32_t i = 0; i < n; i++) toggle(m, w->queue[i]);
-    put = may_put(c, s->loop);
+    int const put = may_put(c, s->loop);
     for (uint32_t i = 0; i < n; i++) toggle(m, w->queue[i]);
     if (!put) return 0;
 

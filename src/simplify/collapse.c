@@ -514,11 +514,10 @@ static bvx_status sweep_ranges(collapse_sweep *s)
 {
     bvxi_collapse *const c = s->c;
     collapse_range r = {.triangles = 0};
-    uint64_t ranges;
 
     s->size = (c->mesh.vertices + RANGE_MOST - 1) / RANGE_MOST;
     if (s->size < RANGE_VERTICES) s->size = RANGE_VERTICES;
-    ranges = (c->mesh.vertices + s->size - 1) / s->size;
+    uint64_t const ranges = (c->mesh.vertices + s->size - 1) / s->size;
     BVXI_TRY(BVXI_ZEROS(c->ctx, ranges, "the ranges of collapses", s->range));
     BVXI_TRY(BVXI_ARRAY(c->ctx, c->mesh.vertices, "vertices that wait", s->waiting));
 
@@ -589,12 +588,11 @@ static void sweep_blocks(collapse_sweep *s)
     bvxi_collapse *const c = s->c;
     uint8_t cheap[BVXI_MOST_PIECES];
     collapse_range r = {.order = c->order};
-    uint64_t blocks;
 
     s->cheap = cheap;
     s->size = c->mesh.vertices / BVXI_MOST_PIECES + 1;
     if (s->size < BLOCK_VERTICES) s->size = BLOCK_VERTICES;
-    blocks = (c->mesh.vertices + s->size - 1) / s->size;
+    uint64_t const blocks = (c->mesh.vertices + s->size - 1) / s->size;
     bvxi_tasks(c->ctx, (int32_t)blocks, block_piece, s);
     for (uint64_t i = 0; i < blocks; i++)
         if (cheap[i]) sweep_block(s, i, &r);

@@ -131,12 +131,11 @@ static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, d
 {
     double const middle = from + 0.8 * (to - from);
     uint64_t undone;
-    int met;
 
     memset(c->fresh, 0, (size_t)c->mesh.vertices);
     BVXI_TRY(bvxi_collapse_pack(c));
     BVXI_TRY(collapse_edges(c, target, last, from, middle));
-    met = c->mesh.left <= target + target % 2;
+    int const met = c->mesh.left <= target + target % 2;
     BVXI_TRY(bvxi_collapse_judge(c, middle, to, &undone));
     if (undone != 0 && met) BVXI_TRY(collapse_edges(c, target, last, to, to));
     if (c->options.given.topology != BVX_TOPOLOGY_KEEP) BVXI_TRY(close_small(c, target, last, to));
@@ -247,13 +246,12 @@ static void order_equal_keys(collapse_order *o, uint64_t used)
 static int ranked_triangle(const collapse_order *o, uint64_t t, uint32_t to[3])
 {
     uint32_t v[5]; /* the first two again after the third */
-    int first;
 
     if (o->packed != NULL) memcpy(v, o->packed + 3 * t, 12);
     else bvxi_view_triangle(o->view, t, v);
     for (int k = 0; k < 3; k++) v[k] = o->rank[v[k]];
     memcpy(v + 3, v, 8);
-    first = ((v[1] < v[0]) & (v[1] < v[2])) + 2 * ((v[2] < v[0]) & (v[2] <= v[1]));
+    int const first = ((v[1] < v[0]) & (v[1] < v[2])) + 2 * ((v[2] < v[0]) & (v[2] <= v[1]));
     memcpy(to, v + first, 12);
     return first;
 }

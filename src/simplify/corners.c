@@ -229,12 +229,11 @@ static bvx_status pair_corners(bvx_context *ctx, const char *function, bvxi_corn
     int32_t const end = (int32_t)(4 * m->triangles), looking = bvxi_looking_pieces(ctx);
     int32_t const pieces = bvxi_piece_count(m->triangles, CORNER_GRAIN);
     edge_job job = {.m = m, .lists = lists, .borders = borders};
-    int32_t failed;
 
     bvxi_ranges(ctx, looking, m->vertices, lists_piece, &job);
     bvxi_ranges(ctx, pieces, m->triangles, open_triangles_piece, &job);
     bvxi_ranges(ctx, looking, m->vertices, edges_piece, &job);
-    failed = first_failed(&job, looking);
+    int32_t const failed = first_failed(&job, looking);
     if (failed < end) return fail_edge(ctx, function, m, failed);
 
     /* Corners are numbered by fours: the fourth is left out. */
@@ -364,11 +363,10 @@ static uint64_t part_fans(bvxi_corners *m, int32_t *first, int32_t *seen, uint64
 static bvx_status part_vertices(bvx_context *ctx, bvxi_corners *m)
 {
     int32_t *first, *seen;
-    uint64_t shared;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, m->vertices * 4, "the vertices' fans", &first));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, m->triangles * 16, "the corners' fans", &seen));
-    shared = part_fans(m, first, seen, 0);
+    uint64_t const shared = part_fans(m, first, seen, 0);
     for (uint64_t v = 0; v < m->vertices; v++) m->split += first[v] > 1;
     BVXI_TRY(bvxi_resize(ctx, BVXI_SCRATCH, &m->source, m->vertex_room * 4, (m->vertices + shared) * 4,
                          "the sources of parts that touch"));
@@ -385,7 +383,6 @@ bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_cor
 {
     uint64_t const bytes = m->triangles * 3 * sizeof(edge_wait) + m->vertices * 8;
     edge_lists lists;
-    int one;
 
     m->left = m->triangles;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the edges", &lists.wait));
@@ -398,7 +395,7 @@ bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_cor
         put_ghosts(m);
         join_ghosts(m);
     }
-    one = has_one_fan_each(ctx, m, &lists);
+    int const one = has_one_fan_each(ctx, m, &lists);
     bvxi_drop(ctx, lists.wait);
     if (one) return BVX_OK;
     if (borders == BVXI_BORDERS_REFUSED)

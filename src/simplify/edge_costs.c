@@ -88,7 +88,6 @@ static void join_ends(const bvxi_collapse *c, bvxi_edge_planned *plan)
 int bvxi_edge_plan(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *plan)
 {
     int const kept = c->options.given.vertices == BVX_VERTICES_KEPT;
-    double at_v;
 
     if (!plan_ends(c, edge, plan)) return 0;
     join_ends(c, plan);
@@ -114,7 +113,7 @@ int bvxi_edge_plan(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *plan
     }
 
     /* Where the planes leave it open: the better end, which stays on the surface. */
-    at_v = bvxi_quadric_at(&plan->all, plan->offset);
+    double const at_v = bvxi_quadric_at(&plan->all, plan->offset);
     if (!(at_v < plan->cost)) return 1;
     plan->cost = at_v;
     if (kept || plan->still) {

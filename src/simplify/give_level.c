@@ -173,12 +173,11 @@ static bvx_status give_rows(bvxi_collapse *c, bvx_mesh *level)
     int const apart = c->given->uv_indices != NULL;
     uint64_t const rows = c->attributes.rows;
     uint32_t *index, *at, *place;
-    uint64_t count;
 
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, rows * (apart ? 12 : 8), "the level's attributes", &index));
     at = index + rows;
     place = apart ? at + rows : index;
-    count = number_rows(c, index, at);
+    uint64_t const count = number_rows(c, index, at);
     BVXI_TRY(bvxi_mesh_open(c->ctx, c->function, c->options.given.position_type, 0,
                             apart ? number_shared_rows(c, index, at, place) : count, c->mesh.left, level));
     BVXI_TRY(open_attributes(c, level, count));
@@ -197,11 +196,10 @@ static bvx_status give_rows(bvxi_collapse *c, bvx_mesh *level)
 bvx_status bvxi_collapse_give(bvxi_collapse *c, bvx_mesh *level)
 {
     bvx_status status;
-    int owned;
 
     /* Arrays of an earlier level do not suit, and those of the caller's hold no attributes. */
     if (level->owned == 1 && bvxi_mesh_has_attributes(level)) bvx_mesh_free(c->ctx, level);
-    owned = level->owned == 1 || level->positions == NULL;
+    int const owned = level->owned == 1 || level->positions == NULL;
     if (c->options.given.vertices == BVX_VERTICES_KEPT) status = give_kept(c, owned, level);
     else if (c->attributes.row != NULL && owned) status = give_rows(c, level);
     else status = bvxi_collapse_give_plain(c, level);

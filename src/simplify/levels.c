@@ -122,11 +122,9 @@ static bvx_status certify_level(bvx_context *ctx, const bvxi_level_chain *c, bvx
 static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
                                int met)
 {
-    bvx_level_report *r;
-
     if (c->reports == NULL) return BVX_OK;
 
-    r = &c->reports[i];
+    bvx_level_report *r = &c->reports[i];
     memset(r, 0, sizeof *r);
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.3, certify_level(ctx, c, collapse, &c->levels[i], r)));
     r->vertices = c->levels[i].vertex_count;
@@ -322,16 +320,13 @@ static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, 
 static bvx_status open_collapse(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *mesh,
                                 bvxi_sheets *made, bvxi_sheets_report *sheets, bvxi_collapse **collapse)
 {
-    uint64_t mark;
-    bvx_status status;
-
     c->collapse.counted = c->reports != NULL;
     c->collapse.borders = BVXI_BORDERS_REFUSED;
     if (c->collapse.simple) return bvxi_collapse_open(ctx, c->function, mesh, made, &c->collapse, collapse);
     c->collapse.borders = BVXI_BORDERS_KEPT;
-    mark = bvxi_scratch_begin(ctx);
-    status = bvxi_scratch_keep(ctx, mark,
-                               bvxi_collapse_open(ctx, c->function, mesh, made, &c->collapse, collapse));
+    uint64_t const mark = bvxi_scratch_begin(ctx);
+    bvx_status const status = bvxi_scratch_keep(
+        ctx, mark, bvxi_collapse_open(ctx, c->function, mesh, made, &c->collapse, collapse));
     if (status == BVX_OK) sheets->split = (*collapse)->counts.split;
     if (status != BVX_ERR_ARGUMENT) return status;
 
@@ -367,12 +362,11 @@ bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *c, const bvx_mes
                             bvxi_sheets_report *sheets)
 {
     bvxi_sheets_report unused;
-    bvx_status status;
 
     if (sheets == NULL) sheets = &unused;
     memset(sheets, 0, sizeof *sheets);
     sheets->triangles = mesh->triangle_count;
-    status = BVXI_SCOPE(ctx, make_chain(ctx, c, mesh, sheets));
+    bvx_status const status = BVXI_SCOPE(ctx, make_chain(ctx, c, mesh, sheets));
     if (status != BVX_OK) bvxi_levels_drop(ctx, c->levels, c->count);
     return status;
 }
@@ -425,7 +419,6 @@ void bvxi_levels_warn(bvx_context *ctx, const bvxi_level_chain *c, const bvx_cer
     /* Else fans and sheets that met are apart in the levels, so that they have more pieces. */
     int const sound = from->edge_manifold && from->vertex_manifold && from->oriented;
     level_fact parts = {0, 0}, volume = {0, 0}, missed = {0, 0};
-    const bvx_level_report *r;
 
     if (sheets != NULL) warn_of_sheets(ctx, sheets);
     for (uint64_t i = 0; i < c->count && c->reports != NULL; i++) {
@@ -435,7 +428,7 @@ void bvxi_levels_warn(bvx_context *ctx, const bvxi_level_chain *c, const bvx_cer
         note_fact(&volume, bvxi_absolute(level_volume_change(level, from)) > LEVEL_CHANGED, i);
         note_fact(&missed, !c->reports[i].met, i);
     }
-    r = &c->reports[parts.first];
+    const bvx_level_report *r = &c->reports[parts.first];
     if (parts.count != 0)
         BVXI_WARN(ctx, BVX_WARN_LEVEL_PARTS, (double)parts.first, (double)r->certificate.components,
                   (double)from->components, (double)parts.count - 1.0);

@@ -576,11 +576,10 @@ static bvx_status split_vertices(sheet_work *w, bvxi_sheets *sheets)
     uint64_t const vertices = w->view->vertex_count;
     uint32_t const type = bvxi_view_type(w->view);
     size_t const bytes = type == BVX_F64 ? 24 : 12;
-    uint64_t more;
     uint8_t *seen;
 
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, vertices, "the vertices of fans", &seen));
-    more = name_corners(w, seen, NULL, bytes);
+    uint64_t const more = name_corners(w, seen, NULL, bytes);
     if (more != 0) {
         BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, (vertices + more) * bytes, "the positions of fans",
                             &sheets->positions));

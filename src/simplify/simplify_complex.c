@@ -573,7 +573,6 @@ bvx_status bvxi_complex_simplify(bvx_context *ctx, const char *function, bvx_com
 {
     uint64_t const vertices = complex->mesh.vertex_count, count = complex->mesh.triangle_count;
     complex_parts now = {.mesh = complex->mesh, .junctions = complex->junctions};
-    bvx_status status;
 
     if (count > INT32_MAX / 4)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
@@ -581,7 +580,7 @@ bvx_status bvxi_complex_simplify(bvx_context *ctx, const char *function, bvx_com
                              function, count, (uint64_t)INT32_MAX / 4);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, count * 8, "the triangles' labels", &now.sides));
     for (uint64_t t = 0; t < count; t++) memcpy(now.sides + 2 * t, complex->sides + t / 2 * 2, 8);
-    status = run_complex_rounds(ctx, function, complex, triangles, error, &now);
+    bvx_status const status = run_complex_rounds(ctx, function, complex, triangles, error, &now);
     if (status != BVX_OK) {
         free_complex_parts(ctx, complex, &now);
         return status;

@@ -152,15 +152,14 @@ bvx_status bvxi_snap_scale(bvx_context *ctx, const char *function, const bvx_lat
 bvx_status bvxi_snap(bvx_context *ctx, const char *function, const bvx_mesh_view *view,
                      const bvx_lattice *lattice, bvxi_snapped *out)
 {
-    snap_job job = {0};
     int any_bad = 0;
 
     memset(out, 0, sizeof *out);
     out->vertex_count = view->vertex_count;
-    job.view = view;
-    job.cpu = bvxi_cpu(ctx);
-    job.out = out;
-    job.pieces = bvxi_piece_count(view->vertex_count, SNAP_GRAIN);
+    snap_job job = {.view = view,
+                    .cpu = bvxi_cpu(ctx),
+                    .out = out,
+                    .pieces = bvxi_piece_count(view->vertex_count, SNAP_GRAIN)};
     memcpy(job.origin, lattice->origin, sizeof job.origin);
     BVXI_TRY(bvxi_snap_scale(ctx, function, lattice, job.scale));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 12 + 4, "the snapped vertices", &out->xyz));
@@ -196,10 +195,7 @@ static void cell_piece(void *user, uint64_t begin, uint64_t end)
 bvx_status bvxi_snap_cells(bvx_context *ctx, const bvx_lattice *lattice, const bvxi_row_block *block,
                            double progress, bvxi_snapped *s)
 {
-    snap_job job = {0};
-    job.out = s;
-    job.block = *block;
-    job.fraction_bits = lattice->fraction_bits;
+    snap_job job = {.out = s, .block = *block, .fraction_bits = lattice->fraction_bits};
     return BVXI_SHARE(ctx, progress, progress,
                       bvxi_for(ctx, "solid", s->vertex_count, SNAP_GRAIN, cell_piece, &job));
 }

@@ -250,8 +250,7 @@ static uint64_t plane_bits(const bvx_grid *g)
 bvx_status bvxi_faces_merge(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
 {
     uint64_t const threads = (uint64_t)bvxi_threads(ctx), mark = bvxi_scratch_begin(ctx);
-    face_merge m;
-    memset(&m, 0, sizeof m);
+    face_merge m = {0};
     m.f = f;
     m.tasks = f->words + f->grid->size[1] + 1 + f->grid->size[2] + 1;
     m.scratch_words = plane_bits(f->grid);

@@ -309,8 +309,7 @@ static void place_slot(cut_walk *k, uint64_t slot)
 void bvxi_cuts_piece(void *cuts, int32_t piece, uint64_t begin, uint64_t end)
 {
     const bvxi_cuts *const c = cuts;
-    cut_walk k;
-    memset(&k, 0, sizeof k);
+    cut_walk k = {0};
     k.cuts = c;
     k.bodies = c->values->second != NULL ? 2 : 1;
     for (uint64_t s = begin; s < end; s++) place_slot(&k, s);

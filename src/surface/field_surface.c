@@ -155,12 +155,11 @@ static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, doub
     uint64_t const plane_bytes = m->vertex_count * 2 * sizeof *c->planes;
     uint64_t const triangle_bytes = m->triangle_count * 12;
     uint64_t const position_bytes = m->vertex_count * (m->options.position_type == BVX_F32 ? 12 : 24);
-    bvx_mesh plain = {0};
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, plane_bytes, "the facets' planes", &c->planes));
-    plain.position_type = m->options.position_type;
-    plain.vertex_capacity = m->vertex_count;
-    plain.triangle_capacity = m->triangle_count;
+    bvx_mesh plain = {.position_type = m->options.position_type,
+                      .vertex_capacity = m->vertex_count,
+                      .triangle_capacity = m->triangle_count};
     BVXI_TRY(
         bvxi_alloc(ctx, BVXI_SCRATCH, position_bytes, "the positions before sharpening", &plain.positions));
     BVXI_TRY(
@@ -181,14 +180,13 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
                                    .local_frame = options->placing.local_frame};
     bvx_field_surface_report report = {.sharp = sharp ? 1 : 0};
     bvxi_march m = {0};
-    bvxi_cuts cuts = {0};
 
     m.function = function;
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.1, bvxi_march_open(ctx, &m, inside, &extract)));
-    cuts.march = &m;
-    cuts.values = values;
-    cuts.interpolation = options->placing.interpolation;
-    cuts.unit = bvxi_largest_spacing(&inside->lattice);
+    bvxi_cuts cuts = {.march = &m,
+                      .values = values,
+                      .interpolation = options->placing.interpolation,
+                      .unit = bvxi_largest_spacing(&inside->lattice)};
     BVXI_TRY(sharp ? make_sharp(ctx, &m, &cuts, options->sharp_angle, surface, &report)
                    : make_plain(ctx, &m, &cuts, surface, &report));
     bvxi_march_close(ctx, &m);

@@ -145,7 +145,6 @@ static bvx_status merge_parts(bvx_context *ctx, merge_work *w, uint64_t *start, 
 static bvx_status run_mesh_merge(bvx_context *context, const bvx_mesh *parts, uint64_t part_count,
                                  bvx_mesh *whole)
 {
-    merge_work w = {0};
     uint64_t *start = NULL, mark;
     bvx_mesh made = {0};
 
@@ -155,8 +154,7 @@ static bvx_status run_mesh_merge(bvx_context *context, const bvx_mesh *parts, ui
     /* Arrays of the caller's are filled; the library's own are replaced once the new ones are whole. */
     int const brought = whole->owned != 1 && (whole->positions != NULL || whole->triangles != NULL);
     if (brought) made = *whole;
-    w.parts = parts;
-    w.part_count = part_count;
+    merge_work w = {.parts = parts, .part_count = part_count};
     BVXI_TRY(check_parts(context, &w));
     mark = bvxi_scratch_begin(context);
     BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, w.entries * 8, "the keys", &w.keys));

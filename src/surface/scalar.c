@@ -46,7 +46,6 @@ static bvx_status extract_level(bvx_context *ctx, const char *function, const bv
                                    .open_sides = o->open_sides,
                                    .keys = o->keys,
                                    .local_frame = o->local_frame};
-    bvxi_march m = {0};
     bvxi_level_samples level;
     bvx_volume_report report;
     bvxi_range range;
@@ -57,8 +56,7 @@ static bvx_status extract_level(bvx_context *ctx, const char *function, const bv
     memcpy(level.stride, stride, sizeof level.stride);
     level.type = volume->sample_type;
     level.level = o->level;
-    m.function = function;
-    m.level = &level;
+    bvxi_march m = {.function = function, .level = &level};
     /* Bits first; then samples are read only at the ends of crossed edges. */
     BVXI_TRY(bvxi_threshold(bvxi_call_of(ctx, NULL, "threshold", 0.0, 1.0), volume, stride, &range,
                             o->report != NULL ? &report : NULL, inside));

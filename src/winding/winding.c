@@ -78,20 +78,19 @@ static bvx_status wind_block(bvx_context *ctx, bvxi_solid_job *job, const bvxi_r
     const bvx_mesh_view *const mesh = job->view;
     double const part = from + (to - from) / 8;
     bvxi_row_lists crossed;
-    bvxi_turns_job turns = {0};
 
     /* The same gathering, of the sheet's triangles: its crossings are taken off the mesh's. */
     job->view = w->sheet_view;
     bvx_status status = bvxi_solid_gather(ctx, job, from, part, &crossed);
     job->view = mesh;
     if (status != BVX_OK) return status;
-    turns.sheet = w->sheet;
-    turns.grid = w->solid;
-    turns.solid = job;
-    turns.mesh = lists;
-    turns.crossed = &crossed;
-    turns.rule = wind_rows;
-    turns.ties = 1;
+    bvxi_turns_job turns = {.sheet = w->sheet,
+                            .grid = w->solid,
+                            .solid = job,
+                            .mesh = lists,
+                            .crossed = &crossed,
+                            .rule = wind_rows,
+                            .ties = 1};
     status = BVXI_SCOPE(ctx, bvxi_turns_run(ctx, &turns, bvxi_solid_progress(job, part),
                                             bvxi_solid_progress(job, to), &w->report->unbalanced_rows));
     bvxi_row_lists_free(ctx, &crossed);
