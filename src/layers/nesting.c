@@ -119,7 +119,6 @@ static bvx_status nest_pair_depth(nest_work *w, uint8_t *const level[2], uint32_
 
     *found = 0;
     if (goes_on && depth < NESTING_DEEPEST && nest_choose_candidates(w, level, depth) != 0) {
-        /* Candidates of which one encloses the other's first point. */
         for (uint32_t i = 0; i < w->plane[0]->contour_count; i++)
             for (uint32_t j = 0; j < w->plane[1]->contour_count; j++) {
                 nest_loop *const a = &w->on[0][i], *const b = &w->on[1][j];
@@ -420,7 +419,6 @@ static bvx_status nest_keep_triangle(nest_mesh *m, uint32_t number, uint64_t tri
     const bvxi_slab *const slab = &m->slab[number];
     BVXI_TRY(BVXI_GROW_BY(m->s, m->position, m->triangles, m->position_room, 72, "the surfaces of levels"));
     BVXI_TRY(BVXI_GROW(m->s, m->owner, m->triangles, m->owner_room, "the surfaces of levels"));
-    /* Corners are copied, since slabs number their vertices apart. */
     for (int c = 0; c < 3; c++)
         memcpy(m->position + 9 * m->triangles + 3 * c,
                nest_slab_vertex(m, slab, slab->mesh.triangle[3 * triangle + (uint64_t)c]), 24);

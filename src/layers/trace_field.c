@@ -91,7 +91,6 @@ static int is_nearest_line(bvxi_trace *t, int k, uint32_t from, uint32_t to, con
     for (uint32_t i = 0; i < t->cross_count[k]; i++) {
         uint32_t const c = t->cross[k][i], d = t->point[c].next;
         double e[2], f[2], other;
-        /* Only lines that the field drew take points. */
         if (c == from || (t->point[c].link != BVXI_LINK_FIELD && t->point[c].link != BVXI_LINK_FIELD_BACK))
             continue;
         if (t->point[c].link != (k == 0 ? BVXI_LINK_FIELD : BVXI_LINK_FIELD_BACK)) continue;

@@ -167,7 +167,6 @@ static bvx_status check_whole_mesh(bvx_context *ctx, checker *c, int weld, const
         }
     }
     BVXI_TRY(collect_triangles(ctx, c, 0.3, low, high));
-    /* once more about the right centre */
     if (c->triangle_count != 0 && !check_same_bounds(&c->result, low, high)) {
         memcpy(kept_low, c->result.box.low, sizeof kept_low);
         memcpy(kept_high, c->result.box.high, sizeof kept_high);

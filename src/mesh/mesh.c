@@ -219,7 +219,6 @@ static bvx_status run_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint
     BVXI_TRY(check_mesh_struct(context, function, mesh));
     type[0] = mesh->position_type;
 
-    /* Head, positions and triangles one after the other, each seeded by those before. */
     bvxi_hash_start(&h, 0);
     bvxi_hash_i32(&h, type, 2);
     bvxi_hash_u64(&h, &mesh->vertex_count, 1);
@@ -247,7 +246,6 @@ double bvxi_view_area(const bvx_mesh_view *view)
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         double p[3][3], n[3];
         bvxi_view_corners(view, t, p);
-        /* The cross product is as long as twice the area. */
         sum += 0.5 * bvxi_facet_normal((const double(*)[3])p, n);
     }
     return sum;

@@ -121,7 +121,6 @@ static void each_edge(patch_work *w, void (*visit)(patch_work *, uint64_t, uint6
 {
     uint64_t const count = 3 * w->out->triangles;
     for (uint64_t at = 0, n; at < count && w->keys[at] != UINT64_MAX; at += n) {
-        /* All half-edges of one edge. */
         for (n = 1; at + n < count && w->keys[at + n] == w->keys[at];) n++;
         visit(w, at, n);
     }
@@ -197,7 +196,6 @@ static bvx_status turn_whole_patches(bvx_context *ctx, patch_work *w)
 
 static bvx_status find_patches(bvx_context *ctx, patch_work *w)
 {
-    /* At first each triangle is a patch and a part of its own. */
     for (uint64_t t = 0; t < w->out->triangles; t++) {
         w->link[t] = (uint32_t)t << 1;
         w->out->part[t] = (uint32_t)t;

@@ -28,7 +28,6 @@ static void blend_colours(const carry_work *w, const bvx_closest_point *at, uint
     uint32_t corner[3];
     bvxi_view_triangle(&w->from, at->triangle, corner);
     for (int k = 0; k < 3; k++) c[k] = w->source->colours + 4 * (size_t)corner[k];
-    /* Opacity is blended like the colours. */
     for (int i = 0; i < 4; i++) {
         double const up = at->weight[0] * c[0][i] + at->weight[1] * c[1][i] + at->weight[2] * c[2][i] + 0.5;
         /* Weights may sum up to a hair more than 1. */
@@ -206,7 +205,6 @@ static bvx_status run_mesh_carry(bvx_context *context, const bvx_mesh *source, b
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_OVERLAP,
                              "%s: source and target are one mesh", function);
 
-    /* Both meshes are checked before a tree is built. */
     w.source = source;
     BVXI_TRY(check_carried_mesh(context, of_source, source));
     bvx_mesh_view_of(source, &w.from);

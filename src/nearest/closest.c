@@ -55,7 +55,6 @@ static inline void take_closest(closest_search *s, uint32_t place, double distan
 static void try_closest_triangle(closest_search *s, uint32_t place)
 {
     double t[3][3], q[3];
-    /* One triangle by itself: the guess that a search begins with. */
     bvxi_closest_corners(s->tree, place, t);
     take_closest(s, place, bvxi_closest_on_triangle(s->point, (const double(*)[3])t, q));
 }

@@ -565,7 +565,6 @@ static int visit_node(const crossing_tree *tree, uint64_t node, const box_query 
         if (still != NULL && (still[v[0]] & still[v[1]] & still[v[2]]) == BVXI_VERTEX_NONE) continue;
         for (int k = 0; k < 2; k++)
             if ((v[0] == ends[k]) | (v[1] == ends[k]) | (v[2] == ends[k])) goto next;
-        /* Not itself. */
         corners_in(tree, v, q);
         if (q[0] == p[0] && q[1] == p[1] && q[2] == p[2]) continue;
         if (crosses(tree, plane, p, v) && (visit == NULL || visit(user, (uint32_t)t))) return 1;

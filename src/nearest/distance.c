@@ -125,7 +125,6 @@ static bvx_status measure_distance_one_way(bvx_context *ctx, const bvxi_closest_
     BVXI_TRY(bvxi_for_pieces(ctx, "distance", progress, progress + 0.4, blocks, w.samples,
                              measure_distance_block, &w));
     distance_sums all = {0.0, 0.0, 0.0, 0};
-    /* In the order of blocks, whoever computed them. */
     for (int32_t b = 0; b < w.blocks; b++) {
         all.sum += w.sums[b].sum;
         all.max = w.sums[b].max > all.max ? w.sums[b].max : all.max;

@@ -103,7 +103,6 @@ static void settle_near_pairs(const bvxi_nearest *n, bvxi_near_worker *w)
 
     bvxi_near_evaluate(n, w->fast, p);
 
-    /* Each slot keeps the best of what it had and of what has come. */
     for (int32_t i = 0; i < p->count; i++) {
         int32_t const s = p->slot[i];
         uint64_t const bit = UINT64_C(1) << s;
@@ -265,7 +264,6 @@ static int32_t is_far_from_near_list(const bvxi_nearest *n, bvxi_near_worker *w)
     /* The list is sieved for the middle as it would be for centres. */
     bvxi_near_sieve_list(&w->list, &middle, reach2, w->fast, &w->sieve);
 
-    /* Only the middle is requested: one of eight centres. */
     bvxi_near_eight_begin(0, &middle, 1, reach2, &w->eight);
     bvxi_near_eight_take(&w->list, &w->sieve, w->fast, &w->eight);
     while (!bvxi_near_eight_look(n, &w->list, w->cell.origin, w->fast, &w->eight)) w->eight.count = 0;

@@ -167,7 +167,6 @@ static void fill_near_leaves(void *user, int32_t index, uint64_t begin, uint64_t
 {
     const near_builder *const b = user;
     uint64_t leaf = b->first[index];
-    /* The same cuts as were counted. */
     while (begin < end) {
         uint32_t const count = near_leaf_run(b, begin, end);
         fill_near_leaf(b, begin, count, end, leaf++);

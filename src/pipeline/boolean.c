@@ -191,7 +191,6 @@ static const char *const boolean_mesh[2] = {"bvx_boolean, mesh a", "bvx_boolean,
 /* The meshes are checked on the way. */
 static bvx_status choose_boolean_lattice(boolean_job *job, const bvx_mesh *result)
 {
-    /* Bounds of both, as a lattice is fitted to what the operation leaves. */
     for (int32_t i = 0; i < 2; i++) {
         BVXI_TRY(bvxi_view_check(job->ctx, boolean_mesh[i], job->body[i].mesh));
         BVXI_TRY(bvxi_view_bounds(job->ctx, boolean_mesh[i], job->body[i].mesh, job->box[i].low,
@@ -329,7 +328,6 @@ static bvx_status judge_result(boolean_job *job)
 static bvx_status fill_body(boolean_job *job, int32_t i)
 {
     boolean_body *const b = &job->body[i];
-    /* Thin walls are looked for below. */
     bvx_voxelize_options o = {.struct_size = sizeof o,
                               .fill = job->options->fill,
                               .check_thin = BVX_CHECK_NEVER,
@@ -538,7 +536,6 @@ static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.5, 0.55, drop_boolean_parts(job)));
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.55, 0.6, choose_boolean_sharp(job)));
 
-    /* Distances of each body to its own mesh, where the result keeps its surface. */
     for (int i = 0; i < 2; i++)
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.6 + 0.08 * i, 0.68 + 0.08 * i, measure_body(job, &job->body[i])));
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.76, 0.86, BVXI_SCOPE(job->ctx, extract_boolean(job, result))));

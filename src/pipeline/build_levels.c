@@ -299,7 +299,6 @@ static bvx_status simplify_measured_at(levels_job *job, int32_t resolution)
         bvx_mesh_view_of(&surface, &view);
         job->report.triangles = view.triangle_count;
 
-        /* Levels are made of the measured surface, in its type. */
         job->chain.collapse.given.position_type = surface.position_type;
         job->chain.collapse.simple = 1;
         status = BVXI_SHARE(job->ctx, 0.7, 1.0, bvxi_levels_make(job->ctx, &job->chain, &view, NULL));
@@ -317,7 +316,6 @@ static bvx_status simplify_measured(levels_job *job)
     int const is_given = o->fit.lattice != NULL || o->fit.resolution != 0;
     bvx_status status;
 
-    /* A resolution that was given is not changed. */
     if (!is_given) BVXI_TRY(plan_resolution(job, &resolution));
     job->report.planned_resolution = resolution;
     uint64_t const mark = bvxi_scratch_begin(job->ctx);

@@ -37,7 +37,6 @@ static void mark_ends_piece(void *user, uint64_t begin, uint64_t end)
         for (int32_t k = 0; k < g->words_per_row; k++) {
             size_t const i = at + (size_t)k;
             uint64_t found = 0;
-            /* Where the result and the body both change. */
             for (int up = 0; up < 2; up++)
                 found |= differ_along_row(g->words + at, g->words_per_row, k, up) &
                          differ_along_row(job->body->words + at, g->words_per_row, k, up);

@@ -227,7 +227,6 @@ static void mark_blocks_around(flatten_job *f, const bvx_mesh_view *all)
         const uint32_t *const c = f->mesh->triangles + 3 * t;
         int32_t low[3], high[3];
 
-        /* No vertex of it moves. */
         if ((f->number[c[0]] | f->number[c[1]] | f->number[c[2]]) == 0) continue;
         blocks_of(f, all, c, low, high);
         mark_block_range(f, low, high, 0, FLATTEN_REACHED);
@@ -392,7 +391,6 @@ static void take_changed(flatten_job *f)
 
     memset(f->blocks, 0, (size_t)f->block_count);
 
-    /* Blocks with a change in them; then the triangles that reach one. */
     for (uint64_t t = 0; t < f->near.triangle_count; t++)
         if (reach_of_triangle(f, t, low, high)) mark_block_range(f, low, high, 0, FLATTEN_REACHED);
     for (uint64_t t = 0; t < f->near.triangle_count; t++) {
@@ -478,7 +476,6 @@ static bvx_status move_vertices(flatten_job *f)
         /* Of all of them: vertices meet wherever triangles are. */
         BVXI_TRY(mark_common_places(f, &f->near));
         BVXI_TRY(mark_crossings(f, &f->around_change));
-        /* Nothing meets: done. */
         if (f->marked == 0) return BVX_OK;
         step_back(f, round);
     }

@@ -147,7 +147,6 @@ static bvx_status count_level(bvx_context *ctx, lod_job *job, int32_t resolution
 
 static void report_lod(const lod_job *job, const level_work *w, const bvx_mesh *mesh)
 {
-    /* Reports are made only where the caller has room for them. */
     if (job->options->reports == NULL) return;
     bvx_lod_report *const report = &job->options->reports[job->level];
     memset(report, 0, sizeof *report);
@@ -315,7 +314,6 @@ static bvx_status run_build_lods(bvx_context *context, const bvx_grid *solid, co
     BVXI_TRY(bvxi_grid_check(context, lod_name, solid));
     BVXI_TRY(check_lod_options(context, solid, &o, level_count));
     lod_job job = {.solid = solid, .options = &o};
-    /* Levels are independent: each has its own search. */
     for (job.level = 0; job.level < level_count && status == BVX_OK; job.level++) {
         int32_t resolution = o.resolutions != NULL ? o.resolutions[job.level] : 0;
         job.position_type = o.position_type;

@@ -54,7 +54,6 @@ static bvx_status block_may_hold(const octree_mesh_job *job, const int32_t b[3],
     bvx_window w;
     uint64_t count = 0;
 
-    /* As many large voxels as the block reaches into. */
     block_window(job, b, &w);
     for (int a = 0; a < 3; a++) {
         int32_t const last = (w.low[a] + w.size[a] - 1) >> down;
@@ -91,7 +90,6 @@ static void choose_for_block(octree_mesh_job *job, const int32_t b[3])
     bvx_grid grid = {.lattice = job->tree->lattice};
     bvx_window w;
 
-    /* Chosen already, or by an earlier block. */
     if (job->options.position_type != BVX_POSITION_AUTO) return;
     block_window(job, b, &w);
     memcpy(grid.low, w.low, sizeof grid.low);
@@ -117,7 +115,6 @@ static bvx_status visit_blocks(octree_mesh_job *job)
     double const all = (double)job->blocks[0] * job->blocks[1] * job->blocks[2];
     double n = 0;
 
-    /* Each block has its share of the bar. */
     for (int32_t z = 0; z < job->blocks[2]; z++)
         for (int32_t y = 0; y < job->blocks[1]; y++)
             for (int32_t x = 0; x < job->blocks[0]; x++) {

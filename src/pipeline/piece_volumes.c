@@ -19,7 +19,6 @@ static void add_to_piece(bvxi_mesh_piece *s, const double p[3][3])
 {
     s->volume6 += bvxi_vec_volume6(p[0], p[1], p[2]);
 
-    /* Its box begins with its first corner. */
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 3; i++) {
             if ((s->triangles == 0 && k == 0) || p[k][i] < s->low[i]) s->low[i] = p[k][i];
@@ -63,7 +62,6 @@ bvx_status bvxi_mesh_pieces_open(bvx_context *ctx, const bvx_mesh_view *mesh, co
     uint32_t *number;
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, marks * 4, "the numbers of the pieces", &number));
-    /* Numbers of the marks of pieces that have triangles, from 1 on. */
     for (uint64_t t = 0; t < mesh->triangle_count; t++) number[bvxi_piece_mark(mesh, by, t)] = 1;
     for (uint64_t n = *count = 0; n < marks; n++)
         if (number[n] != 0) number[n] = (uint32_t)++ * count;

@@ -49,7 +49,6 @@ static double finest_samples(const lods_plan *p)
         uint64_t const n = o->resolutions != NULL ? p->level_count : 3 * p->level_count;
         const int32_t *const given = o->resolutions != NULL ? o->resolutions : o->axis_resolutions;
 
-        /* The finest of what is given. */
         for (uint64_t i = 0; i < n; i++) finest = given[i] > finest ? given[i] : finest;
         return finest;
     }
@@ -80,7 +79,6 @@ static uint64_t room_for_planned(const bvx_context *ctx, const bvx_mesh_view *me
 {
     uint64_t const limit = bvxi_memory_limit(ctx);
     uint64_t const beside = bvx_memory_used(ctx) + 16 * mesh->vertex_count + 4 * mesh->triangle_count;
-    /* Without a limit the most that is ever planned. */
     if (limit == 0) return PLAN_MOST_BYTES;
     uint64_t const room = limit > beside ? (limit - beside) / 2 : 0;
     return room < PLAN_MOST_BYTES ? room : PLAN_MOST_BYTES;

@@ -85,7 +85,6 @@ static bvx_status drop_duplicates(bvxi_repair_job *job, const uint32_t *represen
 {
     uint64_t kept;
 
-    /* Each triangle is there once already. */
     if (job->report.before.duplicates + job->report.before.collapsed == 0) return BVX_OK;
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->triangle_count * 12, "the triangles once each",
                         &job->corner));
@@ -110,7 +109,6 @@ static bvx_status check_given(bvxi_repair_job *job, const double low[3], const d
     memcpy(welded.high, high, sizeof welded.high);
     BVXI_TRY(bvxi_weld(job->ctx, job->given, representative, &welded.different));
     if (job->known != NULL) {
-        /* A certificate that is known is not made again. */
         *r = *job->known;
         r->collapsed = job->given->triangle_count - r->triangles;
         r->unused_vertices = welded.different - r->vertices;

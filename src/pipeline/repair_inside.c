@@ -27,7 +27,6 @@ static bvx_status fill_solid(bvxi_repair_job *job, const bvx_mesh_view *mesh)
 
 bvx_status bvxi_repair_inside(bvxi_repair_job *job)
 {
-    /* What an earlier resolution left goes first. */
     bvxi_thin_close(job->ctx, &job->thin);
     bvxi_drop(job->ctx, job->inside.words);
     bvxi_drop(job->ctx, job->solid.words);

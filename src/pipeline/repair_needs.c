@@ -77,7 +77,6 @@ static bvx_status write_copy(bvxi_repair_job *job, const uint32_t *representativ
     const bvx_mesh_view *const from = job->given;
     uint64_t vertices = 0;
 
-    /* Vertices that triangles have, in their order. */
     for (uint64_t t = 0; t < from->triangle_count; t++) {
         uint32_t v[3];
         bvxi_view_triangle(from, t, v);
@@ -88,7 +87,6 @@ static bvx_status write_copy(bvxi_repair_job *job, const uint32_t *representativ
     BVXI_TRY(bvxi_mesh_open(job->ctx, bvxi_repair_name, (int32_t)bvxi_view_type(from), 0, vertices,
                             from->triangle_count, copy));
 
-    /* Corners by their new numbers, positions once for each. */
     for (uint64_t t = 0; t < from->triangle_count; t++) {
         uint32_t v[3];
         bvxi_view_triangle(from, t, v);

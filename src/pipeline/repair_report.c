@@ -10,7 +10,6 @@ void bvxi_longest_rim(const bvx_mesh_view *mesh, const bvxi_holes *holes, bvxi_r
 {
     uint64_t begin = 0;
 
-    /* Loop by loop, from its first vertex around to it. */
     for (uint64_t l = 0; l < holes->loops; begin = holes->loop_end[l++]) {
         bvxi_rim rim = {0.0, {1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}};
         for (uint64_t i = begin; i < holes->loop_end[l]; i++) {
@@ -150,7 +149,6 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
 {
     bvx_mesh_view result;
 
-    /* What is made is looked at as any mesh is. */
     bvx_mesh_view_of(repaired, &result);
     job->report.lattice = job->lattice;
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.2, bvx_mesh_check(job->ctx, &result, 0, &job->report.after)));
@@ -260,7 +258,6 @@ void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *r, const bvxi_repair_
 {
     double longest = resolution;
 
-    /* A copy is what it was. */
     if (r->copied) return;
     for (int a = 0; a < 3 && resolution == 0; a++)
         longest = r->lattice.dims[a] > longest ? r->lattice.dims[a] : longest;

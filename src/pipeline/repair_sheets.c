@@ -63,7 +63,6 @@ static void ask_triangles(void *user, int32_t piece)
     const enclosed_job *const e = user;
     uint64_t begin, end;
     bvxi_piece(e->job->mesh.triangle_count, e->pieces, piece, &begin, &end);
-    /* Only triangles that are asked about. */
     for (uint64_t t = begin; t < end; t++)
         if (e->answer[t] == BVXI_TRIANGLE_ASKED && is_enclosed(e->job, t))
             e->answer[t] = BVXI_TRIANGLE_ENCLOSED;
@@ -204,7 +203,6 @@ static void find_rods(const bvxi_repair_job *job, all_sums *sums)
 
     if (job->options->thin == BVX_THIN_DROP) return;
 
-    /* Each piece by its own area, length and volume. */
     for (uint64_t i = 0; i < sums->count; i++) {
         piece_sums *const s = &sums->piece[i];
         double length = 0;
@@ -231,7 +229,6 @@ static void sum_areas(const bvxi_repair_job *job, all_sums *sums)
         piece_sums *piece;
         double const length = normal_of(job, sums, t, &piece, p, n);
         take_into_piece(piece, (const double(*)[3])p);
-        /* Without area it covers nothing. */
         if (!(length > 0)) continue;
         piece->area += 0.5 * length;
         if (has_solid_behind(&job->solid, step, (const double(*)[3])p, n, length))
@@ -266,7 +263,6 @@ static bvx_status sum_lids(bvxi_repair_job *job, all_sums *sums)
 {
     bvxi_holes holes;
 
-    /* Closed meshes have no loop. */
     if (job->report.before.boundary_edges + job->report.before.nonmanifold_edges == 0) return BVX_OK;
     if (!job->holes.repeated) {
         sum_loops(job, &job->holes, sums);
@@ -353,7 +349,6 @@ static uint64_t ask_open_pieces(const bvxi_repair_job *job, const all_sums *sums
     uint64_t count = 0;
     uint32_t c[3];
 
-    /* Only pieces that are open by their own lid. */
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
         bvxi_view_triangle(&job->mesh, t, c);
         answer[t] = is_open_piece(sums_of(job, sums, c[0])) ? BVXI_TRIANGLE_ASKED : 0;
@@ -459,7 +454,6 @@ bvx_status bvxi_repair_part(bvxi_repair_job *job)
     job->body = job->mesh;
     memset(&job->sheets, 0, sizeof job->sheets);
     job->facts.thin_shelled = 0;
-    /* Without shells all is body. */
     if (job->options->shell == 0) return BVX_OK;
     BVXI_TRY(open_sums(job, &sums));
     sum_areas(job, &sums);
@@ -488,7 +482,6 @@ bvx_status bvxi_repair_lay_shells(bvxi_repair_job *job)
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, (rows + 1) * 8, "the shells' rows", &first));
     BVXI_TRY(bvxi_nearest_band(bvxi_call_of(job->ctx, NULL, "shells", 0.3, 1.0), nearest,
                                0.5 * job->options->shell * most, &band, first));
-    /* Shells are joined to the solid, word by word. */
     for (uint64_t i = 0; i < words; i++) job->inside.words[i] |= band.words[i];
     return BVX_OK;
 }

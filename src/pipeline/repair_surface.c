@@ -25,7 +25,6 @@ static void join_values(const bvxi_repair_job *job, const bvxi_sparse *v, double
             double shell[3], distance = ((const double *)sheets->distances)[n];
             memcpy(shell, (const double *)sheets->vectors + 3 * n, sizeof shell);
             bvxi_thin_value(thick, shell, &distance); /* half its thickness off the sheet */
-            /* The body is nearer. */
             if (body <= distance) continue;
             memcpy(vectors + 3 * n, shell, sizeof shell);
             distances[n] = distance;
@@ -106,7 +105,6 @@ bvx_status bvxi_repair_surface(bvxi_repair_job *job, bvx_mesh *repaired)
 {
     bvxi_sparse v = {.count = 0};
 
-    /* Where is measured: both ends of each crossed edge. */
     BVXI_TRY(bvxi_sparse_open(job->ctx, &job->inside, &v));
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.0, bvxi_ends_mark(job->ctx, &job->inside, NULL, &v.where)));
     BVXI_TRY(bvxi_sparse_rank(job->ctx, &v));

@@ -54,7 +54,6 @@ bvx_status bvxi_repair_thicken(bvxi_repair_job *job)
 {
     repair_walls t = {0};
 
-    /* What an earlier resolution found goes. */
     bvxi_thin_close(job->ctx, &job->thin);
     job->report.thin_voxels = 0;
     job->report.crossing_volume = 0;

@@ -121,7 +121,6 @@ typedef struct crumb_job {
 static uint64_t crumb_word(const crumb_job *job, int32_t k, int32_t y, int32_t z)
 {
     const bvx_grid *const g = job->inside;
-    /* Beyond the window is not of the part. */
     if (k < 0 || y < 0 || z < 0 || k >= g->words_per_row || y >= g->size[1] || z >= g->size[2]) return 0;
     uint64_t const w = bvxi_grid_row(g, y, z)[k];
     return job->empty ? ~w : w;
@@ -142,7 +141,6 @@ static void measure_crumb_run(void *user, uint32_t space, int32_t begin, int32_t
     crumb_job *const job = user;
     crumb_part *const p = &job->part[space];
 
-    /* The first run's beginning stands for the part. */
     if (p->voxels == 0) {
         p->at[0] = begin;
         p->at[1] = y;
@@ -187,7 +185,6 @@ static void find_small_parts(crumb_job *job)
 /* 0: nothing, 1: a voxel of a large part, 2: of a small one. [Units: voxels of the window] */
 static int crumb_at(const crumb_job *job, const double at[3])
 {
-    /* Beyond the window: nothing, or the outside. */
     if (bvxi_grid_at(job->inside, at) == (job->empty != 0)) return 0;
     return bvxi_grid_at(&job->small, at) ? 2 : 1;
 }
@@ -203,7 +200,6 @@ static int crumb_beside(const crumb_job *job, const double p[3][3])
     if (!(length > 0)) return 0;
     for (int d = 0; d < 4; d++) {
         double at[3];
-        /* The middle, and from there along the normal. */
         for (int a = 0; a < 3; a++)
             at[a] = ((p[0][a] + p[1][a] + p[2][a]) / 3.0 + n[a] / length * depth[d] * h - l->origin[a]) /
                         l->spacing[a] -
@@ -373,7 +369,6 @@ static uint64_t judge_crumbs(crumb_job *job)
 {
     uint64_t dropped = 0;
 
-    /* The largest small part of each piece first. */
     for (uint64_t n = 0; n < job->spaces.count; n++) {
         const crumb_part *const p = &job->part[n];
         if (!p->small) continue;

@@ -64,7 +64,6 @@ static int gather_crumb(const thin_job *t, uint64_t from, uint64_t found[THIN_CR
     for (int n = 0; n < count; n++) {
         int32_t at[3];
 
-        /* A centre that is not of a place belongs to the solid. */
         if ((t->walls->places.words[found[n] / 64] >> (found[n] & 63) & 1) == 0) return 0;
         bvxi_bit_centre(g, found[n], at);
         for (int side = 0; side < 6; side++) {
@@ -78,7 +77,6 @@ static int gather_crumb(const thin_job *t, uint64_t from, uint64_t found[THIN_CR
             uint64_t const bit = bvxi_centre_bit(g, to[0], to[1], to[2]);
             for (int k = 0; k < count; k++) known |= found[k] == bit;
             if (known) continue;
-            /* More than a few: no crumb. */
             if (count == THIN_CRUMB) return 0;
             found[count++] = bit;
         }
@@ -92,7 +90,6 @@ static void drop_thin_crumbs(thin_job *t)
     uint64_t found[THIN_CRUMB];
 
     for (uint64_t n = 0; n < t->walls->count; n++) {
-        /* Not inside: nothing to take back. */
         if ((t->inside->words[t->walls->at[n] / 64] >> (t->walls->at[n] & 63) & 1) == 0) continue;
         int const count = gather_crumb(t, t->walls->at[n], found);
         for (int k = 0; k < count; k++) t->inside->words[found[k] / 64] &= ~(UINT64_C(1) << (found[k] & 63));
@@ -178,7 +175,6 @@ static bvx_status widen(thin_job *t)
     widen_places(t);
     BVXI_TRY(bvxi_walls_list(t->walls));
     BVXI_TRY(BVXI_SHARE(t->walls->ctx, 0.0, 0.4, bvxi_walls_ask(t->walls, THIN_BESIDE)));
-    /* Centres within reach of a wall go inside. */
     for (uint64_t n = 0; n < t->walls->count; n++)
         if (t->walls->point[n].distance < thin_reach_of(&t->walls->point[n]))
             t->inside->words[t->walls->at[n] / 64] |= UINT64_C(1) << (t->walls->at[n] & 63);

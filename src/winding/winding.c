@@ -42,7 +42,6 @@ static void wind_row(const bvxi_turns_job *job, const bvxi_row_codes *mesh, cons
             next = bvxi_floor_shift(mesh->code[i], 1) - low;
         if (j < sheet->count && bvxi_floor_shift(sheet->code[j], 1) - low < next)
             next = bvxi_floor_shift(sheet->code[j], 1) - low;
-        /* Without turns of the sheet the depth alone decides. */
         if (turns == NULL) {
             if (depth != 0) bvxi_set_run(words, x, next);
             continue;

@@ -334,7 +334,8 @@ static uint64_t check_crossings(const bvxi_collapse *c)
 
     for (tree.slanted = 0; tree.slanted < 2; tree.slanted++) {
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_crossing_tree_open(ctx, &tree));
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_crossings_find(ctx, &tree, 0.0, 1.0, &pairs, &count));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                                bvxi_crossings_find(ctx, &tree, 0.0, 1.0, UINT64_MAX, &pairs, &count));
         assert_pairs(wanted, wanted_count, pairs, count);
         bvxi_drop(ctx, pairs);
         for (uint64_t i = 0; i < wanted_count && tree.slanted; i++)
@@ -346,7 +347,7 @@ static uint64_t check_crossings(const bvxi_collapse *c)
     tree.slanted = 1;
     tree.fresh = fresh;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_crossing_tree_open(ctx, &tree));
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_crossings_find(ctx, &tree, 0.0, 1.0, &pairs, &count));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_crossings_find(ctx, &tree, 0.0, 1.0, UINT64_MAX, &pairs, &count));
     assert_pairs(wanted, keep_fresh(&c->mesh, fresh, wanted, wanted_count), pairs, count);
     bvxi_drop(ctx, pairs);
     bvxi_drop(ctx, tree.node[0]);
