@@ -26,11 +26,16 @@ void cli_end_without_reader(void)
 #endif
 }
 
-int cli_end_of_output(cli_run *run)
+static int fail_output(cli_run *run)
 {
-    if (fflush(stdout) == 0 && !ferror(stdout)) return CLI_DONE;
+    if (cli_interrupted()) return cli_fail_interrupted(run);
     cli_end_without_reader();
     return cli_fail(run, "standard output cannot be written");
+}
+
+int cli_end_of_output(cli_run *run)
+{
+    return fflush(stdout) == 0 && !ferror(stdout) ? CLI_DONE : fail_output(run);
 }
 
 int cli_end_of_run(cli_run *run, int status)
@@ -38,7 +43,5 @@ int cli_end_of_run(cli_run *run, int status)
     /* A report that cannot be written turns a success into a failure, and leaves a failure what it is. */
     if (!run->general->json || cli_report_print(run, status))
         return status == CLI_DONE ? cli_end_of_output(run) : status;
-    if (status != CLI_DONE) return status;
-    cli_end_without_reader();
-    return cli_fail(run, "standard output cannot be written");
+    return status == CLI_DONE ? fail_output(run) : status;
 }

@@ -319,7 +319,7 @@ def everything(mesh, grid):
 def test_everything_calls_every_function():
     """What a stage brings later belongs there too."""
     called = set(re.findall(r"\.(\w+)\(", inspect.getsource(everything)))
-    elsewhere = {"read", "read_volume", "write", "write_levels", "register_with_trimesh", "settings", "read_points"}  # files and settings have tests of their own
+    elsewhere = {"read", "read_volume", "read_segments", "write", "write_levels", "register_with_trimesh", "settings", "read_points"}  # files and settings have tests of their own
     assert {name for name in public_names(bitvox) if inspect.isfunction(getattr(bitvox, name))} - called == elsewhere
     of_grids = {name for name, thing in vars(bitvox.Grid).items() if not name.startswith("_") and inspect.isfunction(thing)}
     assert of_grids - called == {"to_pyvista", "to_trimesh", "to_napari", "voxels", "plot", "save"}
