@@ -129,20 +129,23 @@ static bvx_status run_mesh_crossings(bvx_context *context, const bvx_mesh_view *
                                      uint32_t *pairs, uint64_t capacity)
 {
     uint64_t const most = pairs == NULL ? 0 : capacity < UINT32_MAX ? capacity : UINT32_MAX;
-    uint32_t *found;
+    uint64_t found;
+    uint32_t *listed;
 
     if (count == NULL) return bvxi_fail_null(context, crossings_name, "count");
-    BVXI_TRY(bvxi_crossing_pairs(context, mesh, most, &found, count));
+    *count = 0;
+    BVXI_TRY(bvxi_crossing_pairs(context, mesh, most, &listed, &found));
+    if (pairs != NULL && found > most && found <= capacity)
+        return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: there are %u pairs, the limit of a list is %u", crossings_name, found,
+                             most);
 
     /* The count is right also where the array is too small: the caller learns what would be enough. */
-    if (pairs != NULL && capacity < *count)
+    *count = found;
+    if (pairs != NULL && found > capacity)
         return bvxi_fail(context, BVX_ERR_CAPACITY, "%s: there are %u pairs, the array given holds %u",
-                         crossings_name, *count, capacity);
-    if (pairs != NULL && most < *count)
-        return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: there are %u pairs, the limit of a list is %u", crossings_name, *count,
-                             most);
-    if (pairs != NULL && *count != 0) memcpy(pairs, found, (size_t)*count * 8);
+                         crossings_name, found, capacity);
+    if (pairs != NULL && found != 0) memcpy(pairs, listed, (size_t)found * 8);
     return BVX_OK;
 }
 
