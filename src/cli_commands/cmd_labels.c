@@ -161,7 +161,7 @@ static int take_segments(cli_run *run, labels_job *j)
     return CLI_DONE;
 }
 
-/* A line of ITK-SNAP; of .csv or .tsv, whose name may stand in quotes; of FreeSurfer. */
+/* A line of ITK-SNAP, of .csv or .tsv with a name that may stand in quotes, or of FreeSurfer. */
 static int take_line(cli_run *run, labels_job *j, const char *line)
 {
     static const char *const forms[3] = {

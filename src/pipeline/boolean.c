@@ -113,7 +113,7 @@ static box_sides sides_on_lattice(const body_box *box, const bvx_lattice *lattic
     return r;
 }
 
-/* The resolution at which so many voxels become wanted, at most 2^24. */
+/* The resolution that makes `wanted` of so many voxels, at most 2^24. */
 static int32_t advise_resolution(const bvx_lattice *lattice, double voxels, double wanted)
 {
     int32_t longest = 1;

@@ -163,7 +163,7 @@ bvx_status bvx_octree_neighbours(bvx_context *context, const bvx_octree *tree, c
         leaves_on_side(tree, o, bit, held, at, (direction + 3) % BVXI_DIRECTIONS, &list);
     }
 
-    /* The count is told also where the array was too small. */
+    /* The caller learns what would be enough. */
     *count = list.count;
     if (leaves != NULL && capacity < list.count)
         return bvxi_fail(context, BVX_ERR_CAPACITY, "%s: the array holds %u leaves, there are %u", function,

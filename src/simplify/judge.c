@@ -211,7 +211,7 @@ typedef struct judge_origin {
     const bvxi_collapse *c;
     uint8_t *beside;                  /* of each vertex: of a crossing triangle */
     uint8_t *near;                    /* of each vertex of the mesh: it went into one that is beside */
-    uint32_t *small;                  /* of each vertex of the mesh: that of the small one */
+    uint32_t *small;                  /* of each vertex of the mesh: its number in the small one */
     uint64_t begin[BVXI_MOST_PIECES]; /* of each piece's triangles */
     uint32_t (*triangle)[3], *part;   /* of the small mesh, and the vertices that its own went into */
     double (*at)[3];

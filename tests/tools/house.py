@@ -27,7 +27,7 @@ def bodies(lines):
 
 def read(path):
     with open(path, encoding="utf-8") as file:
-        return file.read().split("\n")
+        return file.read().splitlines()
 
 
 def comment_lines(lines):
