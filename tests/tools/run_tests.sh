@@ -372,6 +372,18 @@ count_checks() {
     add_script checks "$(log_of checks)" "$status"
 }
 
+# The larger builds of the tier run beside the others, so that no processor waits where one ends; build finds them made and says how they went.
+build_beside() {
+    for row in san clang plain; do
+        case $row in
+        san) goals="fuzz-programs $fault" ;;
+        *) goals=row-products ;;
+        esac
+        # shellcheck disable=SC2086
+        if [ $row != clang ] || has clang; then "row_$row" $goals; fi
+    done >"$logs/beside.log" 2>&1
+}
+
 build_other_compilers() { # sets $compilers
     compilers=
     for row in plain fast clang; do
@@ -387,17 +399,20 @@ build_other_compilers() { # sets $compilers
     done
 }
 
+# Without optimisation the long rows take a minute: another compiler and two machines have their bits, and make matrix does them all.
+brief_golden() { if [ "$1" = plain ]; then echo --brief; fi; } # ROW
+
 list_other_compilers() {
     for row in $compilers; do
         folder=$(row_$row print-folder)
-        list_golden $row ''
+        list_golden $row '' $(brief_golden $row)
         if [ $row = clang ]; then list_command clang/unit/test_threads "$folder/tests/unit/test_threads"; fi
     done
 }
 
 count_other_compilers() {
     for row in $compilers; do
-        count_log_of "$row/golden"
+        count_log_of "$row/golden$(brief_golden $row | sed 's/^/ /')"
         if [ $row = clang ]; then count_log_of clang/unit/test_threads; fi
     done
 }
@@ -421,7 +436,7 @@ build_machines() { # whole: no long test is left out on s390x
             build i686 test-programs
             i686_folder=$folder
             if [ "$1" != whole ]; then # golden rows hold their bits there
-                left_on_i686='test_oblique test_bodies test_reuse test_repair_thin test_repair_sharp'
+                left_on_i686='test_oblique test_bodies test_reuse test_repair_thin test_repair_sharp test_boolean test_simplify_parts test_labels'
                 skip i686 "$left_on_i686; make test-machines runs them"
             fi
         fi
@@ -529,7 +544,8 @@ windows_scripts() { # brief
 windows_lacks() { # TIER/SCRIPT: prints why the script is left out
     case $1 in
     */test_install.sh) echo "make install puts libraries of this system" ;;
-    brief/*/test_program.sh | brief/*/test_levels.sh | brief/*/test_level_meshes.sh | brief/*/test_voxels.sh | brief/*/test_commands.sh)
+    brief/*/test_program.sh | brief/*/test_levels.sh | brief/*/test_level_meshes.sh | brief/*/test_voxels.sh | brief/*/test_commands.sh | \
+        brief/*/test_repair.sh | brief/*/test_boolean.sh)
         echo "make test-windows runs it"
         ;;
     esac
@@ -549,6 +565,7 @@ count_windows() { # brief
     fi
 }
 
+if [ $tier = here ]; then sh tests/tools/deps.sh first; fi
 make_locale
 if [ -d "$BUILD/locale" ]; then
     LOCPATH=$(cd "$BUILD/locale" && pwd)
@@ -562,12 +579,17 @@ quick)
     count_checks
     ;;
 here)
-    # The package's tools are fetched and its wheel is compiled while the library is: one waits for the network, the other does not.
+    # The package's tools are fetched and its wheel is compiled while the library is: one waits for the network, the other does not. So
+    # are packages of the system, which are installed when nothing compiles.
     prepare_python &
     beside=$!
-    trap 'kill $beside 2>/dev/null; exit 130' INT TERM
+    sh tests/tools/deps.sh fetch &
+    fetching=$!
+    trap 'kill $beside $fetching 2>/dev/null; exit 130' INT TERM
     build_here
     wait $beside
+    wait $fetching
+    sh tests/tools/deps.sh
     if [ "$(cut -d ' ' -f 1 "$(log_of python).end")" != 77 ]; then python_parts='wheels pytest-1 pytest-2'; fi
     tests_here
     count_python
@@ -580,8 +602,12 @@ other)
     export BVX_QUICK
     allow 1800 # every allocation of the long stages, several times slower than without sanitizers; all golden rows under an emulator
     if has_cmocka; then fault=fault-programs; else fault=; fi
+    build_beside &
+    beside=$!
+    trap 'kill $beside 2>/dev/null; exit 130' INT TERM
     build_windows
     build_machines brief
+    wait $beside
     build san fuzz-programs $fault
     san=$folder
     build_other_compilers
