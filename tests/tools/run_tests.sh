@@ -201,7 +201,11 @@ list_fuzz() { # as run_fuzz
     for source in tests/fuzz/fuzz_*.c; do
         if [ ! -f "$source" ]; then continue; fi
         inputs=$*
-        case $source in */fuzz_algebra.c | */fuzz_levels.c) inputs=${dear_inputs:-$*} ;; esac
+        case $source in
+        */fuzz_algebra.c | */fuzz_levels.c) inputs=${dear_inputs:-$*} ;;
+        */fuzz_volumes.c) if [ -n "${dear_inputs:-}" ]; then inputs=100; fi ;;
+        */fuzz_contours.c) if [ -n "${dear_inputs:-}" ]; then inputs=8000; fi ;;
+        esac
         list_command "$fuzz_row/fuzz/$(basename "$source" .c)" $runner "$folder/${source%.c}" $inputs
         for target in $(fuzz_targets "$source"); do
             if [ "fuzz_$target" = "$(basename "$source" .c)" ]; then format=; else format=$target; fi
@@ -433,12 +437,12 @@ build_machines() { # whole: no long test is left out on s390x
         if [ -n "$emulator" ] && ! has $emulator; then
             skip i686 "$emulator is missing and 32-bit programs do not run here"
         else
-            build i686 test-programs
-            i686_folder=$folder
             if [ "$1" != whole ]; then # golden rows hold their bits there
                 left_on_i686='test_oblique test_bodies test_reuse test_repair_thin test_repair_sharp test_boolean test_simplify_parts test_labels'
                 skip i686 "$left_on_i686; make test-machines runs them"
             fi
+            build_units i686 "$left_on_i686"
+            i686_folder=$folder
         fi
     else
         skip i686 "no compiler for 32-bit x86"
@@ -453,13 +457,17 @@ build_machines() { # whole: no long test is left out on s390x
             left_on_s390x=$(echo $long_tests) brief_on_s390x=--brief
             skip s390x "$(echo $long_tests | wc -w) long tests; make test-machines runs them"
         fi
-        folder=$(row_s390x print-folder)
-        left_out=$left_on_s390x
-        # shellcheck disable=SC2046
-        build s390x golden-program $(for name in $(names_of_kind unit); do echo "$folder/tests/unit/$name"; done)
-        left_out=
+        build_units s390x "$left_on_s390x"
         s390x_folder=$folder
     fi
+}
+
+build_units() { # ROW, UNIT TESTS THAT ARE LEFT OUT: sets $folder
+    folder=$("row_$1" print-folder)
+    left_out=$2
+    # shellcheck disable=SC2046
+    build "$1" golden-program $(for name in $(names_of_kind unit); do echo "$folder/tests/unit/$name"; done)
+    left_out=
 }
 
 list_machines() {
@@ -614,7 +622,7 @@ other)
     {
         folder=$san
         if [ -n "$fault" ]; then list_kind san fault ''; fi
-        dear_inputs=30 # of 300 where each runs whole chains of stages; make san runs all
+        dear_inputs=30 # of 300 where each runs whole chains of stages, 100 of volumes, 8,000 of 20,000 contours; make san runs all
         list_fuzz san ''
         list_machines
         list_other_compilers
