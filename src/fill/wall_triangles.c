@@ -185,9 +185,11 @@ static int is_in_marked_block(const near_job *t, const uint32_t c[3])
     uint32_t const corner[3] = {t->block_of[c[0]], t->block_of[c[1]], t->block_of[c[2]]};
     int32_t from[3], to[3];
 
-    /* Most triangles lie in one block, or in that and blocks beside it. */
+    /* Most triangles lie in one block, or in that and blocks beside it, and no mark is near. */
+    if (BVXI_LIKELY(((corner[0] | corner[1] | corner[2]) >> 3 * NEAR_BITS == 0) &
+                    are_blocks_beside(corner[0], corner[1], corner[2])))
+        return 0;
     if (corner[0] == corner[1] && corner[0] == corner[2]) return (int)(corner[0] >> (3 * NEAR_BITS + 1));
-    if (corner[0] >> 3 * NEAR_BITS == 0 && are_blocks_beside(corner[0], corner[1], corner[2])) return 0;
     for (int a = 0; a < 3; a++) {
         int32_t const p = block_index(corner[0], a), q = block_index(corner[1], a);
         int32_t const r = block_index(corner[2], a);

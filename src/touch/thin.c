@@ -88,17 +88,22 @@ static int32_t voxel_of_crossing(const thin_lines *l, int32_t w, int32_t u, int3
     return bvxi_cross_exact(&moved, f, u, v) - 1 > w ? w + 1 : w;
 }
 
-/* The solid ends half way between centres w and w + 1 of which it has one; the surface does at place. Counted
- * by the tile of the voxel that holds the place: of those from low to high along the axis. */
-static inline void add_beyond(bvxi_surface_tile *tile, int axis, int32_t low, int32_t high, int32_t w,
-                              double place, int below)
+/* The solid ends half way between two centres of which it has one, that below or the other; the surface does a part
+ * of the way behind the first. */
+static inline int32_t beyond_at(double part, int below)
+{
+    int32_t const beyond = (int32_t)(part * 65536.0) - 32768;
+    return below ? beyond : -beyond;
+}
+
+/* A place after centre w, counted by the tile of the voxel that holds it. */
+static inline void add_beyond(thin_lines *l, int32_t w, double place, int below)
 {
     double const part = place - (double)w;
     int32_t const holder = part < 0.5 ? w : w + 1;
     /* faces through a centre: there, but for rounding */
-    if (!(part > -0.25 && part < 1.25) || holder < low || holder > high) return;
-    int32_t const beyond = (int32_t)(part * 65536.0) - 32768;
-    tile->job->beyond[tile->number][axis] += below ? beyond : -beyond;
+    if (!(part > -0.25 && part < 1.25) || holder < l->low[0] || holder > l->high[0]) return;
+    l->tile->job->beyond[l->tile->number][l->axis[0]] += beyond_at(part, below);
 }
 
 /* A line (u, v) that the triangle covers: mark where it crosses. */
@@ -111,8 +116,7 @@ static inline void cross_line(thin_lines *l, int32_t u, int32_t v)
     /* What the solid shows needs no mark: one of the two centres beside the crossing is in it. */
     if (job->solid != NULL) {
         int const below = is_solid_on_line(l, w, u, v), above = is_solid_on_line(l, w + 1, u, v);
-        if (below != above && l->facing)
-            add_beyond(l->tile, l->axis[0], l->low[0], l->high[0], w, place, below);
+        if (below != above && l->facing) add_beyond(l, w, place, below);
         if (below | above) return;
         w = voxel_of_crossing(l, w, u, v);
     }
@@ -272,16 +276,21 @@ static inline void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *
  * are then below (THIN_MANY + 1) 2^16 < 2^21 across the axis and 2^31 along it, edge functions below 2^44, parts of
  * the normal below 2^53: integers, exact in doubles. */
 /* Arrays are a cache line longer than a power of two, so that they do not stand in each other's way. */
-enum { THIN_MANY = 16, THIN_BLOCKS = BVXI_TOUCH_BATCH * THIN_MANY / 2 + 16, THIN_HITS = 256 + 16 };
+enum {
+    THIN_MANY = 16,
+    THIN_BLOCKS = BVXI_TOUCH_BATCH * THIN_MANY / 2 + 16,
+    THIN_HITS = 256 + 16,
+    THIN_MORE = 16
+};
 
 /* Blocks of lines along one axis. The batch's triangles have one each, in their order, then come further ones. */
 typedef struct line_blocks {
     uint32_t count;
     uint16_t triangle[THIN_BLOCKS], hit[THIN_BLOCKS];
     int32_t u[THIN_BLOCKS], v[THIN_BLOCKS]; /* the first line */
-    int32_t lines[THIN_BLOCKS];             /* bits: the first, the next along u, along v, along both */
-    int64_t inside[THIN_BLOCKS];            /* of these, those that the triangle covers */
-    int32_t p[3][2][THIN_BLOCKS];           /* corner, across the axis: to the first line's centre */
+    int32_t lines[THIN_BLOCKS];   /* bits: the first, the next along u, along v, along both; THIN_MORE */
+    int64_t inside[THIN_BLOCKS];  /* of these, those that the triangle covers */
+    int32_t p[3][2][THIN_BLOCKS]; /* corner, across the axis: to the first line's centre */
 } line_blocks;
 
 /* Lines that triangles cover. */
@@ -325,9 +334,10 @@ BVXI_VECTOR_INLINE void place_first_blocks(const shown_axis *s, uint32_t n)
         int32_t const last_v = most_v[i] > high_v ? high_v : most_v[i];
         int32_t const along_u = u < last_u ? 3 : u == last_u ? 1 : 0;
         int32_t const along_v = v < last_v ? 5 : v == last_v ? 1 : 0;
+        int32_t const more = (most_u[i] - least_u[i] > 1) | (most_v[i] - least_v[i] > 1) ? THIN_MORE : 0;
         l->u[i] = u;
         l->v[i] = v;
-        l->lines[i] = along_u * along_v;
+        l->lines[i] = along_u * along_v != 0 ? along_u * along_v | more : 0;
     }
     for (int c = 0; c < 3; c++) {
         const int32_t *BVXI_RESTRICT const pu = s->b->p[c][s->u], *BVXI_RESTRICT const pv = s->b->p[c][s->v];
@@ -347,9 +357,15 @@ BVXI_VECTOR_INLINE void place_more_blocks(const shown_axis *s, uint32_t n)
     int const u = s->u, v = s->v;
     int32_t const f = s->tile->job->fraction_bits;
 
+    uint32_t large = 0;
+
     for (uint32_t i = 0; i < n; i++) {
+        l->hit[large] = (uint16_t)i;
+        large += (uint32_t)l->lines[i] / THIN_MORE;
+    }
+    for (uint32_t m = 0; m < large; m++) {
+        uint32_t const i = l->hit[m];
         int32_t const wide = b->high[u][i] - b->low[u][i], tall = b->high[v][i] - b->low[v][i];
-        if (BVXI_LIKELY(wide < 2 && tall < 2) || l->lines[i] == 0) continue;
         if ((int64_t)(wide + 1) * (tall + 1) > THIN_MANY) {
             cross_along(s->tile, b, i, s->axis, s->low, s->high);
             l->lines[i] = 0;
@@ -458,9 +474,12 @@ BVXI_VECTOR_INLINE void take_hits(const shown_axis *s)
     const line_blocks *const l = s->blocks;
     line_hits *const h = s->hits;
     int const axis = s->axis;
-    int32_t const last = job->size[axis] - 1;
+    const uint64_t *const solid = job->solid->words;
+    int32_t const last = job->size[axis] - 1, low = s->low[axis], high = s->high[axis];
     size_t const row = (size_t)job->solid->words_per_row * 64;
     size_t const bits[3] = {1, row, row * (size_t)job->size[1]};
+
+    int64_t sum = 0;
 
     find_least_corners(h);
     place_crossings(h, s->order, (double)(1 << job->fraction_bits));
@@ -472,11 +491,14 @@ BVXI_VECTOR_INLINE void take_hits(const shown_axis *s)
         if (BVXI_LIKELY(h->sure[n] && w >= 0 && w < last)) {
             size_t const at = (size_t)w * bits[axis] + (size_t)u * bits[s->u] + (size_t)v * bits[s->v];
             size_t const next = at + bits[axis];
-            int const below = (int)(job->solid->words[at >> 6] >> (at & 63) & 1);
-            int const above = (int)(job->solid->words[next >> 6] >> (next & 63) & 1);
-            if (below != above && h->facing[n] && job->summed)
-                add_beyond(s->tile, axis, s->low[axis], s->high[axis], w, h->place[n], below);
-            if (below | above) continue;
+            int const below = (int)(solid[at >> 6] >> (at & 63) & 1);
+            int const above = (int)(solid[next >> 6] >> (next & 63) & 1);
+            double const part = h->place[n] - (double)w;
+            int32_t const holder = part < 0.5 ? w : w + 1, beyond = beyond_at(part, below);
+            int const counts = (below ^ above) & (int)h->facing[n] & (holder >= low) & (holder <= high);
+            /* A product: half of all count, as chance will have it. */
+            sum += (int64_t)counts * beyond;
+            if (BVXI_LIKELY(below | above)) continue;
         }
         thin_lines one = {.tile = s->tile,
                           .axis = thin_axes[axis],
@@ -487,6 +509,7 @@ BVXI_VECTOR_INLINE void take_hits(const shown_axis *s)
                           .facing = job->summed && h->facing[n]};
         mark_thin_lines(&one, s->b, t, axis, 1);
     }
+    if (job->summed) s->tile->job->beyond[s->tile->number][axis] += sum;
     h->count = 0;
 }
 
