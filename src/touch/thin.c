@@ -9,11 +9,11 @@
  * e_y, e_z), e_x >> e_y >> e_z > 0, so along each axis exactly one voxel's segment holds a crossing. Of two
  * neighbours whose centres lie on different sides of a surface one is marked: the crossing between them lies
  * in one of their segments.
- * Most triangles of a scan hold no line, or one or two; lines are counted for a batch at a time, few lines
- * are tried one by one, rows of many are cut by divisions.
+ * Most triangles of a scan hold no line, or one or two: blocks of two by two are judged some hundred at once, in
+ * doubles that hold every number exactly. What is left, and what lies near to a centre, goes line by line; rows of
+ * many are cut by divisions.
  * With job->solid only crossings are marked that the solid does not show: neither of the two centres beside
- * them is in it. Nearly all are shown, and are seen to be by some hundred lines at once, in doubles that hold
- * every number exactly; what is left, and what lies near to a centre, goes the way of single lines.
+ * them is in it.
  * Guarantee: exact; 6-separating. */
 #include "touch/touch_cells.h"
 
@@ -89,7 +89,7 @@ static int32_t voxel_of_crossing(const thin_lines *l, int32_t w, int32_t u, int3
 }
 
 /* The solid ends half way between two centres of which it has one, that below or the other; the surface does a part
- * of the way behind the first. */
+ * of the way after the first. */
 static inline int32_t beyond_at(double part, int below)
 {
     int32_t const beyond = (int32_t)(part * 65536.0) - 32768;
@@ -190,21 +190,6 @@ static int facing_axis(const bvxi_touch_batch *b, uint32_t i)
     return facing;
 }
 
-/* Line (j, k) by three edges: 1 where the triangle covers it, -1 where not, 0 where ties decide. Differences
- * have 31 bits, products 62. */
-static inline int covers_line(const bvxi_touch_batch *b, uint32_t i, int u, int v, int32_t f, int32_t j,
-                              int32_t k)
-{
-    int64_t const step = (int64_t)1 << f, at_u = j * step + (step >> 1), at_v = k * step + (step >> 1);
-    int64_t const au = b->p[0][u][i] - at_u, av = b->p[0][v][i] - at_v;
-    int64_t const bu = b->p[1][u][i] - at_u, bv = b->p[1][v][i] - at_v;
-    int64_t const cu = b->p[2][u][i] - at_u, cv = b->p[2][v][i] - at_v;
-    int64_t const ab = au * bv - av * bu, bc = bu * cv - bv * cu, ca = cu * av - cv * au;
-
-    if ((ab | bc | ca) < 0 && (-ab | -bc | -ca) < 0) return -1;
-    return ab != 0 && bc != 0 && ca != 0;
-}
-
 /* By the first coordinate that differs; no two corners of a triangle with area are equal. */
 static int least_corner(const int32_t q[3][3])
 {
@@ -252,14 +237,8 @@ static inline void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *
     int32_t const low_v = b->low[v][i] < low[v] ? low[v] : b->low[v][i];
     int32_t const high_u = b->high[u][i] > high[u] ? high[u] : b->high[u][i];
     int32_t const high_v = b->high[v][i] > high[v] ? high[v] : b->high[v][i];
-    int const single = low_u == high_u && low_v == high_v;
-    int covers = 0;
 
     if (low_u > high_u || low_v > high_v) return;
-    /* Of fine meshes most triangles have one line at most, beside them. */
-    if (single) covers = covers_line(b, i, u, v, job->fraction_bits, low_u, low_v);
-    if (covers < 0) return;
-
     thin_lines l = {.tile = tile,
                     .axis = thin_axes[axis],
                     .triangle = b->triangle[i],
@@ -267,10 +246,10 @@ static inline void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *
                     .high = {high[axis], high_u, high_v},
                     .bits = {bits[axis], bits[u], bits[v]},
                     .facing = job->summed && facing_axis(b, i) == axis};
-    mark_thin_lines(&l, b, i, axis, covers);
+    mark_thin_lines(&l, b, i, axis, 0);
 }
 
-/* ---- Beside a solid: lines that it shows, some hundred at once ---- */
+/* ---- Lines of small triangles, some hundred at once ---- */
 
 /* A triangle's lines are taken here when they are few, in blocks of two by two. Corners relative to a line's centre
  * are then below (THIN_MANY + 1) 2^16 < 2^21 across the axis and 2^31 along it, edge functions below 2^44, parts of
@@ -306,7 +285,7 @@ typedef struct line_hits {
 } line_hits;
 
 /* What is asked of a batch's lines along one axis. */
-typedef struct shown_axis {
+typedef struct line_axis {
     bvxi_surface_tile *tile;
     const bvxi_touch_batch *b;
     line_blocks *blocks;
@@ -314,10 +293,10 @@ typedef struct shown_axis {
     const int32_t *low, *high; /* voxels of the tile by axis */
     int axis, u, v;
     double order[2]; /* of u and v: 1 where axis comes after it */
-} shown_axis;
+} line_axis;
 
 /* The first block of each triangle: centres in its range and the tile. */
-BVXI_VECTOR_INLINE void place_first_blocks(const shown_axis *s, uint32_t n)
+BVXI_VECTOR_INLINE void place_first_blocks(const line_axis *s, uint32_t n)
 {
     line_blocks *BVXI_RESTRICT const l = s->blocks;
     int32_t const f = s->tile->job->fraction_bits, half = 1 << f >> 1;
@@ -350,7 +329,7 @@ BVXI_VECTOR_INLINE void place_first_blocks(const shown_axis *s, uint32_t n)
 }
 
 /* The other blocks of triangles that have some; those of many lines are crossed line by line. */
-BVXI_VECTOR_INLINE void place_more_blocks(const shown_axis *s, uint32_t n)
+BVXI_VECTOR_INLINE void place_more_blocks(const line_axis *s, uint32_t n)
 {
     line_blocks *const l = s->blocks;
     const bvxi_touch_batch *const b = s->b;
@@ -431,10 +410,10 @@ BVXI_VECTOR_INLINE void find_least_corners(line_hits *h)
 }
 
 /* Where the triangles cross: what line_crossing computes, from the least corner on. */
-BVXI_VECTOR_INLINE void place_crossings(line_hits *h, const double order[2], double step)
+BVXI_VECTOR_INLINE void place_crossings(line_hits *h, const double order[2], double step, double shift)
 {
     uint32_t const n = (h->count + 7u) & ~7u;
-    double const scale = 1.0 / step, half = 0.5 * step, order_u = order[0], order_v = order[1];
+    double const scale = 1.0 / step, half = 0.5 * step - shift, order_u = order[0], order_v = order[1];
 
     for (uint32_t i = 0; i < n; i++) {
         double const aw = (double)h->q[0][0][i], bw = (double)h->q[1][0][i], cw = (double)h->q[2][0][i];
@@ -467,28 +446,40 @@ BVXI_VECTOR_INLINE void place_crossings(line_hits *h, const double order[2], dou
     }
 }
 
-/* Sum what lies beyond voxels along lines that the solid shows, mark the others; no hit is left. */
-BVXI_VECTOR_INLINE void take_hits(const shown_axis *s)
+/* Mark the voxels of crossings; beside a solid sum what lies beyond voxels along lines that it shows, and mark the
+ * others. No hit is left. */
+BVXI_VECTOR_INLINE void take_hits(const line_axis *s)
 {
     const bvxi_surface_job *const job = s->tile->job;
     const line_blocks *const l = s->blocks;
     line_hits *const h = s->hits;
     int const axis = s->axis;
-    const uint64_t *const solid = job->solid->words;
     int32_t const last = job->size[axis] - 1, low = s->low[axis], high = s->high[axis];
-    size_t const row = (size_t)job->solid->words_per_row * 64;
+    size_t const row = (size_t)job->grid->words_per_row * 64;
     size_t const bits[3] = {1, row, row * (size_t)job->size[1]};
-
+    /* Half a voxel on, the last centre before is the voxel that holds the crossing: as in mark_thin_lines. */
+    double const step = (double)(1 << job->fraction_bits), shift = job->solid != NULL ? 0.0 : 0.5 * step;
     int64_t sum = 0;
 
     find_least_corners(h);
-    place_crossings(h, s->order, (double)(1 << job->fraction_bits));
+    place_crossings(h, s->order, step, shift);
     for (uint32_t n = 0; n < h->count; n++) {
         uint32_t const i = h->block[n], t = l->triangle[i];
         int32_t const u = l->u[i] + (h->line[n] & 1), v = l->v[i] + (h->line[n] >> 1);
         int32_t const w = (int32_t)h->before[n];
 
-        if (BVXI_LIKELY(h->sure[n] && w >= 0 && w < last)) {
+        if (job->solid == NULL) {
+            int32_t voxel[3];
+            voxel[axis] = w;
+            voxel[s->u] = u;
+            voxel[s->v] = v;
+            if (BVXI_LIKELY(h->sure[n])) {
+                if (w >= low && w <= high)
+                    bvxi_touch_voxel(s->tile->job, voxel[0], voxel[1], voxel[2], s->b->triangle[t]);
+                continue;
+            }
+        } else if (BVXI_LIKELY(h->sure[n] && w >= 0 && w < last)) {
+            const uint64_t *const solid = job->solid->words;
             size_t const at = (size_t)w * bits[axis] + (size_t)u * bits[s->u] + (size_t)v * bits[s->v];
             size_t const next = at + bits[axis];
             int const below = (int)(solid[at >> 6] >> (at & 63) & 1);
@@ -514,7 +505,7 @@ BVXI_VECTOR_INLINE void take_hits(const shown_axis *s)
 }
 
 /* The lines of a batch along one axis. */
-BVXI_VECTOR_INLINE void cross_shown(const shown_axis *s, uint32_t n)
+BVXI_VECTOR_INLINE void cross_line_blocks(const line_axis *s, uint32_t n)
 {
     line_blocks *const l = s->blocks;
     line_hits *const h = s->hits;
@@ -559,8 +550,8 @@ BVXI_VECTOR_INLINE uint32_t take_batch(const bvxi_surface_job *job, const uint32
     return n;
 }
 
-BVXI_VECTOR_INLINE void touch_beside_solid(bvxi_surface_tile *tile, const uint32_t *id, uint64_t count,
-                                           const int32_t low[3], const int32_t high[3])
+BVXI_VECTOR_INLINE void touch_line_blocks(bvxi_surface_tile *tile, const uint32_t *id, uint64_t count,
+                                          const int32_t low[3], const int32_t high[3])
 {
     bvxi_touch_batch b;
     line_blocks blocks;
@@ -573,16 +564,16 @@ BVXI_VECTOR_INLINE void touch_beside_solid(bvxi_surface_tile *tile, const uint32
         for (int axis = 0; axis < 3; axis++) {
             int const u = thin_axes[axis][1], v = thin_axes[axis][2];
             double const order[2] = {u < axis ? 1.0 : 0.0, v < axis ? 1.0 : 0.0};
-            shown_axis const s = {tile, &b, &blocks, &hits, low, high, axis, u, v, {order[0], order[1]}};
-            cross_shown(&s, n);
+            line_axis const s = {tile, &b, &blocks, &hits, low, high, axis, u, v, {order[0], order[1]}};
+            cross_line_blocks(&s, n);
         }
     }
 }
 
-BVXI_AVX2_COPY(touch_beside_solid_avx2,
+BVXI_AVX2_COPY(touch_line_blocks_avx2,
                (bvxi_surface_tile * tile, const uint32_t *id, uint64_t count, const int32_t low[3],
                 const int32_t high[3]),
-               touch_beside_solid(tile, id, count, low, high))
+               touch_line_blocks(tile, id, count, low, high))
 
 void bvxi_touch_thin(bvxi_surface_tile *tile, const uint32_t *id, uint64_t count)
 {
@@ -591,9 +582,10 @@ void bvxi_touch_thin(bvxi_surface_tile *tile, const uint32_t *id, uint64_t count
     int32_t const high[3] = {job->size[0] - 1, tile->rows.j1 - 1, tile->rows.k1 - 1};
     bvxi_touch_batch b;
 
-    if (job->solid != NULL) {
-        BVXI_PATH(job->cpu == BVX_CPU_AVX2, touch_beside_solid(tile, id, count, low, high),
-                  touch_beside_solid_avx2(tile, id, count, low, high));
+    /* Lists of attached triangles take them one after the other. */
+    if (job->task == BVXI_TOUCH_SET) {
+        BVXI_PATH(job->cpu == BVX_CPU_AVX2, touch_line_blocks(tile, id, count, low, high),
+                  touch_line_blocks_avx2(tile, id, count, low, high));
         return;
     }
     for (uint64_t done = 0; done < count; done += BVXI_TOUCH_BATCH) {
