@@ -1471,10 +1471,6 @@ enum { BVX_CAPS_LIST(BVX_LIST_ENUM) };
 #define BVX_CROSSINGS_LIST(X) \
     X(BVX_CROSSINGS_EXACT, 0, "exact") X(BVX_CROSSINGS_PAPER, 1, "paper") X(BVX_CROSSINGS_CLASSIC, 2, "classic")
 enum { BVX_CROSSINGS_LIST(BVX_LIST_ENUM) };
-/** How distances go from section to section: LINEAR, straight, with a kink at every section; CUBIC, the monotone cubic
- *  over four sections. AUTO: CUBIC from five sections on, with crossings EXACT. */
-#define BVX_BLEND_LIST(X) X(BVX_BLEND_AUTO, 0, "auto") X(BVX_BLEND_LINEAR, 1, "linear") X(BVX_BLEND_CUBIC, 2, "cubic")
-enum { BVX_BLEND_LIST(BVX_LIST_ENUM) };
 
 /** The label 0 in options, where 0 stands for the default. No loop has this number. */
 enum { BVX_LABEL_ZERO = -2147483647 - 1 };
@@ -1503,10 +1499,8 @@ typedef struct bvx_sections_report {
 /** What is between parallel planes. Planes of any direction take none of it. */
 typedef struct bvx_slabs {
     int32_t grid[2]; /**< cells along the plane's axes, both or none [Limit: 0, or 2..8192] */
-    int32_t layers; /**< cells from section to section [Limit: 1..64] [Default: 1] */
     int32_t crossings; /**< BVX_CROSSINGS_... */
     int32_t depth; /**< a cell is halved at most this often [Limit: BVX_NONE, or 0..8] [Default: 5] */
-    int32_t blend; /**< BVX_BLEND_... */
 } bvx_slabs;
 typedef struct bvx_sections_options {
     size_t struct_size;
@@ -1526,8 +1520,9 @@ typedef struct bvx_sections_options {
 } bvx_sections_options;
 /** The closed surface of a body through all of its section contours. On a section plane the contour decides: its points
  *  are vertices with the coordinates given. Between planes the surface follows a blend of the sections' signed
- *  distances. It is oriented, edge- and vertex-manifold, and closed but for open caps. Planes of any direction
- *  (normals) may cross. How each case is decided, and how far points may be off their plane: docs/rules.md.
+ *  distances: from five sections on, with crossings EXACT, the monotone cubic over four of them, else straight. It is
+ *  oriented, edge- and vertex-manifold, and closed but for open caps. Planes of any direction (normals) may cross. How
+ *  each case is decided, and how far points may be off their plane: docs/rules.md.
  *  Returns BVX_ERR_EMPTY (no loop, only one section and no thickness, a loop of fewer than three points),
  *  BVX_ERR_FORMAT (loops that cross or touch; two sections at one position; points off their plane; planes that
  *  contradict each other), BVX_ERR_ARGUMENT (also several labels and none chosen). */

@@ -49,8 +49,6 @@ static void fuzz_slices(bvx_context *ctx, bvx_context *other, fuzz_input *in, co
     if (!fuzz_good(ctx, bvx_slice_mesh(ctx, &view, &o, &sections))) return;
     b.slabs.grid[0] = fuzz_range(in, 2, 20);
     b.slabs.grid[1] = fuzz_range(in, 2, 20);
-    b.slabs.layers = fuzz_range(in, 1, 3);
-    b.slabs.blend = fuzz_range(in, BVX_BLEND_AUTO, BVX_BLEND_CUBIC);
     b.caps = fuzz_range(in, BVX_CAPS_FLAT, BVX_CAPS_TAPER);
     b.slabs.crossings = fuzz_range(in, BVX_CROSSINGS_EXACT, BVX_CROSSINGS_CLASSIC);
     b.slabs.depth = fuzz_range(in, BVX_NONE, 5);

@@ -468,7 +468,6 @@ static void test_choices_out_of_range(void)
         BAD(build_lods, lod, sampling.threshold, (double)NAN),
         BAD_SURFACE(build_lods, lod, ),
         BAD(build_lods, lod, collapse, -1),
-        BAD(build_sections, sections, slabs.layers, -1),
         BAD(build_sections, sections, caps, 9),
         BAD(build_sections, sections, slabs.crossings, 9),
         BAD(build_sections, sections, slabs.depth, -2),

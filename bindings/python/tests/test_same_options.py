@@ -205,8 +205,8 @@ ROWS = {
         ("small.ply --base 5 --halvings 3 --output-origin 1,2,3", "ply", lambda at: only(at.tree.surface(), origin=(1, 2, 3))),
     ),
     "sections": (
-        ("c.csl --spacing 0.2 --layers 2 --blend cubic --caps open --subdivide 3 --output-origin 1,2,3", "ply",
-         lambda at: only(bitvox.from_sections(at / "c.csl", spacing=0.2, layers=2, blend="cubic", caps="open", subdivide=3), origin=(1, 2, 3))),
+        ("c.csl --spacing 0.2 --caps open --subdivide 3 --output-origin 1,2,3", "ply",
+         lambda at: only(bitvox.from_sections(at / "c.csl", spacing=0.2, caps="open", subdivide=3), origin=(1, 2, 3))),
         ("one.csl --grid 20x30 --thickness 0.5 --caps taper", "ply", lambda at: bitvox.from_sections(at / "one.csl", grid=(20, 30), thickness=0.5, caps="taper")),
         ("c.csl --grid 20x30 --mend --crossings paper --label 1", "ply",
          lambda at: bitvox.from_sections(at / "c.csl", grid=(20, 30), mend=True, crossings="paper", label=1)),
