@@ -10,7 +10,7 @@
 
 #include <math.h>
 
-enum { LOSS_GRAIN = 4096 };
+enum { LOSS_GRAIN = 4096, LOSS_LANES = 8 };
 
 #define LOSS_SHEET   1e-6  /* of the volume of a cube of that surface: folded sheets enclose less */
 #define LOSS_FLAT    256.0 /* a face that rises less than this once lies along the lattice */
@@ -27,6 +27,7 @@ typedef struct loss_job {
     const bvx_mesh_view *mesh;
     double from[3]; /* a vertex: volumes are taken from there */
     int flat;       /* 1: flat only, 0: the others */
+    int fast;
     int32_t pieces;
     loss_sums sums[256]; /* by piece */
 } loss_job;
@@ -57,24 +58,46 @@ static inline void add_flat_face(double p[3][3], loss_sums *s)
     }
 }
 
-/* Triangles of three numbers each and vertices of three floats, as meshes that the library made. */
-static void sum_packed_losses(const loss_job *job, uint64_t begin, uint64_t end, loss_sums *s)
+/* Triangles of three numbers each and vertices of three floats, as meshes that the library made: some at once, each
+ * lane with sums of its own. Triangles after the last have no area. */
+BVXI_VECTOR_INLINE void sum_packed_losses(const loss_job *job, uint64_t begin, uint64_t end, loss_sums *s)
 {
     const unsigned char *const corners = job->mesh->indices, *const places = job->mesh->positions;
+    double const x = job->from[0], y = job->from[1], z = job->from[2];
+    double sum[4][LOSS_LANES] = {{0}};
+    float f[3][3][LOSS_LANES];
 
-    for (uint64_t t = begin; t < end; t++) {
-        float f[3];
-        double p[3][3];
-        uint32_t c[3];
-
-        memcpy(c, corners + (size_t)t * 12, sizeof c);
-        for (int k = 0; k < 3; k++) {
-            memcpy(f, places + (size_t)c[k] * 12, sizeof f);
-            for (int a = 0; a < 3; a++) p[k][a] = (double)f[a];
+    for (uint64_t t = begin; t < end; t += LOSS_LANES) {
+        if (end - t < LOSS_LANES) memset(f, 0, sizeof f);
+        for (uint64_t i = 0; i < LOSS_LANES && t + i < end; i++)
+            for (int k = 0; k < 3; k++) {
+                float p[3];
+                uint32_t c;
+                memcpy(&c, corners + (size_t)(t + i) * 12 + 4 * k, sizeof c);
+                memcpy(p, places + (size_t)c * 12, sizeof p);
+                for (int a = 0; a < 3; a++) f[k][a][i] = p[a];
+            }
+        for (int i = 0; i < LOSS_LANES; i++) {
+            double const ax = (double)f[0][0][i], ay = (double)f[0][1][i], az = (double)f[0][2][i];
+            double const ux = (double)f[1][0][i] - ax, uy = (double)f[1][1][i] - ay,
+                         uz = (double)f[1][2][i] - az;
+            double const vx = (double)f[2][0][i] - ax, vy = (double)f[2][1][i] - ay,
+                         vz = (double)f[2][2][i] - az;
+            double const nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
+            sum[0][i] += (ax - x) * nx + (ay - y) * ny + (az - z) * nz;
+            sum[1][i] += nx < 0 ? -nx : nx;
+            sum[2][i] += ny < 0 ? -ny : ny;
+            sum[3][i] += nz < 0 ? -nz : nz;
         }
-        add_to_sums(job->from, p, s);
+    }
+    for (int i = 0; i < LOSS_LANES; i++) {
+        s->volume += sum[0][i];
+        for (int a = 0; a < 3; a++) s->shadow[a] += sum[a + 1][i];
     }
 }
+
+BVXI_AVX2_COPY(sum_packed_losses_avx2, (const loss_job *job, uint64_t begin, uint64_t end, loss_sums *s),
+               sum_packed_losses(job, begin, end, s))
 
 static void sum_losses_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
@@ -83,7 +106,8 @@ static void sum_losses_piece(void *user, int32_t piece, uint64_t begin, uint64_t
     loss_sums s = {0, {0, 0, 0}, {0, 0, 0}};
 
     if (!job->flat && bvxi_view_packed_u32(m) && bvxi_view_packed_f32(m)) {
-        sum_packed_losses(job, begin, end, &s);
+        BVXI_PATH(job->fast, sum_packed_losses(job, begin, end, &s),
+                  sum_packed_losses_avx2(job, begin, end, &s));
         begin = end;
     }
     for (uint64_t t = begin; t < end; t++) {
@@ -103,6 +127,7 @@ static bvx_status sum_mesh(bvx_context *ctx, const bvx_mesh_view *mesh, int flat
 
     job.mesh = mesh;
     job.flat = flat;
+    job.fast = bvxi_cpu(ctx) == BVX_CPU_AVX2;
     job.pieces = bvxi_piece_count(mesh->triangle_count, LOSS_GRAIN);
     bvxi_view_triangle(mesh, 0, c);
     bvxi_view_position(mesh, c[0], job.from);
@@ -118,9 +143,31 @@ static bvx_status sum_mesh(bvx_context *ctx, const bvx_mesh_view *mesh, int flat
     return BVX_OK;
 }
 
+/* Four vertices of three floats at once, whose twelve numbers have four times the same ends. */
+static int are_floats_between(const unsigned char *places, uint64_t count, const double low[3],
+                              const double high[3])
+{
+    double least[12], most[12];
+    int64_t beyond[12] = {0}, any = 0;
+
+    for (int i = 0; i < 12; i++) {
+        least[i] = low[i % 3];
+        most[i] = high[i % 3];
+    }
+    for (uint64_t v = 0; v < count; v += 4) {
+        float f[12];
+        memcpy(f, places + (size_t)v * 12, sizeof f);
+        for (int i = 0; i < 12; i++)
+            beyond[i] |= ((double)f[i] >= least[i]) & ((double)f[i] <= most[i]) ? 0 : 1;
+    }
+    for (int i = 0; i < 12; i++) any |= beyond[i];
+    return any == 0;
+}
+
 static int is_in_window(const bvx_mesh_view *mesh, const bvx_grid *g)
 {
     double low[3], high[3];
+    uint64_t v = 0;
 
     /* A hair beyond, as vertices may lie on the window's sides. */
     for (int a = 0; a < 3; a++) {
@@ -128,7 +175,11 @@ static int is_in_window(const bvx_mesh_view *mesh, const bvx_grid *g)
         high[a] = low[a] + ((double)g->size[a] + 1e-6) * g->lattice.spacing[a];
         low[a] -= 1e-6 * g->lattice.spacing[a];
     }
-    for (uint64_t v = 0; v < mesh->vertex_count; v++) {
+    if (bvxi_view_packed_f32(mesh)) {
+        v = mesh->vertex_count & ~UINT64_C(3);
+        if (!are_floats_between(mesh->positions, v, low, high)) return 0;
+    }
+    for (; v < mesh->vertex_count; v++) {
         double p[3];
         int in = 1;
 

@@ -78,8 +78,6 @@ bvx_status bvxi_walls_list(bvxi_walls *t)
 /* Of four neighbours around a lattice edge, those outside where they meet diagonally. */
 static void mark_diagonals(const uint64_t *in, uint64_t *out, size_t a, size_t b, size_t c, size_t d)
 {
-    /* Where a row is as one beside it nothing meets diagonally: nearly everywhere. */
-    if (((in[a] ^ in[b]) & (in[a] ^ in[c])) == 0) return;
     uint64_t const p = in[a] & in[d] & ~in[b] & ~in[c], q = in[b] & in[c] & ~in[a] & ~in[d];
     out[b] |= p;
     out[c] |= p;
@@ -87,25 +85,19 @@ static void mark_diagonals(const uint64_t *in, uint64_t *out, size_t a, size_t b
     out[d] |= q;
 }
 
-/* The same of a row and one beside it: pairs along the row. */
-static void mark_row_diagonals(const uint64_t *in, uint64_t *out, size_t row, size_t beside, int32_t words)
+/* The same of word i of a row and word j of one beside it, which differ: pairs along the row. last: the rows end. */
+static void mark_row_diagonals(const uint64_t *in, uint64_t *out, size_t i, size_t j, int last)
 {
-    for (int32_t k = 0; k < words; k++) {
-        size_t const i = row + (size_t)k, j = beside + (size_t)k;
-        uint64_t const a = in[i], c = in[j];
-        if (a == c) continue;
-        uint64_t const b = a >> 1 | (k + 1 < words ? in[i + 1] << 63 : 0);
-        uint64_t const d = c >> 1 | (k + 1 < words ? in[j + 1] << 63 : 0);
-        uint64_t const p = a & d & ~b & ~c, q = b & c & ~a & ~d;
+    uint64_t const a = in[i], c = in[j];
+    uint64_t const b = a >> 1 | (last ? 0 : in[i + 1] << 63), d = c >> 1 | (last ? 0 : in[j + 1] << 63);
+    uint64_t const p = a & d & ~b & ~c, q = b & c & ~a & ~d;
 
-        if ((p | q) == 0) continue;
-        out[i] |= q | p << 1;
-        out[j] |= p | q << 1;
-        if (k + 1 < words) {
-            out[i + 1] |= p >> 63;
-            out[j + 1] |= q >> 63;
-        }
-    }
+    if ((p | q) == 0) return;
+    out[i] |= q | p << 1;
+    out[j] |= p | q << 1;
+    if (last) return;
+    out[i + 1] |= p >> 63;
+    out[j + 1] |= q >> 63;
 }
 
 typedef struct diagonal_job {
@@ -119,17 +111,22 @@ static void mark_slice_diagonals(void *user, int32_t index)
 {
     const diagonal_job *const job = user;
     const bvx_grid *const g = job->solid;
-    int32_t const words = g->words_per_row, z = job->first + 2 * index;
-    size_t const row = (size_t)words, slice = row * (size_t)g->size[1];
-    int const on = z + 1 < g->size[2];
+    int32_t const z = job->first + 2 * index;
+    size_t const row = (size_t)g->words_per_row, slice = row * (size_t)g->size[1];
+    size_t const above = z + 1 < g->size[2] ? slice : 0; /* a row beside none has itself beside it */
 
     for (int32_t y = 0; y < g->size[1]; y++) {
-        size_t const at = (size_t)z * slice + (size_t)y * row;
-        int const up = y + 1 < g->size[1];
-        if (up) mark_row_diagonals(g->words, job->out, at, at + row, words);
-        if (on) mark_row_diagonals(g->words, job->out, at, at + slice, words);
-        for (size_t i = at; up && on && i < at + row; i++)
-            mark_diagonals(g->words, job->out, i, i + row, i + slice, i + row + slice);
+        size_t const at = (size_t)z * slice + (size_t)y * row, beside = y + 1 < g->size[1] ? row : 0;
+        /* Nearly all words are as those of the rows beside them. */
+        for (size_t i = at; i < at + row; i++) {
+            uint64_t const w = g->words[i];
+            if (BVXI_LIKELY(((w ^ g->words[i + beside]) | (w ^ g->words[i + above])) == 0)) continue;
+            int const last = i + 1 == at + row;
+            if (w != g->words[i + beside]) mark_row_diagonals(g->words, job->out, i, i + beside, last);
+            if (w != g->words[i + above]) mark_row_diagonals(g->words, job->out, i, i + above, last);
+            if (beside != 0 && above != 0)
+                mark_diagonals(g->words, job->out, i, i + row, i + slice, i + row + slice);
+        }
     }
 }
 

@@ -10,11 +10,13 @@
 #include "mesh/facet.h"
 #include "mesh/mesh.h"
 
+#include <math.h>
+
 /* From a place to the centres around it: the root of 3, rounded up [Units: largest spacings] */
 #define WALL_BESIDE 1.8
 
 /* Voxels along a block's edge at least; bits of a block's coordinates, of which the highest is 0. */
-enum { NEAR_BLOCK = 3, NEAR_BITS = 10, NEAR_MANY_BLOCKS = 512, NEAR_TRIANGLES = 4096, NEAR_PIECES = 64 };
+enum { NEAR_BLOCK = 2, NEAR_BITS = 10, NEAR_MANY_BLOCKS = 512, NEAR_TRIANGLES = 4096, NEAR_PIECES = 64 };
 
 /* What is done to vertices or triangles piece by piece. */
 typedef struct near_job {
@@ -22,7 +24,8 @@ typedef struct near_job {
     const bvx_mesh_view *mesh;
     const bvx_grid *grid; /* of the places */
     int32_t with_area;    /* 1: triangles without area are left out */
-    uint8_t *blocks;      /* what they hold */
+    uint64_t *blocks[2];  /* what they hold: BESIDE_MARK, MARK */
+    size_t block_words;   /* of a row */
     int32_t block, block_size[3];
     uint32_t *block_of; /* of each vertex, cut to the window: x, y, z, what it holds [Size: vertices] */
     uint32_t *corner;   /* of the triangles taken [Size: triangles * 3] */
@@ -61,53 +64,66 @@ static void view_triangles(const bvx_mesh_view *mesh, const uint32_t *corner, ui
     view->triangle_count = count;
 }
 
-static uint8_t *block_row(const near_job *t, int32_t y, int32_t z)
+/* What blocks hold, by bits of a row: of any part of them within reach of a place, or in a block beside. */
+enum { BESIDE_MARK = 0, MARK = 1 };
+
+static inline size_t block_word(const near_job *t, int32_t x, int32_t y, int32_t z)
 {
-    return t->blocks + ((size_t)z * (size_t)t->block_size[1] + (size_t)y) * (size_t)t->block_size[0];
+    return ((size_t)z * (size_t)t->block_size[1] + (size_t)y) * t->block_words + (size_t)(x >> 6);
 }
 
-/* What blocks hold: a mark, or one in a block beside. */
-enum { BESIDE_MARK = 1, MARK = 2 };
-
-static void mark_around(near_job *t, uint64_t bit, double reach, uint8_t mark)
+/* Block of a voxel's coordinate, cut to the window. */
+static inline int32_t block_at(const near_job *t, int a, double at)
 {
-    const bvx_grid *const g = t->grid;
-    int32_t at[3], from[3], to[3];
-    double low[3], high[3];
+    double const b = at / t->block, last = (double)t->block_size[a] - 1;
+    return b > 0 ? (int32_t)(b < last ? b : last) : 0;
+}
 
-    bvxi_bit_centre(g, bit, at);
+/* From a coordinate to the nearest of a block, squared [Units: world]; sides of the window are open. */
+static inline double way_to_block(const near_job *t, int a, double at, int32_t block)
+{
+    double const low = (double)block * t->block - at, high = at - ((double)block + 1) * t->block;
+    double const way = (low > 0 ? low : high > 0 ? high : 0) * t->grid->lattice.spacing[a];
+    return way * way;
+}
+
+/* The blocks that a ball of this radius about a place meets, and those beside its box. */
+static void mark_around(near_job *t, uint64_t bit, double radius)
+{
+    const double *const spacing = t->grid->lattice.spacing;
+    int32_t place[3], from[3], to[3];
+    double at[3];
+
+    bvxi_bit_centre(t->grid, bit, place);
     for (int a = 0; a < 3; a++) {
-        /* A little more for rounding. */
-        double const far = 1.01 * reach / g->lattice.spacing[a];
-        low[a] = (double)at[a] + 0.5 - far;
-        high[a] = (double)at[a] + 0.5 + far;
+        at[a] = (double)place[a] + 0.5;
+        from[a] = block_at(t, a, at[a] - radius / spacing[a]);
+        to[a] = block_at(t, a, at[a] + radius / spacing[a]);
     }
+    for (int32_t z = from[2]; z <= to[2]; z++)
+        for (int32_t y = from[1]; y <= to[1]; y++) {
+            double const left = radius * radius - way_to_block(t, 1, at[1], y) - way_to_block(t, 2, at[2], z);
+            if (left < 0) continue;
+            double const far = sqrt(left) / spacing[0];
+            bvxi_set_run(t->blocks[MARK] + block_word(t, 0, y, z), block_at(t, 0, at[0] - far),
+                         block_at(t, 0, at[0] + far) + 1);
+        }
 
-    /* Blocks of voxels that hold [low, high], cut to the window. */
     for (int a = 0; a < 3; a++) {
-        double const last = (double)t->block_size[a] - 1;
-        double const l = low[a] / t->block, h = high[a] / t->block;
-        from[a] = l > 0 ? (l < last ? (int32_t)l : (int32_t)last) : 0;
-        to[a] = h > 0 ? (h < last ? (int32_t)h : (int32_t)last) : 0;
-    }
-
-    for (int a = 0; a < 3 && mark == BESIDE_MARK; a++) {
         from[a] -= from[a] > 0;
         to[a] += to[a] + 1 < t->block_size[a];
     }
-    /* Rows of blocks, so that each is set at once. */
     for (int32_t z = from[2]; z <= to[2]; z++)
         for (int32_t y = from[1]; y <= to[1]; y++)
-            memset(block_row(t, y, z) + from[0], mark, (size_t)(to[0] - from[0]) + 1);
+            bvxi_set_run(t->blocks[BESIDE_MARK] + block_word(t, 0, y, z), from[0], to[0] + 1);
 }
 
-/* The blocks within reach of all places, or also those beside them. */
-static void mark_blocks(near_job *t, double reach, uint8_t mark)
+static void mark_blocks(near_job *t, double radius)
 {
     uint64_t const words = bvxi_grid_words(t->grid);
     for (uint64_t i = 0; i < words; i++)
         for (uint64_t bits = t->grid->words[i]; bits != 0; bits &= bits - 1)
-            mark_around(t, i * 64 + (uint64_t)bvxi_lowest(bits), reach, mark);
+            mark_around(t, i * 64 + (uint64_t)bvxi_lowest(bits), radius);
 }
 
 /* The block of each vertex; of those that no triangle uses too, whatever they are. */
@@ -115,9 +131,13 @@ static void place_piece_in_blocks(void *user, uint64_t begin, uint64_t end)
 {
     const near_job *const t = user;
     const bvx_lattice *const l = &t->grid->lattice;
-    double low[3], scale[3];
+    const uint64_t *const beside = t->blocks[BESIDE_MARK], *const marked = t->blocks[MARK];
+    size_t const row = t->block_words, slice = row * (size_t)t->block_size[1];
+    int const packed = bvxi_view_packed_f32(t->mesh);
+    double low[3], scale[3], last[3];
 
     for (int a = 0; a < 3; a++) {
+        last[a] = (double)(t->block_size[a] - 1);
         low[a] = l->origin[a] + (double)t->grid->low[a] * l->spacing[a];
         scale[a] = 1.0 / (l->spacing[a] * (double)t->block);
     }
@@ -125,14 +145,22 @@ static void place_piece_in_blocks(void *user, uint64_t begin, uint64_t end)
         double p[3];
         int32_t at[3];
 
-        bvxi_view_position(t->mesh, v, p);
+        if (packed) {
+            float f[3];
+            memcpy(f, (const unsigned char *)t->mesh->positions + (size_t)v * 12, sizeof f);
+            for (int a = 0; a < 3; a++) p[a] = (double)f[a];
+        } else {
+            bvxi_view_position(t->mesh, v, p);
+        }
         /* Rounded otherwise than a division would be: marks reach further than that. */
         for (int a = 0; a < 3; a++) {
-            double const b = (p[a] - low[a]) * scale[a], last = (double)(t->block_size[a] - 1);
-            at[a] = b > 0 ? (int32_t)(b < last ? b : last) : 0;
+            double const b = (p[a] - low[a]) * scale[a], cut = b < last[a] ? b : last[a];
+            at[a] = (int32_t)(cut > 0 ? cut : 0);
         }
+        size_t const word = (size_t)at[2] * slice + (size_t)at[1] * row + (size_t)(at[0] >> 6);
+        uint64_t const marks = (beside[word] >> (at[0] & 63) & 1) | (marked[word] >> (at[0] & 63) & 1) << 1;
         t->block_of[v] = (uint32_t)at[0] | (uint32_t)at[1] << NEAR_BITS | (uint32_t)at[2] << 2 * NEAR_BITS |
-                         (uint32_t)block_row(t, at[1], at[2])[at[0]] << 3 * NEAR_BITS;
+                         (uint32_t)marks << 3 * NEAR_BITS;
     }
 }
 
@@ -157,9 +185,11 @@ static int is_in_marked_block(const near_job *t, const uint32_t c[3])
     uint32_t const corner[3] = {t->block_of[c[0]], t->block_of[c[1]], t->block_of[c[2]]};
     int32_t from[3], to[3];
 
-    /* Most triangles lie in one block, or in that and blocks beside it. */
-    if (corner[0] == corner[1] && corner[0] == corner[2]) return corner[0] >> 3 * NEAR_BITS == MARK;
-    if (corner[0] >> 3 * NEAR_BITS == 0 && are_blocks_beside(corner[0], corner[1], corner[2])) return 0;
+    /* Most triangles lie in one block, or in that and blocks beside it, and no mark is near. */
+    if (BVXI_LIKELY(((corner[0] | corner[1] | corner[2]) >> 3 * NEAR_BITS == 0) &
+                    are_blocks_beside(corner[0], corner[1], corner[2])))
+        return 0;
+    if (corner[0] == corner[1] && corner[0] == corner[2]) return (int)(corner[0] >> (3 * NEAR_BITS + 1));
     for (int a = 0; a < 3; a++) {
         int32_t const p = block_index(corner[0], a), q = block_index(corner[1], a);
         int32_t const r = block_index(corner[2], a);
@@ -173,7 +203,7 @@ static int is_in_marked_block(const near_job *t, const uint32_t c[3])
     for (int32_t z = from[2]; z <= to[2]; z++)
         for (int32_t y = from[1]; y <= to[1]; y++)
             for (int32_t x = from[0]; x <= to[0]; x++)
-                if (block_row(t, y, z)[x] == MARK) return 1;
+                if ((t->blocks[MARK][block_word(t, x, y, z)] >> (x & 63) & 1) != 0) return 1;
     return 0;
 }
 
@@ -202,24 +232,24 @@ static void take_piece_nearby(void *user, int32_t piece, uint64_t begin, uint64_
 /* Blocks, so that a triangle is judged by few bytes. */
 static bvx_status take_triangles_nearby(near_job *t, double reach)
 {
-    uint64_t bytes = 1;
+    uint64_t words;
 
     t->block = NEAR_BLOCK;
     for (int a = 0; a < 3; a++)
         while (t->grid->size[a] / t->block >= 1 << (NEAR_BITS - 1)) t->block *= 2;
-    for (int a = 0; a < 3; a++) {
-        t->block_size[a] = t->grid->size[a] / t->block + 1;
-        bytes *= (uint64_t)t->block_size[a];
-    }
-    BVXI_TRY(bvxi_alloc_zero(t->ctx, BVXI_SCRATCH, bytes, "the blocks of thin places", &t->blocks));
+    for (int a = 0; a < 3; a++) t->block_size[a] = t->grid->size[a] / t->block + 1;
+    t->block_words = (size_t)t->block_size[0] / 64 + 1;
+    words = (uint64_t)t->block_words * (uint64_t)t->block_size[1] * (uint64_t)t->block_size[2];
+    BVXI_TRY(
+        bvxi_alloc_zero(t->ctx, BVXI_SCRATCH, 2 * words * 8, "the blocks of thin places", &t->blocks[0]));
+    t->blocks[1] = t->blocks[0] + words;
     BVXI_TRY(
         bvxi_alloc(t->ctx, BVXI_SCRATCH, t->mesh->vertex_count * 4, "the vertices' blocks", &t->block_of));
-    mark_blocks(t, reach, BESIDE_MARK);
-    mark_blocks(t, reach, MARK);
+    mark_blocks(t, 1.01 * reach); /* a little more for rounding */
     BVXI_TRY(run_near(t, t->mesh->vertex_count, place_piece_in_blocks));
     BVXI_TRY(run_near_pieces(t, t->mesh->triangle_count, take_piece_nearby));
     bvxi_drop(t->ctx, t->block_of);
-    bvxi_drop(t->ctx, t->blocks);
+    bvxi_drop(t->ctx, t->blocks[0]);
     return BVX_OK;
 }
 

@@ -137,14 +137,25 @@ bvx_status bvxi_grid_check_past(bvx_context *ctx, const char *function, const bv
     return (set & past) == 0 ? BVX_OK : bvxi_grid_fail_past(ctx, function, grid);
 }
 
+BVXI_VECTOR_INLINE void count_words(const uint64_t *words, uint64_t count, uint64_t *set)
+{
+    uint64_t n = 0;
+    for (uint64_t i = 0; i < count; i++) n += bvxi_popcount(words[i]);
+    *set = n;
+}
+
+/* The processor's own count. */
+BVXI_AVX2_COPY(count_words_avx2, (const uint64_t *words, uint64_t count, uint64_t *set),
+               count_words(words, count, set))
+
 static bvx_status run_grid_count(bvx_context *context, const bvx_grid *grid, uint64_t *count)
 {
-    uint64_t n = 0, words;
+    uint64_t words;
     if (count == NULL) return bvxi_fail_null(context, "bvx_grid_count", "count");
     BVXI_TRY(bvxi_grid_check(context, "bvx_grid_count", grid));
     words = bvxi_grid_words(grid);
-    for (uint64_t i = 0; i < words; i++) n += bvxi_popcount(grid->words[i]);
-    *count = n;
+    BVXI_PATH(bvxi_cpu(context) == BVX_CPU_AVX2, count_words(grid->words, words, count),
+              count_words_avx2(grid->words, words, count));
     return BVX_OK;
 }
 

@@ -16,7 +16,7 @@
 
 enum {
     SETTLE_WANTED = 8, /* triangles of the mesh for each vertex, */
-    SETTLE_LEAST = 4,  /* and fewer tell too little */
+    SETTLE_LEAST = 5,  /* and fewer tell too little */
     SETTLE_LOOKS = 4,  /* around vertices, until none is nearer */
     SETTLE_HALVES = 4,
     SETTLE_MOST = 1 << 18,  /* of them in all */

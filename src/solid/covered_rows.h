@@ -101,6 +101,20 @@ static inline void bvxi_cover_span(const bvxi_triangle *t, int64_t y0, int64_t z
     }
 }
 
+/* One edge (u, v) at the four centres of a block, the first, the next along y, along z and along both: e is its
+ * function u_y v_z - v_y u_z at the first, and least becomes its least value with the area's sign. A zero
+ * has the sign that the displacement gives it: + when dz < 0, or dz = 0 and dy > 0, which is when
+ * 2^32 dz - dy < 0. Half a unit stands for that: it decides where the function is 0, and cannot reach the
+ * next integer. */
+BVXI_VECTOR_INLINE void bvxi_judge_edge(double e, double dy, double dz, double turn, double step,
+                                        double least[4])
+{
+    double const first = turn * (e + (dz * 4294967296.0 - dy < 0 ? 0.5 : -0.5));
+    double const along_y = turn * step * dz, along_z = turn * step * dy;
+    double const at[4] = {first, first - along_y, first + along_z, first - along_y + along_z};
+    for (int c = 0; c < 4; c++) least[c] = at[c] < least[c] ? at[c] : least[c];
+}
+
 /* What the double division needs of a triangle. */
 typedef struct bvxi_divider {
     double ny, nz, inverse; /* of the normal; 1 / n_x */

@@ -90,18 +90,6 @@ BVXI_VECTOR_INLINE void measure_boxes(bvxi_cross_batch *b, uint32_t kept)
     }
 }
 
-/* One edge (u, v) at the four centres of a block: e is its function u_y v_z - v_y u_z at the first. A zero
- * has the sign that the displacement gives it: + when dz < 0, or dz = 0 and dy > 0, which is when
- * 2^32 dz - dy < 0. Half a unit stands for that: it decides where the function is 0, and cannot reach the
- * next integer. */
-BVXI_VECTOR_INLINE void judge_edge(double e, double dy, double dz, double turn, double step, double least[4])
-{
-    double const first = turn * (e + (dz * 4294967296.0 - dy < 0 ? 0.5 : -0.5));
-    double const along_y = turn * step * dz, along_z = turn * step * dy;
-    double const at[4] = {first, first - along_y, first + along_z, first - along_y + along_z};
-    for (int c = 0; c < 4; c++) least[c] = at[c] < least[c] ? at[c] : least[c];
-}
-
 /* Which of each block's centres lie inside, where the three signs are that of the area; a projection without
  * area has signs that differ, or cells that agree. All where doubles cannot decide. */
 BVXI_VECTOR_INLINE void judge_blocks(bvxi_cross_batch *b, double step)
@@ -118,9 +106,9 @@ BVXI_VECTOR_INLINE void judge_blocks(bvxi_cross_batch *b, double step)
         double const area = bc + ca + ab, turn = area < 0 ? -1.0 : 1.0;
         double least[4] = {1.0, 1.0, 1.0, 1.0};
 
-        judge_edge(bc, cy - by, cz - bz, turn, step, least);
-        judge_edge(ca, ay - cy, az - cz, turn, step, least);
-        judge_edge(ab, by - ay, bz - az, turn, step, least);
+        bvxi_judge_edge(bc, cy - by, cz - bz, turn, step, least);
+        bvxi_judge_edge(ca, ay - cy, az - cz, turn, step, least);
+        bvxi_judge_edge(ab, by - ay, bz - az, turn, step, least);
         b->area[i] = area;
         b->inside[i] = (least[0] > 0 ? (int64_t)1 : 0) | (least[1] > 0 ? 2 : 0) | (least[2] > 0 ? 4 : 0) |
                        (least[3] > 0 ? 8 : 0);

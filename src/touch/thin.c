@@ -9,8 +9,9 @@
  * e_y, e_z), e_x >> e_y >> e_z > 0, so along each axis exactly one voxel's segment holds a crossing. Of two
  * neighbours whose centres lie on different sides of a surface one is marked: the crossing between them lies
  * in one of their segments.
- * Most triangles of a scan hold no line, or one or two; lines are counted for a batch at a time, few lines
- * are tried one by one, rows of many are cut by divisions.
+ * Most triangles of a scan hold no line, or one or two: blocks of two by two are judged some hundred at once, in
+ * doubles that hold every number exactly. What is left, and what lies near to a centre, goes line by line; rows of
+ * many are cut by divisions.
  * With job->solid only crossings are marked that the solid does not show: neither of the two centres beside
  * them is in it.
  * Guarantee: exact; 6-separating. */
@@ -87,16 +88,22 @@ static int32_t voxel_of_crossing(const thin_lines *l, int32_t w, int32_t u, int3
     return bvxi_cross_exact(&moved, f, u, v) - 1 > w ? w + 1 : w;
 }
 
-/* The solid ends half way between centres w and w + 1 of which it has one; the surface does at place. Counted
- * by the tile of the voxel that holds the place. */
+/* The solid ends half way between two centres of which it has one, that below or the other; the surface does a part
+ * of the way after the first. */
+static inline int32_t beyond_at(double part, int below)
+{
+    int32_t const beyond = (int32_t)(part * 65536.0) - 32768;
+    return below ? beyond : -beyond;
+}
+
+/* A place after centre w, counted by the tile of the voxel that holds it. */
 static inline void add_beyond(thin_lines *l, int32_t w, double place, int below)
 {
     double const part = place - (double)w;
     int32_t const holder = part < 0.5 ? w : w + 1;
     /* faces through a centre: there, but for rounding */
     if (!(part > -0.25 && part < 1.25) || holder < l->low[0] || holder > l->high[0]) return;
-    int32_t const beyond = (int32_t)(part * 65536.0) - 32768;
-    l->tile->job->beyond[l->tile->number][l->axis[0]] += below ? beyond : -beyond;
+    l->tile->job->beyond[l->tile->number][l->axis[0]] += beyond_at(part, below);
 }
 
 /* A line (u, v) that the triangle covers: mark where it crosses. */
@@ -183,36 +190,6 @@ static int facing_axis(const bvxi_touch_batch *b, uint32_t i)
     return facing;
 }
 
-/* By the bits of one line alone: of any two neighbours from first to last + 1 the solid has one, so it shows
- * what crosses between these. Long ways are not worth a look. */
-static inline int is_shown(const thin_lines *l, int32_t first, int32_t last)
-{
-    int32_t const u = l->low[1], v = l->low[2];
-    int shown = last - first < THIN_FEW, below = shown && is_solid_on_line(l, first, u, v);
-
-    for (int32_t w = first + 1; shown && w <= last + 1; w++) {
-        int const above = is_solid_on_line(l, w, u, v);
-        shown = below | above;
-        below = above;
-    }
-    return shown;
-}
-
-/* Line (j, k) by three edges: 1 where the triangle covers it, -1 where not, 0 where ties decide. Differences
- * have 31 bits, products 62. */
-static inline int covers_line(const bvxi_touch_batch *b, uint32_t i, int u, int v, int32_t f, int32_t j,
-                              int32_t k)
-{
-    int64_t const step = (int64_t)1 << f, at_u = j * step + (step >> 1), at_v = k * step + (step >> 1);
-    int64_t const au = b->p[0][u][i] - at_u, av = b->p[0][v][i] - at_v;
-    int64_t const bu = b->p[1][u][i] - at_u, bv = b->p[1][v][i] - at_v;
-    int64_t const cu = b->p[2][u][i] - at_u, cv = b->p[2][v][i] - at_v;
-    int64_t const ab = au * bv - av * bu, bc = bu * cv - bv * cu, ca = cu * av - cv * au;
-
-    if ((ab | bc | ca) < 0 && (-ab | -bc | -ca) < 0) return -1;
-    return ab != 0 && bc != 0 && ca != 0;
-}
-
 /* By the first coordinate that differs; no two corners of a triangle with area are equal. */
 static int least_corner(const int32_t q[3][3])
 {
@@ -247,10 +224,9 @@ static void mark_thin_lines(thin_lines *l, const bvxi_touch_batch *b, uint32_t i
     else cut_lines(l);
 }
 
-/* Triangle i of the batch along an axis, which u and v cross; low and high: the voxels of the tile by axis.
- * *facing: the axis along which its places are summed, -1: not known yet. */
+/* Triangle i of the batch along an axis, which u and v cross; low and high: the voxels of the tile by axis. */
 static inline void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *b, uint32_t i, int axis,
-                               int *facing, const int32_t low[3], const int32_t high[3])
+                               const int32_t low[3], const int32_t high[3])
 {
     const bvxi_surface_job *const job = tile->job;
     uint64_t const row = (uint64_t)job->grid->words_per_row * 64,
@@ -261,51 +237,367 @@ static inline void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *
     int32_t const low_v = b->low[v][i] < low[v] ? low[v] : b->low[v][i];
     int32_t const high_u = b->high[u][i] > high[u] ? high[u] : b->high[u][i];
     int32_t const high_v = b->high[v][i] > high[v] ? high[v] : b->high[v][i];
-    int const single = low_u == high_u && low_v == high_v;
-    int covers = 0;
 
     if (low_u > high_u || low_v > high_v) return;
-    /* Of fine meshes most triangles have one line at most, beside them. */
-    if (single) covers = covers_line(b, i, u, v, job->fraction_bits, low_u, low_v);
-    if (covers < 0) return;
-
-    if (job->summed && *facing < 0) *facing = facing_axis(b, i);
     thin_lines l = {.tile = tile,
                     .axis = thin_axes[axis],
                     .triangle = b->triangle[i],
                     .low = {low[axis], low_u, low_v},
                     .high = {high[axis], high_u, high_v},
                     .bits = {bits[axis], bits[u], bits[v]},
-                    .facing = job->summed && *facing == axis};
-    /* Before the triangle is made ready: nearly all that face another axis. */
-    if (single && job->solid != NULL && !l.facing && is_shown(&l, b->low[axis][i] - 1, b->high[axis][i]))
-        return;
-    mark_thin_lines(&l, b, i, axis, covers);
+                    .facing = job->summed && facing_axis(b, i) == axis};
+    mark_thin_lines(&l, b, i, axis, 0);
 }
+
+/* ---- Lines of small triangles, some hundred at once ---- */
+
+/* A triangle's lines are taken here when they are few, in blocks of two by two. Corners relative to a line's centre
+ * are then below (THIN_MANY + 1) 2^16 < 2^21 across the axis and 2^31 along it, edge functions below 2^44, parts of
+ * the normal below 2^53: integers, exact in doubles. */
+/* Arrays are a cache line longer than a power of two, so that they do not stand in each other's way. */
+enum {
+    THIN_MANY = 16,
+    THIN_BLOCKS = BVXI_TOUCH_BATCH * THIN_MANY / 2 + 16,
+    THIN_HITS = 256 + 16,
+    THIN_MORE = 16
+};
+
+/* Blocks of lines along one axis. The batch's triangles have one each, in their order, then come further ones. */
+typedef struct line_blocks {
+    uint32_t count;
+    uint16_t triangle[THIN_BLOCKS], hit[THIN_BLOCKS];
+    int32_t u[THIN_BLOCKS], v[THIN_BLOCKS]; /* the first line */
+    int32_t lines[THIN_BLOCKS];   /* bits: the first, the next along u, along v, along both; THIN_MORE */
+    int64_t inside[THIN_BLOCKS];  /* of these, those that the triangle covers */
+    int32_t p[3][2][THIN_BLOCKS]; /* corner, across the axis: to the first line's centre */
+} line_blocks;
+
+/* Lines that triangles cover. */
+typedef struct line_hits {
+    uint32_t count;
+    uint16_t block[THIN_HITS];
+    uint16_t line[THIN_HITS];   /* of the block */
+    int32_t q[3][3][THIN_HITS]; /* corner, along the axis: to the window; across it: to the line's centre */
+    double least[3][THIN_HITS]; /* of its least corner */
+    double place[THIN_HITS];    /* the crossing [Units: centres] */
+    double before[THIN_HITS];   /* the last centre before it */
+    int64_t sure[THIN_HITS], facing[THIN_HITS]; /* 1: that is certain; the axis is nearest to the normal */
+} line_hits;
+
+/* What is asked of a batch's lines along one axis. */
+typedef struct line_axis {
+    bvxi_surface_tile *tile;
+    const bvxi_touch_batch *b;
+    line_blocks *blocks;
+    line_hits *hits;
+    const int32_t *low, *high; /* voxels of the tile by axis */
+    int axis, u, v;
+    double order[2]; /* of u and v: 1 where axis comes after it */
+} line_axis;
+
+/* The first block of each triangle: centres in its range and the tile. */
+BVXI_VECTOR_INLINE void place_first_blocks(const line_axis *s, uint32_t n)
+{
+    line_blocks *BVXI_RESTRICT const l = s->blocks;
+    int32_t const f = s->tile->job->fraction_bits, half = 1 << f >> 1;
+    const int32_t *BVXI_RESTRICT const least_u = s->b->low[s->u],
+                                       *BVXI_RESTRICT const least_v = s->b->low[s->v];
+    const int32_t *BVXI_RESTRICT const most_u = s->b->high[s->u],
+                                       *BVXI_RESTRICT const most_v = s->b->high[s->v];
+    int32_t const low_u = s->low[s->u], low_v = s->low[s->v], high_u = s->high[s->u], high_v = s->high[s->v];
+
+    for (uint32_t i = 0; i < n; i++) {
+        int32_t const u = least_u[i] < low_u ? low_u : least_u[i],
+                      v = least_v[i] < low_v ? low_v : least_v[i];
+        int32_t const last_u = most_u[i] > high_u ? high_u : most_u[i];
+        int32_t const last_v = most_v[i] > high_v ? high_v : most_v[i];
+        int32_t const along_u = u < last_u ? 3 : u == last_u ? 1 : 0;
+        int32_t const along_v = v < last_v ? 5 : v == last_v ? 1 : 0;
+        int32_t const more = (most_u[i] - least_u[i] > 1) | (most_v[i] - least_v[i] > 1) ? THIN_MORE : 0;
+        l->u[i] = u;
+        l->v[i] = v;
+        l->lines[i] = along_u * along_v != 0 ? along_u * along_v | more : 0;
+    }
+    for (int c = 0; c < 3; c++) {
+        const int32_t *BVXI_RESTRICT const pu = s->b->p[c][s->u], *BVXI_RESTRICT const pv = s->b->p[c][s->v];
+        for (uint32_t i = 0; i < n; i++) {
+            l->p[c][0][i] = pu[i] - (l->u[i] * (1 << f) + half);
+            l->p[c][1][i] = pv[i] - (l->v[i] * (1 << f) + half);
+        }
+    }
+    l->count = n;
+}
+
+/* The other blocks of triangles that have some; those of many lines are crossed line by line. */
+BVXI_VECTOR_INLINE void place_more_blocks(const line_axis *s, uint32_t n)
+{
+    line_blocks *const l = s->blocks;
+    const bvxi_touch_batch *const b = s->b;
+    int const u = s->u, v = s->v;
+    int32_t const f = s->tile->job->fraction_bits;
+
+    uint32_t large = 0;
+
+    for (uint32_t i = 0; i < n; i++) {
+        l->hit[large] = (uint16_t)i;
+        large += (uint32_t)l->lines[i] / THIN_MORE;
+    }
+    for (uint32_t m = 0; m < large; m++) {
+        uint32_t const i = l->hit[m];
+        int32_t const wide = b->high[u][i] - b->low[u][i], tall = b->high[v][i] - b->low[v][i];
+        if ((int64_t)(wide + 1) * (tall + 1) > THIN_MANY) {
+            cross_along(s->tile, b, i, s->axis, s->low, s->high);
+            l->lines[i] = 0;
+            continue;
+        }
+        int32_t const last_u = b->high[u][i] > s->high[u] ? s->high[u] : b->high[u][i];
+        int32_t const last_v = b->high[v][i] > s->high[v] ? s->high[v] : b->high[v][i];
+        for (int32_t k = l->v[i]; k <= last_v; k += 2)
+            for (int32_t j = l->u[i]; j <= last_u; j += 2) {
+                uint32_t const to = l->count;
+                if (j == l->u[i] && k == l->v[i]) continue;
+                l->triangle[to] = (uint16_t)i;
+                l->u[to] = j;
+                l->v[to] = k;
+                l->lines[to] = (j < last_u ? 3 : 1) * (k < last_v ? 5 : 1);
+                for (int c = 0; c < 3; c++) {
+                    l->p[c][0][to] = l->p[c][0][i] - (j - l->u[i]) * (1 << f);
+                    l->p[c][1][to] = l->p[c][1][i] - (k - l->v[i]) * (1 << f);
+                }
+                l->count++;
+            }
+    }
+}
+
+BVXI_VECTOR_INLINE void judge_line_blocks(line_blocks *l, double step)
+{
+    /* Whole vectors; what is past the end is computed and never read. */
+    uint32_t const n = (l->count + 7u) & ~7u;
+
+    for (uint32_t i = 0; i < n; i++) {
+        double const au = (double)l->p[0][0][i], bu = (double)l->p[1][0][i], cu = (double)l->p[2][0][i];
+        double const av = (double)l->p[0][1][i], bv = (double)l->p[1][1][i], cv = (double)l->p[2][1][i];
+        double const bc = bu * cv - cu * bv, ca = cu * av - au * cv, ab = au * bv - bu * av;
+        double const turn = bc + ca + ab < 0 ? -1.0 : 1.0;
+        double least[4] = {1.0, 1.0, 1.0, 1.0};
+
+        bvxi_judge_edge(bc, cu - bu, cv - bv, turn, step, least);
+        bvxi_judge_edge(ca, au - cu, av - cv, turn, step, least);
+        bvxi_judge_edge(ab, bu - au, bv - av, turn, step, least);
+        l->inside[i] = (least[0] > 0 ? (int64_t)1 : 0) | (least[1] > 0 ? 2 : 0) | (least[2] > 0 ? 4 : 0) |
+                       (least[3] > 0 ? 8 : 0);
+    }
+}
+
+/* The least corner by the coordinates' order: of the first two, then of all. One number has the first two. */
+BVXI_VECTOR_INLINE void find_least_corners(line_hits *h)
+{
+    uint32_t const n = (h->count + 7u) & ~7u;
+
+    for (uint32_t i = 0; i < n; i++) {
+        double const aw = (double)h->q[0][0][i], bw = (double)h->q[1][0][i], cw = (double)h->q[2][0][i];
+        double const au = (double)h->q[0][1][i], bu = (double)h->q[1][1][i], cu = (double)h->q[2][1][i];
+        double const av = (double)h->q[0][2][i], bv = (double)h->q[1][2][i], cv = (double)h->q[2][2][i];
+        double const ak = aw * 4194304.0 + au, bk = bw * 4194304.0 + bu, ck = cw * 4194304.0 + cu;
+        double const ab = 2.0 * (bk - ak), tie = bv < av ? -1.0 : 0.0, first = ab + tie;
+        double const mk = first < 0 ? bk : ak, mw = first < 0 ? bw : aw;
+        double const mu = first < 0 ? bu : au, mv = first < 0 ? bv : av;
+        double const mc = 2.0 * (ck - mk), other_tie = cv < mv ? -1.0 : 0.0, second = mc + other_tie;
+        h->least[0][i] = second < 0 ? cw : mw;
+        h->least[1][i] = second < 0 ? cu : mu;
+        h->least[2][i] = second < 0 ? cv : mv;
+    }
+}
+
+/* Where the triangles cross: what line_crossing computes, from the least corner on. */
+BVXI_VECTOR_INLINE void place_crossings(line_hits *h, const double order[2], double step, double shift)
+{
+    uint32_t const n = (h->count + 7u) & ~7u;
+    double const scale = 1.0 / step, half = 0.5 * step - shift, order_u = order[0], order_v = order[1];
+
+    for (uint32_t i = 0; i < n; i++) {
+        double const aw = (double)h->q[0][0][i], bw = (double)h->q[1][0][i], cw = (double)h->q[2][0][i];
+        double const au = (double)h->q[0][1][i], bu = (double)h->q[1][1][i], cu = (double)h->q[2][1][i];
+        double const av = (double)h->q[0][2][i], bv = (double)h->q[1][2][i], cv = (double)h->q[2][2][i];
+        double const n0 = (bu - au) * (cv - av) - (bv - av) * (cu - au), turn = n0 < 0 ? -1.0 : 1.0;
+        double const n1 = turn * ((bv - av) * (cw - aw) - (bw - aw) * (cv - av));
+        double const n2 = turn * ((bw - aw) * (cu - au) - (bu - au) * (cw - aw));
+        double const s0 = n0 < 0 ? -n0 : n0, s1 = n1 < 0 ? -n1 : n1, s2 = n2 < 0 ? -n2 : n2;
+        double const t1 = s1 + order_u, t2 = s2 + order_v, most = t1 > t2 ? t1 : t2;
+
+        double const least_u = au < bu ? au : bu, most_u = au < bu ? bu : au;
+        double const least_v = av < bv ? av : bv, most_v = av < bv ? bv : av;
+        double const wide = (most_u > cu ? most_u : cu) - (least_u < cu ? least_u : cu);
+        double const tall = (most_v > cv ? most_v : cv) - (least_v < cv ? least_v : cv);
+        double const inverse = 1.0 / s0, parts = (s1 * wide + s2 * tall) * inverse;
+        double const error = (parts * (1.0 / 1125899906842624.0) + 1.0 / 1048576.0) * scale;
+        double const s = n1 * (0.0 - h->least[1][i]) + n2 * (0.0 - h->least[2][i]);
+        double const place = (h->least[0][i] - half - s * inverse) * scale;
+        /* Beyond that error the place may be anything, and what becomes of it, 0, is certain nowhere. A product, as
+         * a choice would become a branch around all that goes before. */
+        double const near = error < 0.25 ? 1.0 : 0.0, known = place * near, whole = (double)(int32_t)known;
+        double const before = known < whole ? whole - 1.0 : whole, part = known - before;
+
+        h->place[i] = place;
+        h->before[i] = before;
+        h->sure[i] = (part < 1.0 - part ? part : 1.0 - part) > error ? 1 : 0;
+        /* Of axes that are equally near to the normal the first. */
+        h->facing[i] = most <= s0 ? 1 : 0;
+    }
+}
+
+/* Mark the voxels of crossings; beside a solid sum what lies beyond voxels along lines that it shows, and mark the
+ * others. No hit is left. */
+BVXI_VECTOR_INLINE void take_hits(const line_axis *s)
+{
+    const bvxi_surface_job *const job = s->tile->job;
+    const line_blocks *const l = s->blocks;
+    line_hits *const h = s->hits;
+    int const axis = s->axis;
+    int32_t const last = job->size[axis] - 1, low = s->low[axis], high = s->high[axis];
+    size_t const row = (size_t)job->grid->words_per_row * 64;
+    size_t const bits[3] = {1, row, row * (size_t)job->size[1]};
+    /* Half a voxel on, the last centre before is the voxel that holds the crossing: as in mark_thin_lines. */
+    double const step = (double)(1 << job->fraction_bits), shift = job->solid != NULL ? 0.0 : 0.5 * step;
+    int64_t sum = 0;
+
+    find_least_corners(h);
+    place_crossings(h, s->order, step, shift);
+    for (uint32_t n = 0; n < h->count; n++) {
+        uint32_t const i = h->block[n], t = l->triangle[i];
+        int32_t const u = l->u[i] + (h->line[n] & 1), v = l->v[i] + (h->line[n] >> 1);
+        int32_t const w = (int32_t)h->before[n];
+
+        if (job->solid == NULL) {
+            int32_t voxel[3];
+            voxel[axis] = w;
+            voxel[s->u] = u;
+            voxel[s->v] = v;
+            if (BVXI_LIKELY(h->sure[n])) {
+                if (w >= low && w <= high)
+                    bvxi_touch_voxel(s->tile->job, voxel[0], voxel[1], voxel[2], s->b->triangle[t]);
+                continue;
+            }
+        } else if (BVXI_LIKELY(h->sure[n] && w >= 0 && w < last)) {
+            const uint64_t *const solid = job->solid->words;
+            size_t const at = (size_t)w * bits[axis] + (size_t)u * bits[s->u] + (size_t)v * bits[s->v];
+            size_t const next = at + bits[axis];
+            int const below = (int)(solid[at >> 6] >> (at & 63) & 1);
+            int const above = (int)(solid[next >> 6] >> (next & 63) & 1);
+            double const part = h->place[n] - (double)w;
+            int32_t const holder = part < 0.5 ? w : w + 1, beyond = beyond_at(part, below);
+            int const counts = (below ^ above) & (int)h->facing[n] & (holder >= low) & (holder <= high);
+            /* A product: half of all count, as chance will have it. */
+            sum += (int64_t)counts * beyond;
+            if (BVXI_LIKELY(below | above)) continue;
+        }
+        thin_lines one = {.tile = s->tile,
+                          .axis = thin_axes[axis],
+                          .triangle = s->b->triangle[t],
+                          .low = {s->low[axis], u, v},
+                          .high = {s->high[axis], u, v},
+                          .bits = {bits[axis], bits[s->u], bits[s->v]},
+                          .facing = job->summed && h->facing[n]};
+        mark_thin_lines(&one, s->b, t, axis, 1);
+    }
+    if (job->summed) s->tile->job->beyond[s->tile->number][axis] += sum;
+    h->count = 0;
+}
+
+/* The lines of a batch along one axis. */
+BVXI_VECTOR_INLINE void cross_line_blocks(const line_axis *s, uint32_t n)
+{
+    line_blocks *const l = s->blocks;
+    line_hits *const h = s->hits;
+    int32_t const step = 1 << s->tile->job->fraction_bits;
+    uint32_t count = 0;
+
+    place_first_blocks(s, n);
+    place_more_blocks(s, n);
+    judge_line_blocks(l, (double)step);
+    for (uint32_t i = 0; i < l->count; i++) {
+        l->hit[count] = (uint16_t)i;
+        count += (l->inside[i] & l->lines[i]) != 0;
+    }
+    for (uint32_t m = 0; m <= count; m++) {
+        if (m == count || h->count > THIN_HITS - 4) take_hits(s);
+        if (m == count) break;
+        uint32_t const i = l->hit[m], t = l->triangle[i];
+        for (uint32_t inside = (uint32_t)(l->inside[i] & l->lines[i]); inside != 0; inside &= inside - 1) {
+            int32_t const line = bvxi_lowest(inside), u = (line & 1) != 0 ? step : 0, v = line > 1 ? step : 0;
+            uint32_t const to = h->count++;
+            h->block[to] = (uint16_t)i;
+            h->line[to] = (uint16_t)line;
+            for (int c = 0; c < 3; c++) {
+                h->q[c][0][to] = s->b->p[c][s->axis][t];
+                h->q[c][1][to] = l->p[c][0][i] - u;
+                h->q[c][2][to] = l->p[c][1][i] - v;
+            }
+        }
+    }
+}
+
+/* The next batch of triangles. From the first centre at or after the least coordinate to the last one before the
+ * greatest: half open, as the rule of ties moves centres. */
+BVXI_VECTOR_INLINE uint32_t take_batch(const bvxi_surface_job *job, const uint32_t *id, uint64_t done,
+                                       uint64_t count, bvxi_touch_batch *b)
+{
+    int32_t const half = 1 << job->fraction_bits >> 1;
+    uint32_t const n = (uint32_t)(count - done < BVXI_TOUCH_BATCH ? count - done : BVXI_TOUCH_BATCH);
+
+    bvxi_batch_gather(job, id, done, n, b);
+    bvxi_batch_boxes(b, n, job->fraction_bits, half - 1, -half - 1);
+    return n;
+}
+
+BVXI_VECTOR_INLINE void touch_line_blocks(bvxi_surface_tile *tile, const uint32_t *id, uint64_t count,
+                                          const int32_t low[3], const int32_t high[3])
+{
+    bvxi_touch_batch b;
+    line_blocks blocks;
+    line_hits hits;
+
+    hits.count = 0;
+    for (uint16_t i = 0; i < BVXI_TOUCH_BATCH; i++) blocks.triangle[i] = i;
+    for (uint64_t done = 0; done < count; done += BVXI_TOUCH_BATCH) {
+        uint32_t const n = take_batch(tile->job, id, done, count, &b);
+        for (int axis = 0; axis < 3; axis++) {
+            int const u = thin_axes[axis][1], v = thin_axes[axis][2];
+            double const order[2] = {u < axis ? 1.0 : 0.0, v < axis ? 1.0 : 0.0};
+            line_axis const s = {tile, &b, &blocks, &hits, low, high, axis, u, v, {order[0], order[1]}};
+            cross_line_blocks(&s, n);
+        }
+    }
+}
+
+BVXI_AVX2_COPY(touch_line_blocks_avx2,
+               (bvxi_surface_tile * tile, const uint32_t *id, uint64_t count, const int32_t low[3],
+                const int32_t high[3]),
+               touch_line_blocks(tile, id, count, low, high))
 
 void bvxi_touch_thin(bvxi_surface_tile *tile, const uint32_t *id, uint64_t count)
 {
     const bvxi_surface_job *const job = tile->job;
-    int32_t const f = job->fraction_bits, half = 1 << f >> 1;
     int32_t const low[3] = {0, tile->rows.j0, tile->rows.k0};
     int32_t const high[3] = {job->size[0] - 1, tile->rows.j1 - 1, tile->rows.k1 - 1};
     bvxi_touch_batch b;
 
+    /* Lists of attached triangles take them one after the other. */
+    if (job->task == BVXI_TOUCH_SET) {
+        BVXI_PATH(job->cpu == BVX_CPU_AVX2, touch_line_blocks(tile, id, count, low, high),
+                  touch_line_blocks_avx2(tile, id, count, low, high));
+        return;
+    }
     for (uint64_t done = 0; done < count; done += BVXI_TOUCH_BATCH) {
-        uint32_t const n = (uint32_t)(count - done < BVXI_TOUCH_BATCH ? count - done : BVXI_TOUCH_BATCH);
-        bvxi_batch_gather(job, id, done, n, &b);
-        /* from the first centre at or after the least coordinate to the last one before the greatest: half
-         * open, as the rule of ties moves centres */
-        bvxi_batch_boxes(&b, n, f, half - 1, -half - 1);
+        uint32_t const n = take_batch(job, id, done, count, &b);
         for (uint32_t i = 0; i < n; i++) {
             /* A triangle crosses lines along an axis only where its box holds a centre along both others. */
             int const x = b.low[0][i] <= b.high[0][i];
             int const y = b.low[1][i] <= b.high[1][i];
             int const z = b.low[2][i] <= b.high[2][i];
-            int facing = -1;
-            if (y & z) cross_along(tile, &b, i, 0, &facing, low, high);
-            if (x & z) cross_along(tile, &b, i, 1, &facing, low, high);
-            if (x & y) cross_along(tile, &b, i, 2, &facing, low, high);
+            if (y & z) cross_along(tile, &b, i, 0, low, high);
+            if (x & z) cross_along(tile, &b, i, 1, low, high);
+            if (x & y) cross_along(tile, &b, i, 2, low, high);
         }
     }
 }

@@ -135,6 +135,9 @@ bvx_status bvxi_bins_open(bvx_context *ctx, const char *function, bvxi_surface_j
 {
     bin_job *b;
 
+    /* One tile takes triangles as they come, and needs no list; what has filled a solid has been checked. */
+    job->bins.end[1] = job->view->triangle_count;
+    if (job->tiles.count == 1 && job->solid != NULL) return BVX_OK;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *b, "the triangles' counts", &b));
     b->job = job;
     b->pieces = bvxi_piece_count(job->view->triangle_count, BIN_GRAIN);
@@ -144,11 +147,7 @@ bvx_status bvxi_bins_open(bvx_context *ctx, const char *function, bvxi_surface_j
                                                     b->job->view->vertex_count, cell_piece_of_bins, b)
                                   : BVX_OK);
     BVXI_TRY(run_bins(ctx, function, b)); /* one tile: a check of the indices */
-    /* One tile takes triangles as they come, and needs no list. */
-    if (job->tiles.count == 1) {
-        job->bins.end[1] = job->view->triangle_count;
-        return BVX_OK;
-    }
+    if (job->tiles.count == 1) return BVX_OK;
     /* Counts are places now, so the second walk knows where each triangle goes. */
     job->bins.total = place_surface_bins(b);
     b->fill = 1;
