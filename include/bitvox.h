@@ -1660,19 +1660,23 @@ typedef struct bvx_complex {
     uint64_t *cells; /**< of each vertex: the cell (i,j,k) around the low corner of the window's voxel (i,j,k) that
                           holds it, as (k * (size[1] + 1) + j) * (size[0] + 1) + i [Size: vertices] */
     uint8_t *junctions; /**< of each vertex: sides of its cell (bits -x, +x, -y ...) through which an edge runs that has
-                             more than two faces [Size: vertices] */
+                             more than two faces; BVX_AT_SEAM, BVX_ON_SEAM [Size: vertices] */
     uint64_t face_count, label_count;
     int32_t low[3], size[3]; /**< the volume's window */
     int32_t owned; /**< 1 when bvx_complex_free frees the arrays */
-    int32_t single; /**< 1: simplified. Face f is triangle f alone, cells is NULL, junctions is 0 off them */
+    int32_t single; /**< 1: simplified. Face f is triangle f alone, cells is NULL, junctions is 0 off them and seams; on
+                         seams BVX_ON_SEAM + the vertex's index in its cell: equal vertices have it and the position */
     int32_t reserved[2];
 } bvx_complex;
+/** Bits of junctions in open windows: a vertex of a cell that windows share; one at which several may have faces. */
+enum { BVX_AT_SEAM = 64, BVX_ON_SEAM = 128 };
 typedef struct bvx_labels_options {
     size_t struct_size;
-    int64_t background; /**< the label that is no body, and what lies beyond the window; u64: its bits [Limit: any] */
+    int64_t background; /**< the label that is no body, and what lies beyond the volume; u64: its bits [Limit: any] */
     int32_t staircase; /**< 1: vertices stay at the corners of voxels, unsmoothed */
     int32_t position_type; /**< see Types */
-    int32_t local_frame, reserved; /**< see Types */
+    int32_t local_frame; /**< see Types */
+    int32_t open; /**< 1: the window is a piece that others join, with one voxel more where the lattice goes on */
     uint64_t triangles; /**< at most so many in all, not on a staircase; 0: as they come [Limit: any] */
     double error; /**< instead: mean distance to the faces as they come, both ways [Units: world] [Limit: >= 0] */
 } bvx_labels_options;
@@ -1680,6 +1684,9 @@ typedef struct bvx_labels_options {
  *  different labels; its corners are vertices of the four cells around that side. Vertices are in order (z, y, x) of
  *  their cell, faces in order (z, y, x, axis) of their lower voxel. Labels keep the volume of their voxels to 0.1 %,
  *  but where most faces are at junctions; more: docs/rules.md. complex brings no arrays. Empty without labels.
+ *  Open windows part a lattice by planes along voxels' sides, two voxels from its own sides and more, and each takes one
+ *  voxel more beyond such planes. Each face is then in one of them, bodies of one end where the next one's begin, no
+ *  triangles of two cross, and vertices ON_SEAM have the same bits in all. Vertices on their planes stay there.
  *  Returns BVX_ERR_UNSUPPORTED (samples that are floats), BVX_ERR_ARGUMENT (also a background that samples cannot
  *  have), BVX_ERR_RANGE (2^32 - 1 vertices or 2^30 faces; positions too coarse). */
 BVX_API bvx_status bvx_label_surfaces(bvx_context *context, const bvx_volume_view *volume,

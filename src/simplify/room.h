@@ -32,11 +32,12 @@ typedef struct bvxi_collapse_options {
      * vertex_count of the mesh that bvxi_levels_make takes]. */
     bvx_collapse given;
     double even; /* pull of every vertex towards the line along its normal: even triangles where it is flat */
-    int32_t simple;   /* 1: the mesh is known to be welded, closed, manifold and oriented */
-    int32_t borders;  /* BVXI_BORDERS_...: what becomes of a mesh that is not closed */
-    int32_t counted;  /* 1: crossings are, those that were there before too */
-    int32_t farthest; /* 1: the farthest distance decides, so none is made longer for the mean's sake */
-    int32_t sheets;   /* 1: no edge comes to be that joins two locked vertices, and no triangle of three */
+    int32_t simple;    /* 1: the mesh is known to be welded, closed, manifold and oriented */
+    int32_t borders;   /* BVXI_BORDERS_...: what becomes of a mesh that is not closed */
+    int32_t counted;   /* 1: crossings are, those that were there before too */
+    int32_t farthest;  /* 1: the farthest distance decides, so none is made longer for the mean's sake */
+    const double *box; /* NULL, or low and high along x, y, z, beyond which no vertex goes */
+    int32_t sheets;    /* 1: no edge comes to be that joins two locked vertices, and no triangle of three */
 } bvxi_collapse_options;
 
 /* Handles that were cut and holes that were filled, and the way around the longest of them. */
@@ -95,9 +96,10 @@ bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *chain, const bvx
 void bvxi_levels_warn(bvx_context *ctx, const bvxi_level_chain *chain, const bvx_certificate *from,
                       const bvxi_sheets_report *sheets);
 /* Fewer triangles in a smoothed complex: so many, or with error above 0 as few as keep that mean distance. From then
- * on each face is one triangle (bvx_complex.single); lists of faces are made anew. Scratch: 190 bytes a triangle. */
+ * on each face is one triangle (bvx_complex.single); lists of faces are made anew. Scratch: 190 bytes a triangle.
+ * Vertices ON_SEAM stay, and none goes beyond the box, if there is one. */
 bvx_status bvxi_complex_simplify(bvx_context *ctx, const char *function, bvx_complex *complex,
-                                 uint64_t triangles, double error);
+                                 uint64_t triangles, double error, const double *box);
 /* Free what the library made of levels, and empty those in arrays of the caller's. */
 void bvxi_levels_drop(bvx_context *ctx, bvx_mesh *levels, uint64_t count);
 

@@ -393,7 +393,6 @@ static bvx_status list_labels(const world *w)
 static bvx_status label_surfaces(const world *w)
 {
     TAKE_OPTIONS(labels, o);
-    TAKE_RESERVED(o.reserved);
     SPOIL(o);
     return bvx_label_surfaces(w->ctx, w->volume, &o, (bvx_complex *)w->out);
 }
@@ -664,7 +663,7 @@ static const call calls[] = {
     CALL(threshold_whole, VOLUME, TO_GRID),
     CALL(extract_scalar, VOLUME | OPTIONS | RESERVED, TO_MESH),
     CALL(list_labels, VOLUME | SECOND | SLOT, PLAIN),
-    CALL(label_surfaces, VOLUME | OPTIONS | RESERVED, TO_COMPLEX),
+    CALL(label_surfaces, VOLUME | OPTIONS, TO_COMPLEX),
     CALL(label_mesh, COMPLEX, TO_MESH),
     CALL(read_volume, BYTES | OPTIONS | RESERVED, TO_VOLUME),
     CALL(measure_field, INNER | MESH | LATTICE | OPTIONS | RESERVED, TO_FIELD),

@@ -441,6 +441,7 @@ static void test_choices_out_of_range(void)
         BAD(label_surfaces, labels, position_type, 9),
         BAD_SWITCH(label_surfaces, labels, local_frame),
         BAD_SWITCH(label_surfaces, labels, staircase),
+        BAD_SWITCH(label_surfaces, labels, open),
         BAD(label_surfaces, labels, error, -1),
         BAD(label_surfaces, labels, error, (double)NAN),
         BAD(measure_field, field, sign, 99),
