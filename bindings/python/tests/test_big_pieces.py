@@ -147,7 +147,7 @@ def test_new_vertices_stay_between_cuts(ball, monkeypatch):
     monkeypatch.setattr(big.coarser, "LEFT", 16)
     none, cut = [float("inf")] * 3, ball.bounds[1]  # coarse triangles of a ball reach beyond it
     free, far = big.coarser.collapsed(ball, [-n for n in none], none, [0.01] * 3)
-    assert (free.in_world() > cut).any() and far == bitvox.compare(ball, free, samples=big.coarser.SAMPLES).max
+    assert (free.in_world() > cut).any() and far == bitvox.compare(ball, free, samples=free.n_faces).max
     held, far = big.coarser.collapsed(ball, [-n for n in none], cut, [0.01] * 3)
     assert (held.in_world() <= cut).all() and held.check().closed and held.n_faces < ball.n_faces / 3 and far > 0
     boxed, _ = big.coarser.collapsed(ball, [-n for n in none], none, [0.01] * 3, box=([-n for n in none], cut))
