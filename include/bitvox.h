@@ -912,6 +912,9 @@ typedef struct bvx_hull_options {
                                        through [Units: voxels] [Limit: 0..65535] */
     bvx_hull_report *report;
     bvx_level_report *reports; /**< [Size: level_count] */
+    double
+        enclose; /**< above 0: every level goes around all triangles, touches none and is nowhere further from them; no
+                         fit, parts, close_gaps and shell then [Units: world] [Limit: >= 0] [Default: 0, unset] */
 } bvx_hull_options;
 /** What of a mesh can be reached from outside, as closed levels: inner walls, shells and parts are gone, and the
  *  surface lies on the outer of double walls. The mesh may be anything: walls doubled, welded through holes, crossing,

@@ -147,7 +147,7 @@ struct cli_options {
 
     /* fewer triangles */
     cli_list triangles;
-    cli_errors errors;
+    cli_errors errors, enclose;
     int32_t error_kind; /* BVX_ERROR_... */
     int32_t count;      /* levels */
     int32_t strict;

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
         resolution: int | None
         close_gaps: int
         shell: float | None
+        enclose: float | str | None
         keep_largest: int | None
         carry: bool
 
