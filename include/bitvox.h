@@ -18,7 +18,7 @@
  *     Fewer triangles, Smoothing, Repair, Levels of detail, Hulls, Booleans of meshes
  *     Levels by samples, Closest points, Distance fields   further ways from mesh to mesh, and measuring
  *     Set algebra, Morphology and distances, Components, Seeds and filling, Queries of grids
- *     Mass
+ *     Mass, Inspection
  *     Points, Volumes, Section contours, Refinement        other things that go in, voxels of several sizes
  *     Surfaces of labels                                   segmentations to bodies that share faces
  * What holds for all stages: docs/exactness.md. How each decides: docs/rules.md. What each call takes, and where its
@@ -1353,6 +1353,53 @@ typedef struct bvx_measure_report {
  *  along each axis are counted, with what all voxels at the surface can make. BVX_ERR_EMPTY also for one position. */
 BVX_API bvx_status bvx_measure(bvx_context *context, const bvx_mesh_view *mesh, const bvx_measure_options *options,
                                bvx_measure_report *report);
+
+/* ---- Inspection ---------------------------------------------------------------------------------------- */
+/** What bvx_inspect finds at places. */
+#define BVX_FINDING_LIST(X) \
+    X(BVX_FINDING_WALL, 0, "wall") /* thinner than walls */ \
+    X(BVX_FINDING_GAP, 1, "gap") /* narrower than gaps */ \
+    X(BVX_FINDING_CAVITY, 2, "cavity") /* empty, and no way out: it traps resin or powder */ \
+    X(BVX_FINDING_ISLAND, 3, "island") /* part of a layer with nothing below, nor beside that: it needs a support */
+enum { BVX_FINDING_LIST(BVX_LIST_ENUM) BVX_FINDING_COUNT = 4 };
+typedef struct bvx_finding {
+    double size; /**< least thickness or width [Units: world], volume of a cavity, area of an island */
+    double position[3]; /**< a voxel's centre: where it is least, of others one amid their longest row [Units: world] */
+    double low[3], high[3]; /**< box of its voxels; of walls and gaps those of their middle [Units: world] */
+    uint64_t voxels;
+} bvx_finding;
+typedef struct bvx_inspect_options {
+    size_t struct_size;
+    bvx_fit fit; /**< voxels; rays start as far apart, and layers are a voxel high [Default: 256 voxels, padded by 1] */
+    double walls; /**< thinner walls are findings; 0: none [Units: world] [Limit: >= 0] */
+    double gaps; /**< narrower gaps are findings; 0: none [Units: world] [Limit: >= 0] */
+    double density; /**< mass of a unit of volume [Limit: > 0] [Default: 1] */
+    int32_t up; /**< towards which layers are built, BVX_UP_... */
+    int32_t most; /**< findings of a kind that are listed [Limit: 1..2^20] [Default: 8] */
+    bvx_finding *findings; /**< of kind k from k * most, the worst first: thinnest, largest [Size: 4 * most] */
+    double *thickness; /**< of each vertex, the least beside it; infinity where none is found [Size: vertex_count] */
+} bvx_inspect_options;
+typedef struct bvx_inspect_report {
+    bvx_certificate certificate; /**< of the mesh; vertices at equal positions count as one */
+    bvx_lattice lattice; /**< of the voxels */
+    int32_t needs; /**< BVX_NEEDS_...: what makes it unsound, or nothing */
+    int32_t fill; /**< BVX_FILL_...: the rule that filled */
+    uint64_t crossings; /**< pairs of triangles that cross */
+    double volume, volume_error, mass; /**< as bvx_measure_report */
+    double least_thickness, thin_ends[2][3]; /**< and both ends; infinity: there is none [Units: world] */
+    double thickness[4]; /**< that 1, 5, 50 and 95 % of the surface do not reach, to 1 % of it [Units: world] */
+    double thin_area; /**< of the surface whose wall is thinner than walls [Units: world^2] */
+    double least_gap, gap_ends[2][3]; /**< as least_thickness, through what is empty [Units: world] */
+    double cavity_volume; /**< of all cavities [Units: world^3] */
+    uint64_t found[4]; /**< findings of each kind */
+} bvx_inspect_report;
+/** Whether a mesh can be made: is it sound, how thick are its walls, how narrow its gaps, what is trapped in it, which
+ *  parts of its layers hang in the air. Thickness is the way straight inwards to the other side, from points of each
+ *  triangle; a gap is the way outwards. Both count where the other side faces the ray to 60 degrees. Why rays and not
+ *  balls: docs/rules.md. Where a mesh is not sound they hold where triangles face outwards.
+ *  Returns BVX_ERR_EMPTY (no triangle of area), BVX_ERR_RANGE (as bvx_voxelize_solid; 2^32 pairs that cross). */
+BVX_API bvx_status bvx_inspect(bvx_context *context, const bvx_mesh_view *mesh, const bvx_inspect_options *options,
+                               bvx_inspect_report *report);
 
 /* ---- Points -------------------------------------------------------------------------------------------- */
 typedef struct bvx_points_report {

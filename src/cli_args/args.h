@@ -24,6 +24,7 @@ enum {
     CLI_SIMPLIFY = 1 << 20,
     CLI_LABELS = 1 << 21,
     CLI_HULL = 1 << 22,
+    CLI_CHECK = 1 << 23,
     CLI_ALL = 0x7fffffff
 };
 

@@ -105,6 +105,35 @@ static void fuzz_measure(bvx_context *ctx, bvx_context *other, fuzz_input *in, c
     fuzz_require(memcmp(&r, &twin, sizeof r) == 0, "another mass with more threads");
 }
 
+/* Counts and places agree, what is least is not more than any share, and more threads change no byte. */
+static void fuzz_inspect(bvx_context *ctx, bvx_context *other, fuzz_input *in, const bvx_mesh_view *view)
+{
+    static bvx_finding found[BVX_FINDING_COUNT][4], twins[BVX_FINDING_COUNT][4];
+    bvx_inspect_options o = {.struct_size = sizeof o, .most = 4, .findings = &found[0][0]};
+    bvx_inspect_report r, twin;
+
+    o.fit.resolution = fuzz_range(in, 1, 24);
+    o.walls = fuzz_range(in, 0, 9) * 0.25;
+    o.gaps = fuzz_range(in, 0, 9) * 0.25;
+    o.up = fuzz_range(in, BVX_UP_Z, BVX_UP_Y);
+    memset(found, 0, sizeof found);
+    memset(twins, 0, sizeof twins);
+    if (!fuzz_good(ctx, bvx_inspect(ctx, view, &o, &r))) return;
+    for (int k = 0; k < 4; k++) fuzz_require(r.thickness[k] >= r.least_thickness, "a share below the least");
+    for (int kind = 0; kind < BVX_FINDING_COUNT; kind++)
+        for (uint64_t i = 0; i < 4 && i < r.found[kind]; i++) {
+            const bvx_finding *const f = &found[kind][i];
+            fuzz_require(f->voxels > 0 && f->size >= 0, "a finding of nothing");
+            for (int a = 0; a < 3; a++)
+                fuzz_require(f->low[a] <= f->position[a] && f->position[a] <= f->high[a],
+                             "a place beside its box");
+        }
+    o.findings = &twins[0][0];
+    fuzz_must(other, bvx_inspect(other, view, &o, &twin));
+    fuzz_require(memcmp(&r, &twin, sizeof r) == 0 && memcmp(found, twins, sizeof found) == 0,
+                 "other findings with more threads");
+}
+
 /* In order, each once, and the same pairs with more threads. */
 static void fuzz_crossings(bvx_context *ctx, bvx_context *other, const bvx_mesh_view *view)
 {
@@ -282,6 +311,7 @@ static void fuzz_one(fuzz_input *in)
             fuzz_smooth(ctx, other, in, &m.view);
             fuzz_crossings(ctx, other, &m.view);
             fuzz_measure(ctx, other, in, &m.view);
+            fuzz_inspect(ctx, other, in, &m.view);
             break;
         default: fuzz_parts(ctx, &solid);
         }

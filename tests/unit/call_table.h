@@ -149,6 +149,14 @@ static bvx_status measure(const world *w)
     SPOIL(o);
     return bvx_measure(w->ctx, w->mesh, &o, (bvx_measure_report *)w->out);
 }
+static bvx_status inspect(const world *w)
+{
+    TAKE_OPTIONS(inspect, o);
+    o.fit.resolution = 8;
+    TAKE_RESERVED(o.fit.reserved);
+    SPOIL(o);
+    return bvx_inspect(w->ctx, w->mesh, &o, (bvx_inspect_report *)w->out);
+}
 static bvx_status mesh_crossings(const world *w)
 {
     return bvx_mesh_crossings(w->ctx, w->mesh, w->second, (uint32_t *)w->out, 8);
@@ -616,6 +624,7 @@ static const call calls[] = {
     CALL(mesh_smooth, MESH | OPTIONS | RESERVED, PLAIN),
     CALL(mesh_distance, MESH, PLAIN),
     CALL(measure, MESH | OPTIONS | RESERVED, PLAIN),
+    CALL(inspect, MESH | OPTIONS | RESERVED, PLAIN),
     CALL(closest_create, MESH, TO_CLOSEST),
     CALL(mesh_crossings, MESH | SECOND | SLOT, PLAIN),
     CALL(mesh_drop_nonfinite, BODY, PLAIN),

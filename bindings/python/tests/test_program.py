@@ -33,6 +33,7 @@ NAMES = {
     "simplify": ([bitvox.simplify], {"attributes": "attribute_weight", "keep-vertices": "vertices", "normals": bitvox.write, **OF_MESHES}),
     "repair": ([bitvox.repair], {"normals": bitvox.write, "no-sharp": "sharp", **OF_MESHES}),
     "hull": ([bitvox.hull], {"normals": bitvox.write, "no-sharp": "sharp", **OF_MESHES}),
+    "check": ([bitvox.inspect], {}),
     "refine": ([bitvox.refine], {"states": bitvox.Octree.expand, "expand": bitvox.Octree.expand, "halvings": "levels", **OF_MESHES}),
     "sections": ([bitvox.from_sections, bitvox.read, bitvox.Sections.bodies], {"block-model": None, "block": None, **OF_MESHES}),
     "slice": ([bitvox.slice_mesh], {}),

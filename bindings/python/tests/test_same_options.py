@@ -31,6 +31,7 @@ REPORTS = {
     "repair": {"--measure"},
     "lod": {"--samples"}, "simplify": {"--samples"},
     "sections": {"--parts", "--genus", "--block-model", "--block"}, "compare": {"--samples", "--seed"}, "info": {"--crossings", "--measure", "--density", "--resolution"},
+    "check": {"--walls", "--gaps", "--density", "--up", "--resolution", "--most"},
 }
 
 
@@ -243,7 +244,7 @@ ROWS = {
         ("solid.bvx --triangles 300 --output-origin 1,2,3", "ply", lambda at: only(at.solid.surface().simplify(triangles=300), origin=(1, 2, 3))),
         ("solid.bvx --error 1% --error-kind max", "ply", lambda at: at.solid.surface().simplify(error="1%", error_kind="max")),
     ),
-    "compare": (),
+    "compare": (), "check": (),
     "morph": (
         ("dilate small.ply --resolution 24 --padding 3 --fill flood --close-gaps 1 --steps 2 --neighbourhood 18", "bvx",
          lambda at: bitvox.voxelize(at.small, resolution=24, padding=3, fill="flood", close_gaps=1).dilate(2, connectivity=18)),
