@@ -21,8 +21,8 @@
 #define ENCLOSE_OFFSET 1.03
 #define ENCLOSE_MOST   4096.0 /* voxels along an axis */
 
-static bvx_status fit_lattice(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
-                              double farthest, bvx_lattice *lattice)
+static bvx_status fit_around(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                             double farthest, bvx_lattice *lattice)
 {
     double const spacing = farthest / ENCLOSE_SPACINGS;
     bvx_lattice_options const o = {
@@ -40,7 +40,7 @@ static bvx_status fit_lattice(bvx_context *ctx, const char *function, const bvx_
 }
 
 /* What is within the offset, or closed off by it; distances become those to the offset's surface. */
-static bvx_status find_body(bvx_context *ctx, bvx_field *field, double offset, bvx_grid *body)
+static bvx_status find_enclosing(bvx_context *ctx, bvx_field *field, double offset, bvx_grid *body)
 {
     uint64_t const words = bvxi_grid_words(&field->band);
     float *const distance = field->distances;
@@ -65,7 +65,7 @@ static bvx_status find_body(bvx_context *ctx, bvx_field *field, double offset, b
 bvx_status bvxi_enclose(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, double farthest,
                         bvx_lattice *lattice, bvx_mesh *surface)
 {
-    BVXI_TRY(fit_lattice(ctx, function, mesh, farthest, lattice));
+    BVXI_TRY(fit_around(ctx, function, mesh, farthest, lattice));
 
     double const offset = ENCLOSE_OFFSET * sqrt(3.0) * lattice->spacing[0];
     bvx_field_options const o = {.struct_size = sizeof o,
@@ -79,7 +79,7 @@ bvx_status bvxi_enclose(bvx_context *ctx, const char *function, const bvx_mesh_v
     bvxi_cut_rule rule = {.offset = 0};
     bvx_status status = BVXI_SHARE(ctx, 0.0, 0.6, bvx_measure_field(ctx, mesh, lattice, &o, &field));
 
-    if (status == BVX_OK) status = find_body(ctx, &field, offset, &body);
+    if (status == BVX_OK) status = find_enclosing(ctx, &field, offset, &body);
     bvxi_sparse const values = bvxi_sparse_of_field(&field);
     rule.values = &values;
     if (status == BVX_OK)

@@ -11,7 +11,7 @@
 
 #include <math.h>
 
-enum { ENCLOSED_GRAIN = 256 }; /* triangles of a task */
+enum { LEAVING_GRAIN = 256 }; /* triangles of a task */
 
 /* Rounding of a distance, and more. */
 #define ENCLOSED_SLACK 1e-12
@@ -77,7 +77,8 @@ bvx_status bvxi_enclosed_open(bvx_context *ctx, const char *function, const bvx_
 
     e->farthest = farthest * (1 - ENCLOSED_SLACK);
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, e->tree.low, high));
-    for (int a = 0; a < 3; a++) size = fmax(size, high[a] - e->tree.low[a]);
+    for (int a = 0; a < 3; a++)
+        if (high[a] - e->tree.low[a] > size) size = high[a] - e->tree.low[a];
     e->tree.scale = size > 0 ? 1 / size : 1;
     BVXI_TRY(bvxi_closest_open(bvxi_call_of(ctx, function, "search tree", 0.0, 0.5), mesh, &e->closest));
     BVXI_TRY(open_tree_of_corners(ctx, e));
@@ -93,9 +94,9 @@ static int is_far(const bvxi_enclosed *e, const double *const p[3], uint32_t *hi
 
     for (int a = 0; a < 3; a++) middle[a] = (p[0][a] + p[1][a] + p[2][a]) / 3;
     for (int k = 0; k < 3; k++) {
-        double const way[3] = {p[k][0] - middle[0], p[k][1] - middle[1], p[k][2] - middle[2]};
+        double const way = sqrt(bvxi_vec_distance2(p[k], middle));
 
-        reach = fmax(reach, bvxi_vec_length(way));
+        reach = way > reach ? way : reach;
         for (int a = 0; a < 3; a++) half[k][a] = 0.5 * (p[k][a] + p[(k + 1) % 3][a]);
     }
     bvxi_closest_ask(&e->closest, middle, hint, &found);
@@ -177,7 +178,7 @@ bvx_status bvxi_collapse_mark_leaving(const bvxi_collapse *c, uint8_t **leaves)
 
     BVXI_TRY(BVXI_ARRAY(c->ctx, n, "triangles that leave what they enclose", *leaves));
     leaving_marks l = {c, *leaves};
-    bvxi_ranges(c->ctx, bvxi_piece_count(n, ENCLOSED_GRAIN), n, leaving_piece, &l);
+    bvxi_ranges(c->ctx, bvxi_piece_count(n, LEAVING_GRAIN), n, leaving_piece, &l);
     return BVX_OK;
 }
 

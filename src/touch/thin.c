@@ -309,7 +309,8 @@ BVXI_VECTOR_INLINE void place_first_blocks(const line_axis *s, uint32_t n)
         int32_t const last_v = most_v[i] > high_v ? high_v : most_v[i];
         int32_t const along_u = u < last_u ? 3 : u == last_u ? 1 : 0;
         int32_t const along_v = v < last_v ? 5 : v == last_v ? 1 : 0;
-        int32_t const more = (most_u[i] - least_u[i] > 1) | (most_v[i] - least_v[i] > 1) ? THIN_MORE : 0;
+        int32_t const more = ((most_u[i] - least_u[i] > 1) | (most_v[i] - least_v[i] > 1)) != 0 ? THIN_MORE
+                                                                                                : 0;
         l->u[i] = u;
         l->v[i] = v;
         l->lines[i] = along_u * along_v != 0 ? along_u * along_v | more : 0;
