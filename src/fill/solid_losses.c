@@ -157,8 +157,7 @@ static int are_floats_between(const unsigned char *places, uint64_t count, const
     for (uint64_t v = 0; v < count; v += 4) {
         float f[12];
         memcpy(f, places + (size_t)v * 12, sizeof f);
-        for (int i = 0; i < 12; i++)
-            beyond[i] |= !(((double)f[i] >= least[i]) & ((double)f[i] <= most[i]));
+        for (int i = 0; i < 12; i++) beyond[i] |= !(((double)f[i] >= least[i]) & ((double)f[i] <= most[i]));
     }
     for (int i = 0; i < 12; i++) any |= beyond[i];
     return any == 0;
