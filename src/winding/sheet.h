@@ -77,6 +77,9 @@ bvx_status bvxi_holes_strips(bvx_context *ctx, const bvxi_holes *holes, const bv
 bvx_status bvxi_sheet_open(bvx_context *ctx, const bvxi_holes *holes, const bvxi_snapped *snapped,
                            const bvx_lattice *lattice, bvxi_sheet *sheet);
 void bvxi_sheet_close(bvx_context *ctx, bvxi_sheet *sheet);
+/* A ball about the middle of the box of points begin .. end - 1, of corner[begin] ... unless that is NULL: its radius. */
+double bvxi_sheet_enclose(const bvxi_sheet *s, const uint32_t *corner, uint64_t begin, uint64_t end,
+                          double centre[3]);
 
 /* touching_angle.c: half the solid angle of triangle q at the displaced centre p, as that of (re, im), where
  * doubles cannot decide: in its plane or nearly so. v: the corners as seen from p; det, re, im: what doubles

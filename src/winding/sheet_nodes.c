@@ -4,29 +4,22 @@
 #include "mesh/mesh.h"
 #include "winding/turns.h"
 
-/* A ball around points i .. j: about the middle of their box. */
-static void enclose_points(const bvxi_sheet *s, uint64_t i, uint64_t j, bvxi_sheet_node *node)
+double bvxi_sheet_enclose(const bvxi_sheet *s, const uint32_t *corner, uint64_t begin, uint64_t end,
+                          double centre[3])
 {
-    double low[3], high[3];
-
-    memcpy(low, bvxi_sheet_point(s, i), sizeof low);
-    memcpy(high, low, sizeof high);
+    double low[3], high[3], radius = 0;
 
     /* The box gives a centre; the farthest point gives the radius. */
-    for (uint64_t k = i + 1; k <= j; k++) {
-        const double *const p = bvxi_sheet_point(s, k);
-        for (int a = 0; a < 3; a++) {
-            if (p[a] < low[a]) low[a] = p[a];
-            if (p[a] > high[a]) high[a] = p[a];
-        }
+    memcpy(low, bvxi_sheet_point(s, corner != NULL ? corner[begin] : begin), sizeof low);
+    memcpy(high, low, sizeof high);
+    for (uint64_t k = begin + 1; k < end; k++)
+        bvxi_widen(low, high, bvxi_sheet_point(s, corner != NULL ? corner[k] : k), 3);
+    for (int a = 0; a < 3; a++) centre[a] = 0.5 * (low[a] + high[a]);
+    for (uint64_t k = begin; k < end; k++) {
+        double const d = bvxi_sheet_distance(centre, bvxi_sheet_point(s, corner != NULL ? corner[k] : k));
+        if (d > radius) radius = d;
     }
-    node->radius = 0;
-    for (int a = 0; a < 3; a++) node->centre[a] = 0.5 * (low[a] + high[a]);
-    for (uint64_t k = i; k <= j; k++) {
-        double const d = bvxi_sheet_distance(node->centre, bvxi_sheet_point(s, k));
-        if (d > node->radius) node->radius = d;
-    }
-    node->radius *= 1.0 + 1e-12; /* beyond what rounding takes */
+    return radius * (1.0 + 1e-12); /* beyond what rounding takes */
 }
 
 /* Sums over all points of i .. j: each of them is in about log2 nodes. */
@@ -36,7 +29,7 @@ static void make_node(const bvxi_sheet *s, uint64_t i, uint64_t j, bvxi_sheet_no
     uint64_t from, to;
 
     memset(node, 0, sizeof *node);
-    enclose_points(s, i, j, node);
+    node->radius = bvxi_sheet_enclose(s, NULL, i, j + 1, node->centre);
     w.count = 0;
     /* The same walk as the sums', so that a node is made of the triangles that it stands for. */
     bvxi_sheet_push(&w, i, j);
