@@ -333,7 +333,7 @@ static bvx_status write_joint_mesh(joint_faces *f, bvx_mesh *mesh)
         if (*number == BVXI_NONE) {
             *number = (uint32_t)vertices++;
             joint_place(f, v, at);
-            bvxi_give_position(mesh, o->options.position_type, *number, at);
+            bvxi_put_position(mesh, o->options.position_type, *number, at[0], at[1], at[2]);
             f->used[v] = (uint8_t)f->kind;
         }
         mesh->triangles[i] = *number;

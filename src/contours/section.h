@@ -13,6 +13,7 @@
 #define BVXI_SECTION_H
 
 #include "core/core.h"
+#include "core/vec3.h"
 
 #define BVXI_NONE UINT32_MAX
 
@@ -171,15 +172,6 @@ static inline double bvxi_along_axis(const double axis[3], const double p[3])
 static inline double bvxi_fixed_u(const bvxi_stack *s, int axis, int32_t q)
 {
     return s->origin[axis] + (double)q / (double)(1 << s->fine) * s->step[axis];
-}
-
-/* Bounds widened by a place of n coordinates. */
-static inline void bvxi_widen(double *low, double *high, const double *at, int n)
-{
-    for (int k = 0; k < n; k++) {
-        low[k] = at[k] < low[k] ? at[k] : low[k];
-        high[k] = at[k] > high[k] ? at[k] : high[k];
-    }
 }
 
 /* Words of a bit a grid point. */
@@ -450,15 +442,6 @@ static inline uint64_t bvxi_edge_key(uint32_t a, uint32_t b)
 static inline void bvxi_report_place(bvx_sections_report *report, const double at[3])
 {
     if (report->located < BVX_SECTIONS_LOCATED) memcpy(report->unkept[report->located++], at, 24);
-}
-
-/* A vertex of a mesh that is made. */
-static inline void bvxi_give_position(const bvx_mesh *mesh, int32_t type, uint64_t number, const double at[3])
-{
-    for (uint64_t k = 3 * number; k < 3 * number + 3; k++, at++) {
-        if (type == BVX_F64) ((double *)mesh->positions)[k] = *at;
-        else ((float *)mesh->positions)[k] = (float)*at;
-    }
 }
 
 /* Closed, oriented, edge- and vertex-manifold? Any other mesh is freed where its arrays are not the caller's. */

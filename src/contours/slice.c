@@ -4,7 +4,6 @@
  * one that it goes up by. Pieces are joined by their edges, the two indices of their ends, so that no comparison
  * of coordinates decides. Vertices on a plane count as above it, so no plane meets a vertex. On a closed and
  * oriented mesh every piece has one before and one after it. */
-#include "core/vec3.h"
 #include "contours/section.h"
 #include "mesh/mesh.h"
 #include "mesh/view.h"

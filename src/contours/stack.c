@@ -5,7 +5,6 @@
  * counter-clockwise, one inside an odd number is a hole and runs clockwise: the inside is on the left of
  * all. */
 #include "contours/section.h"
-#include "core/vec3.h"
 
 #include "mesh/mesh.h"
 

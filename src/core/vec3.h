@@ -25,6 +25,15 @@ static inline double bvxi_vec_volume6(const double a[3], const double b[3], cons
            a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
+/* Bounds widened by a place of n coordinates. */
+static inline void bvxi_widen(double *low, double *high, const double *at, int n)
+{
+    for (int k = 0; k < n; k++) {
+        low[k] = at[k] < low[k] ? at[k] : low[k];
+        high[k] = at[k] > high[k] ? at[k] : high[k];
+    }
+}
+
 static inline int bvxi_vec_is_same(const double a[3], const double b[3])
 {
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];

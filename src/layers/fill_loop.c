@@ -8,7 +8,6 @@
  * a vertex inside the cell is joined to the whole loop.
  *
  * Source: Klincsek. Minimal triangulations of polygonal domains. 1980 (the dynamic program). */
-#include "core/vec3.h"
 #include "layers/trace.h"
 
 #include <math.h>

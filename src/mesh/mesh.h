@@ -14,6 +14,23 @@ bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t positi
  * while those of the caller are only emptied. */
 bvx_status bvxi_mesh_made(bvx_context *ctx, bvx_status status, int mine, bvx_mesh *mesh);
 
+/* A vertex of a mesh that was opened with positions of that type. */
+static inline void bvxi_put_position(const bvx_mesh *mesh, int32_t type, uint64_t vertex, double x, double y,
+                                     double z)
+{
+    if (type == BVX_F32) {
+        float *const p = (float *)mesh->positions + 3 * vertex;
+        p[0] = (float)x;
+        p[1] = (float)y;
+        p[2] = (float)z;
+    } else {
+        double *const p = (double *)mesh->positions + 3 * vertex;
+        p[0] = x;
+        p[1] = y;
+        p[2] = z;
+    }
+}
+
 /* Frees arrays of a mesh that owns them, and sets them to NULL; the counts stay. */
 enum {
     BVXI_MESH_POSITIONS = 1,

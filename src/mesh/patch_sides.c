@@ -147,12 +147,9 @@ static void cross_rays(side_rays *r, const int axis[3], int list)
         int32_t i[2], j[2];
 
         side_corners(r->in, t, p);
-        for (int a = 0; a < 3; a++) {
-            low[a] = p[0][a] < p[1][a] ? p[0][a] : p[1][a];
-            high[a] = p[0][a] > p[1][a] ? p[0][a] : p[1][a];
-            if (p[2][a] < low[a]) low[a] = p[2][a];
-            if (p[2][a] > high[a]) high[a] = p[2][a];
-        }
+        memcpy(low, p[0], sizeof low);
+        memcpy(high, p[0], sizeof high);
+        for (int k = 1; k < 3; k++) bvxi_widen(low, high, p[k], 3);
         rays_between(r, u, ray_shift[0], low[u], high[u], i);
         rays_between(r, v, ray_shift[1], low[v], high[v], j);
 

@@ -7,7 +7,6 @@
  *
  * Source: Tarjan. Efficiency of a Good But Not Linear Set Union Algorithm. 1975; links carry one more bit.
  * The minority is turned, as a reader of a mesh with a few flipped triangles would do. */
-#include "core/vec3.h"
 #include "mesh/topology.h"
 #include "mesh/mesh.h"
 #include "mesh/view.h"

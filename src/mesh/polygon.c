@@ -390,13 +390,6 @@ bvx_status bvxi_polygon_cut(bvxi_polygon *work, const double (*corner)[3], uint6
     return BVX_OK;
 }
 
-void bvxi_polygon_free(bvxi_polygon *work)
-{
-    bvxi_drop(work->ctx, work->block);
-    work->block = NULL;
-    work->block_size = 0;
-}
-
 /* ---- A polygon that is not simple cut into triangles as well as can be, in bounded time ---- */
 
 /* Source: Meisters. Polygons have ears. 1975. ElGindy, Everett, Toussaint. Slicing an ear using

@@ -26,8 +26,6 @@ typedef struct bvxi_polygon {
 bvx_status bvxi_polygon_cut(bvxi_polygon *work, const double (*corner)[3], uint64_t count,
                             uint32_t *triangles);
 
-void bvxi_polygon_free(bvxi_polygon *work);
-
 /* ---- A polygon laid into a plane ---- */
 
 /* Corners in the order of the polygon, counter-clockwise, no two neighbours at one

@@ -300,10 +300,7 @@ void bvxi_view_used_bounds(const bvx_mesh_view *v, double low[3], double high[3]
         bvxi_view_triangle(v, t, c);
         for (int k = 0; k < 3; k++) {
             bvxi_view_position(v, c[k], p);
-            for (int a = 0; a < 3; a++) {
-                low[a] = p[a] < low[a] ? p[a] : low[a];
-                high[a] = p[a] > high[a] ? p[a] : high[a];
-            }
+            bvxi_widen(low, high, p, 3);
         }
     }
 }
@@ -351,10 +348,7 @@ bvx_status bvxi_view_point_bounds(bvx_context *ctx, const char *function, const 
     memcpy(hi, lo, sizeof hi);
     for (uint64_t i = 1; i < view->vertex_count; i++) {
         bvxi_view_position(view, i, p);
-        for (int a = 0; a < 3; a++) {
-            lo[a] = p[a] < lo[a] ? p[a] : lo[a];
-            hi[a] = p[a] > hi[a] ? p[a] : hi[a];
-        }
+        bvxi_widen(lo, hi, p, 3);
     }
     for (int a = 0; a < 3; a++) {
         low[a] = lo[a] + 0.0;

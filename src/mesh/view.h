@@ -4,6 +4,7 @@
 #define BVXI_VIEW_H
 
 #include "core/core.h"
+#include "core/vec3.h"
 
 /* The shape of the struct, not what the arrays hold: NULL, type numbers, strides, counts, reserved fields.
  * BVX_ERR_ARGUMENT or BVX_ERR_RANGE with the field's name. A mesh without triangles passes. */

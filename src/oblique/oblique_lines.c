@@ -11,7 +11,6 @@
  * Where three planes have a corner between contours that are to agree, all three must agree of the corner
  * too: it is on the side that two of them say, and the crossings move so that the third one's contour passes
  * it there. It then meets the two other planes in the other order, which its crossings are given. */
-#include "core/vec3.h"
 #include "oblique/oblique.h"
 
 #include <math.h>

@@ -438,9 +438,11 @@ static bvx_status write_surface(bvxi_oblique *o, uint32_t *joined, bvx_mesh *mes
     BVXI_TRY(
         bvxi_mesh_open(o->ctx, o->function, o->options.position_type, 0, vertices, o->triangle_count, mesh));
     memcpy(mesh->triangles, o->triangle, (size_t)o->triangle_count * 12);
-    for (uint64_t i = 0; i < o->position_count; i++)
-        if (joined[i] != BVXI_NONE)
-            bvxi_give_position(mesh, o->options.position_type, joined[i], o->position + 3 * i);
+    for (uint64_t i = 0; i < o->position_count; i++) {
+        const double *const at = o->position + 3 * i;
+        if (joined[i] == BVXI_NONE) continue;
+        bvxi_put_position(mesh, o->options.position_type, joined[i], at[0], at[1], at[2]);
+    }
     return BVX_OK;
 }
 

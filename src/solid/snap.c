@@ -167,8 +167,7 @@ bvx_status bvxi_snap(bvx_context *ctx, const char *function, const bvx_mesh_view
     BVXI_TRY(bvxi_for_pieces(ctx, "solid", 0.0, 0.1, job.pieces, job.view->vertex_count, snap_piece, &job));
     for (int32_t i = 0; i < job.pieces; i++) any_bad |= job.bad[i];
     /* Gone over once more only where something did not fit. */
-    if (any_bad) BVXI_TRY(snap_judge(ctx, function, &job, lattice));
-    return BVX_OK;
+    return any_bad ? snap_judge(ctx, function, &job, lattice) : BVX_OK;
 }
 
 static inline uint32_t clamp_side(int32_t v, int32_t side)

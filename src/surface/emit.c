@@ -26,7 +26,8 @@ BVXI_VECTOR_INLINE void emit_middles(const bvxi_march *m, int32_t axis, int32_t 
             p[2] = fz;
         }
     } else {
-        for (uint32_t i = 0; i < list->count; i++) bvxi_put_position(m, vertex + i, x[list->at[i]], y, z);
+        for (uint32_t i = 0; i < list->count; i++)
+            bvxi_put_position(m->mesh, m->options.position_type, vertex + i, x[list->at[i]], y, z);
     }
 }
 
@@ -70,9 +71,9 @@ BVXI_VECTOR_INLINE void emit_levels(const bvxi_march *m, int32_t axis, int32_t j
             t = cut_of_level(s->level, bvxi_sample_value(p, s->type),
                              bvxi_sample_value(p + (ptrdiff_t)step, s->type));
         }
-        bvxi_put_position(m, vertex + n, bvxi_place_along(m, 0, i, axis == 0 ? t : 0.0),
-                          axis == 1 ? bvxi_place_along(m, 1, j, t) : y,
-                          axis == 2 ? bvxi_place_along(m, 2, k, t) : z);
+        bvxi_put_position(
+            m->mesh, m->options.position_type, vertex + n, bvxi_place_along(m, 0, i, axis == 0 ? t : 0.0),
+            axis == 1 ? bvxi_place_along(m, 1, j, t) : y, axis == 2 ? bvxi_place_along(m, 2, k, t) : z);
     }
 }
 

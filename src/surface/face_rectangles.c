@@ -7,7 +7,6 @@
  * Guarantee: each exposed face lies in one rectangle; planes by axis x, y, z, then rising, the side of the
  * normal along - before the one along +, in a plane by their first faces; no thread shows in it. */
 #include "bits/runs.h"
-#include "mesh/mesh.h"
 #include "surface/faces.h"
 
 /* ---- counts and the mesh, of single faces too ---- */

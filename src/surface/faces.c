@@ -7,7 +7,6 @@
  * Guarantee: each exposed face once, outwards, vertices shared, canonical order; no thread shows in it. */
 #include "surface/faces.h"
 #include "surface/march.h"
-#include "mesh/mesh.h"
 
 /* The four rows of voxels about a row of corners: (j - 1, k - 1), (j, k - 1), (j - 1, k), (j, k). */
 typedef struct face_voxels {

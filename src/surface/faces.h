@@ -7,6 +7,7 @@
 
 #include "bits/bits.h"
 #include "grid/grid.h"
+#include "mesh/mesh.h"
 
 /* First numbers of a row of corners (counts before the prefix sum): its
  * vertices, and the faces whose low corner lies in it. */
@@ -52,23 +53,6 @@ static inline uint64_t bvxi_face_word(const bvxi_faces *f, const uint64_t *row, 
     return here;
 }
 
-static inline void bvxi_put_corner(const bvxi_faces *f, uint64_t vertex, int32_t i, double y, double z)
-{
-    double const x = f->origin[0] + (double)(f->grid->low[0] + i) * f->spacing[0];
-
-    if (f->options.position_type == BVX_F32) {
-        float *const p = (float *)f->mesh->positions + 3 * vertex;
-        p[0] = (float)x;
-        p[1] = (float)y;
-        p[2] = (float)z;
-    } else {
-        double *const p = (double *)f->mesh->positions + 3 * vertex;
-        p[0] = x;
-        p[1] = y;
-        p[2] = z;
-    }
-}
-
 /* World coordinate of corners along an axis. */
 static inline double bvxi_corner_along(const bvxi_faces *f, int32_t axis, int32_t index)
 {
@@ -80,7 +64,8 @@ static inline void bvxi_put_corners(const bvxi_faces *f, uint64_t corners, int32
                                     double y, double z)
 {
     for (; corners != 0; corners &= corners - 1)
-        bvxi_put_corner(f, vertex++, w * BVXI_WORD_BITS + bvxi_lowest(corners), y, z);
+        bvxi_put_position(f->mesh, f->options.position_type, vertex++,
+                          bvxi_corner_along(f, 0, w * BVXI_WORD_BITS + bvxi_lowest(corners)), y, z);
 }
 
 /* A face as two triangles. Its corners, seen from the positive side of its axis, turn counter-clockwise a, b,

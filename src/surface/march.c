@@ -8,7 +8,6 @@
  * place, a second pass writes. Guarantee: closed where sides are closed, outwards, manifold, canonical order;
  * no thread shows in it. */
 #include "surface/cells.h"
-#include "mesh/mesh.h"
 
 enum { SLOT_GRAIN = 64 };
 

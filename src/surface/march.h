@@ -10,6 +10,7 @@
 
 #include "bits/bits.h"
 #include "grid/grid.h"
+#include "mesh/mesh.h"
 
 /* First numbers of a slot's vertices by axis and of its triangles (counts before the prefix sum). */
 typedef struct bvxi_slot {
@@ -76,21 +77,6 @@ void bvxi_march_emit_piece(void *march, int32_t piece);
  * steps at least (march.c), so no two meet. */
 #define BVXI_EDGE_MARGIN (1.0 / 128.0)
 
-static inline void bvxi_put_position(const bvxi_march *m, uint64_t vertex, double x, double y, double z)
-{
-    if (m->options.position_type == BVX_F32) {
-        float *const p = (float *)m->mesh->positions + 3 * vertex;
-        p[0] = (float)x;
-        p[1] = (float)y;
-        p[2] = (float)z;
-    } else {
-        double *const p = (double *)m->mesh->positions + 3 * vertex;
-        p[0] = x;
-        p[1] = y;
-        p[2] = z;
-    }
-}
-
 /* World coordinate along an axis of a place between centres: index counts centres of the window. */
 static inline double bvxi_place_along(const bvxi_march *m, int32_t axis, int32_t index, double ratio)
 {
@@ -108,9 +94,9 @@ static inline double bvxi_keep_off_ends(double ratio)
 static inline void bvxi_put_crossing(const bvxi_march *m, uint64_t vertex, int32_t axis, int32_t i, int32_t j,
                                      int32_t k, double t)
 {
-    bvxi_put_position(m, vertex, bvxi_place_along(m, 0, i, axis == 0 ? t : 0.0),
-                      bvxi_place_along(m, 1, j, axis == 1 ? t : 0.0),
-                      bvxi_place_along(m, 2, k, axis == 2 ? t : 0.0));
+    bvxi_put_position(
+        m->mesh, m->options.position_type, vertex, bvxi_place_along(m, 0, i, axis == 0 ? t : 0.0),
+        bvxi_place_along(m, 1, j, axis == 1 ? t : 0.0), bvxi_place_along(m, 2, k, axis == 2 ? t : 0.0));
 }
 
 /* Slot number to the low row (j, k) of its cells. */

@@ -152,6 +152,5 @@ bvx_status bvxi_bins_open(bvx_context *ctx, const char *function, bvxi_surface_j
     job->bins.total = place_surface_bins(b);
     b->fill = 1;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->bins.total * 4, "the triangles by tile", &job->bins.id));
-    BVXI_TRY(run_bins(ctx, function, b));
-    return BVX_OK;
+    return run_bins(ctx, function, b);
 }

@@ -60,6 +60,25 @@ static inline double bvxi_sheet_distance(const double a[3], const double b[3])
     return sqrt(bvxi_vec_distance2(a, b));
 }
 
+/* A ball about the middle of the box of points begin .. end - 1, or of those that corner names; its radius. */
+static inline double bvxi_sheet_enclose(const bvxi_sheet *s, const uint32_t *corner, uint64_t begin,
+                                        uint64_t end, double centre[3])
+{
+    double low[3], high[3], radius = 0;
+
+    /* The box gives a centre; the farthest point gives the radius. */
+    memcpy(low, bvxi_sheet_point(s, corner != NULL ? corner[begin] : begin), sizeof low);
+    memcpy(high, low, sizeof high);
+    for (uint64_t k = begin + 1; k < end; k++)
+        bvxi_widen(low, high, bvxi_sheet_point(s, corner != NULL ? corner[k] : k), 3);
+    for (int a = 0; a < 3; a++) centre[a] = 0.5 * (low[a] + high[a]);
+    for (uint64_t k = begin; k < end; k++) {
+        double const d = bvxi_sheet_distance(centre, bvxi_sheet_point(s, corner != NULL ? corner[k] : k));
+        if (d > radius) radius = d;
+    }
+    return radius * (1.0 + 1e-12); /* beyond what rounding takes */
+}
+
 /* What loops order[i] .. order[j - 1] are from far off. */
 static inline const bvxi_sheet_node *bvxi_sheet_group(const bvxi_sheet *s, uint64_t i, uint64_t j)
 {

@@ -4,31 +4,6 @@
 #include "mesh/mesh.h"
 #include "winding/turns.h"
 
-/* A ball around points i .. j: about the middle of their box. */
-static void enclose_points(const bvxi_sheet *s, uint64_t i, uint64_t j, bvxi_sheet_node *node)
-{
-    double low[3], high[3];
-
-    memcpy(low, bvxi_sheet_point(s, i), sizeof low);
-    memcpy(high, low, sizeof high);
-
-    /* The box gives a centre; the farthest point gives the radius. */
-    for (uint64_t k = i + 1; k <= j; k++) {
-        const double *const p = bvxi_sheet_point(s, k);
-        for (int a = 0; a < 3; a++) {
-            if (p[a] < low[a]) low[a] = p[a];
-            if (p[a] > high[a]) high[a] = p[a];
-        }
-    }
-    node->radius = 0;
-    for (int a = 0; a < 3; a++) node->centre[a] = 0.5 * (low[a] + high[a]);
-    for (uint64_t k = i; k <= j; k++) {
-        double const d = bvxi_sheet_distance(node->centre, bvxi_sheet_point(s, k));
-        if (d > node->radius) node->radius = d;
-    }
-    node->radius *= 1.0 + 1e-12; /* beyond what rounding takes */
-}
-
 /* Sums over all points of i .. j: each of them is in about log2 nodes. */
 static void make_node(const bvxi_sheet *s, uint64_t i, uint64_t j, bvxi_sheet_node *node)
 {
@@ -36,7 +11,7 @@ static void make_node(const bvxi_sheet *s, uint64_t i, uint64_t j, bvxi_sheet_no
     uint64_t from, to;
 
     memset(node, 0, sizeof *node);
-    enclose_points(s, i, j, node);
+    node->radius = bvxi_sheet_enclose(s, NULL, i, j + 1, node->centre);
     w.count = 0;
     /* The same walk as the sums', so that a node is made of the triangles that it stands for. */
     bvxi_sheet_push(&w, i, j);

@@ -129,28 +129,6 @@ static const double *sheet_tree_point(const bvxi_sheet *s, const bvxi_sheet_tree
     return bvxi_sheet_point(s, tree->corner[i]);
 }
 
-/* A ball about the middle of the triangles' box. */
-static void enclose_triangles(const bvxi_sheet *s, const bvxi_sheet_tree *tree, bvxi_sheet_cell *c)
-{
-    double low[3], high[3];
-
-    memcpy(low, sheet_tree_point(s, tree, 3 * (uint64_t)c->first), sizeof low);
-    memcpy(high, low, sizeof high);
-    for (uint64_t i = 3 * (uint64_t)c->first; i < 3 * (uint64_t)c->end; i++)
-        for (int a = 0; a < 3; a++) {
-            double const v = sheet_tree_point(s, tree, i)[a];
-            if (v < low[a]) low[a] = v;
-            if (v > high[a]) high[a] = v;
-        }
-    c->radius = 0;
-    for (int a = 0; a < 3; a++) c->centre[a] = 0.5 * (low[a] + high[a]);
-    for (uint64_t i = 3 * (uint64_t)c->first; i < 3 * (uint64_t)c->end; i++) {
-        double const d = bvxi_sheet_distance(c->centre, sheet_tree_point(s, tree, i));
-        if (d > c->radius) c->radius = d;
-    }
-    c->radius *= 1 + 1e-12; /* beyond what rounding takes */
-}
-
 static void enclose_halves(const bvxi_sheet_cell *a, const bvxi_sheet_cell *b, bvxi_sheet_cell *both)
 {
     double const d = bvxi_sheet_distance(a->centre, b->centre), radius = 0.5 * (a->radius + b->radius + d);
@@ -201,7 +179,9 @@ static void fill_sheet_cell(const bvxi_sheet *s, const bvxi_sheet_tree *tree, bv
     half[0] = c + 1;
     half[1] = tree->cell + c->second;
     /* The smaller ball is dear, so only small cells have it. */
-    if (c->end - c->first <= TREE_EXACT) enclose_triangles(s, tree, c);
+    if (c->end - c->first <= TREE_EXACT)
+        c->radius = bvxi_sheet_enclose(s, tree->corner, 3 * (uint64_t)c->first, 3 * (uint64_t)c->end,
+                                       c->centre);
     else enclose_halves(half[0], half[1], c);
     if (c->second == 0) {
         for (uint64_t t = c->first; t < c->end; t++) add_triangle_moments(s, tree, t, c);

@@ -178,7 +178,7 @@ static inline void cut_polygon(const double (*corner)[3], uint64_t count, uint32
     bvxi_polygon work = {0};
     work.ctx = ctx;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_polygon_cut(&work, corner, count, triangles));
-    bvxi_polygon_free(&work);
+    bvxi_drop(ctx, work.block);
 }
 
 /* Corner k of triangle t. */

@@ -41,7 +41,7 @@ void setUp(void)
 
 void tearDown(void)
 {
-    bvxi_polygon_free(&work);
+    bvxi_drop(ctx, work.block);
     free(shape.p);
     free(other.p);
     free(space);
@@ -738,7 +738,7 @@ static bvx_status cut_with(uint64_t limit, int *stop, uint64_t *peak)
     o.progress.user = stop;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &own.ctx));
     status = bvxi_polygon_cut(&own, (const double(*)[3])space, shape.n, cut);
-    bvxi_polygon_free(&own);
+    bvxi_drop(own.ctx, own.block);
     TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(own.ctx));
     *peak = bvx_memory_peak(own.ctx);
     bvx_context_destroy(own.ctx);
@@ -784,7 +784,7 @@ static bvx_status cut_some(void *user, bvx_context *own_ctx)
     status = bvxi_polygon_cut(&own, bow, 4, cut);
     if (status == BVX_OK) status = bvxi_polygon_cut(&own, (const double(*)[3])space, shape.n, cut);
     if (status == BVX_OK) status = bvxi_polygon_cut(&own, bow, 4, cut);
-    bvxi_polygon_free(&own);
+    bvxi_drop(own.ctx, own.block);
     return status;
 }
 
