@@ -253,8 +253,8 @@ static inline void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *
 
 /* A triangle's lines are taken here when they are few, in blocks of two by two. Corners relative to a line's centre
  * are then below (THIN_MANY + 1) 2^16 < 2^21 across the axis and 2^31 along it, edge functions below 2^44, parts of
- * the normal below 2^53: integers, exact in doubles. */
-/* Arrays are a cache line longer than a power of two, so that they do not stand in each other's way. */
+ * the normal below 2^53: integers, exact in doubles.
+ * Arrays are a cache line longer than a power of two, so that they do not stand in each other's way. */
 enum {
     THIN_MANY = 16,
     THIN_BLOCKS = BVXI_TOUCH_BATCH * THIN_MANY / 2 + 16,
@@ -313,7 +313,8 @@ BVXI_VECTOR_INLINE void place_first_blocks(const line_axis *s, uint32_t n)
         int32_t const last_v = most_v[i] > high_v ? high_v : most_v[i];
         int32_t const along_u = u < last_u ? 3 : u == last_u ? 1 : 0;
         int32_t const along_v = v < last_v ? 5 : v == last_v ? 1 : 0;
-        int32_t const more = (most_u[i] - least_u[i] > 1) | (most_v[i] - least_v[i] > 1) ? THIN_MORE : 0;
+        int32_t const larger = (most_u[i] - least_u[i] > 1) | (most_v[i] - least_v[i] > 1);
+        int32_t const more = larger != 0 ? THIN_MORE : 0;
         l->u[i] = u;
         l->v[i] = v;
         l->lines[i] = along_u * along_v != 0 ? along_u * along_v | more : 0;
