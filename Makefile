@@ -317,18 +317,18 @@ demo: program ## a chain of meshes from a bundled fixture, with a table and a pi
 	@echo "meshes: $(BUILD)/demo/level_*.ply, picture: $(BUILD)/demo/levels.png"
 
 deps: ## install what the tests need (apt, as root)
-	@sh tests/tools/deps.sh
+	@BUILD=$(BUILD) sh tests/tools/deps.sh
 
 deps-proof: ## and what matrix, fuzz, coverage, mcdc, analyze, abi and the sanitizers need
-	@sh tests/tools/deps.sh proof
+	@BUILD=$(BUILD) sh tests/tools/deps.sh proof
 
 deps-windows: deps ## and what the tests of the program for Windows need: mingw, wine
-	@sh tests/tools/deps.sh windows
+	@BUILD=$(BUILD) sh tests/tools/deps.sh windows
 
 deps-js: ## and what the npm package needs: emscripten, nodejs, chromium
-	@sh tests/tools/deps.sh js
+	@BUILD=$(BUILD) sh tests/tools/deps.sh js
 
-test: deps ## all tests of this machine and compiler (half an hour of processor time); ends with "N passed, N failed"
+test: ## all tests of this machine and compiler (half an hour of processor time); ends with "N passed, N failed"
 	@$(environment) sh tests/tools/run_tests.sh here
 
 test-quick: ## without the Python package

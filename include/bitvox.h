@@ -18,7 +18,7 @@
  *     Fewer triangles, Smoothing, Repair, Levels of detail, Hulls, Booleans of meshes
  *     Levels by samples, Closest points, Distance fields   further ways from mesh to mesh, and measuring
  *     Set algebra, Morphology and distances, Components, Seeds and filling, Queries of grids
- *     Mass
+ *     Mass, Inspection
  *     Points, Volumes, Section contours, Refinement        other things that go in, voxels of several sizes
  *     Surfaces of labels                                   segmentations to bodies that share faces
  * What holds for all stages: docs/exactness.md. How each decides: docs/rules.md. What each call takes, and where its
@@ -912,6 +912,9 @@ typedef struct bvx_hull_options {
                                        through [Units: voxels] [Limit: 0..65535] */
     bvx_hull_report *report;
     bvx_level_report *reports; /**< [Size: level_count] */
+    double
+        enclose; /**< above 0: every level goes around all triangles, touches none and is nowhere further from them; no
+                         fit, parts, close_gaps and shell then [Units: world] [Limit: >= 0] [Default: 0, unset] */
 } bvx_hull_options;
 /** What of a mesh can be reached from outside, as closed levels: inner walls, shells and parts are gone, and the
  *  surface lies on the outer of double walls. The mesh may be anything: walls doubled, welded through holes, crossing,
@@ -1351,6 +1354,53 @@ typedef struct bvx_measure_report {
 BVX_API bvx_status bvx_measure(bvx_context *context, const bvx_mesh_view *mesh, const bvx_measure_options *options,
                                bvx_measure_report *report);
 
+/* ---- Inspection ---------------------------------------------------------------------------------------- */
+/** What bvx_inspect finds at places. */
+#define BVX_FINDING_LIST(X) \
+    X(BVX_FINDING_WALL, 0, "wall") /* thinner than walls */ \
+    X(BVX_FINDING_GAP, 1, "gap") /* narrower than gaps */ \
+    X(BVX_FINDING_CAVITY, 2, "cavity") /* empty, and no way out: it traps resin or powder */ \
+    X(BVX_FINDING_ISLAND, 3, "island") /* part of a layer with nothing below, nor beside that: it needs a support */
+enum { BVX_FINDING_LIST(BVX_LIST_ENUM) BVX_FINDING_COUNT = 4 };
+typedef struct bvx_finding {
+    double size; /**< least thickness or width [Units: world], volume of a cavity, area of an island */
+    double position[3]; /**< a voxel's centre: where it is least, of others one amid their longest row [Units: world] */
+    double low[3], high[3]; /**< box of its voxels; of walls and gaps those of their middle [Units: world] */
+    uint64_t voxels;
+} bvx_finding;
+typedef struct bvx_inspect_options {
+    size_t struct_size;
+    bvx_fit fit; /**< voxels; rays start as far apart, and layers are a voxel high [Default: 256 voxels, padded by 1] */
+    double walls; /**< thinner walls are findings; 0: none [Units: world] [Limit: >= 0] */
+    double gaps; /**< narrower gaps are findings; 0: none [Units: world] [Limit: >= 0] */
+    double density; /**< mass of a unit of volume [Limit: > 0] [Default: 1] */
+    int32_t up; /**< towards which layers are built, BVX_UP_... */
+    int32_t most; /**< findings of a kind that are listed [Limit: 1..2^20] [Default: 8] */
+    bvx_finding *findings; /**< of kind k from k * most, the worst first: thinnest, largest [Size: 4 * most] */
+    double *thickness; /**< of each vertex, the least beside it; infinity where none is found [Size: vertex_count] */
+} bvx_inspect_options;
+typedef struct bvx_inspect_report {
+    bvx_certificate certificate; /**< of the mesh; vertices at equal positions count as one */
+    bvx_lattice lattice; /**< of the voxels */
+    int32_t needs; /**< BVX_NEEDS_...: what makes it unsound, or nothing */
+    int32_t fill; /**< BVX_FILL_...: the rule that filled */
+    uint64_t crossings; /**< pairs of triangles that cross */
+    double volume, volume_error, mass; /**< as bvx_measure_report */
+    double least_thickness, thin_ends[2][3]; /**< and both ends; infinity: there is none [Units: world] */
+    double thickness[4]; /**< that 1, 5, 50 and 95 % of the surface do not reach, to 1 % of it [Units: world] */
+    double thin_area; /**< of the surface whose wall is thinner than walls [Units: world^2] */
+    double least_gap, gap_ends[2][3]; /**< as least_thickness, through what is empty [Units: world] */
+    double cavity_volume; /**< of all cavities [Units: world^3] */
+    uint64_t found[4]; /**< findings of each kind */
+} bvx_inspect_report;
+/** Whether a mesh can be made: is it sound, how thick are its walls, how narrow its gaps, what is trapped in it, which
+ *  parts of its layers hang in the air. Thickness is the way straight inwards to the other side, from points of each
+ *  triangle; a gap is the way outwards. Both count where the other side faces the ray to 60 degrees. Why rays and not
+ *  balls: docs/rules.md. Where a mesh is not sound they hold where triangles face outwards.
+ *  Returns BVX_ERR_EMPTY (no triangle of area), BVX_ERR_RANGE (as bvx_voxelize_solid; 2^32 pairs that cross). */
+BVX_API bvx_status bvx_inspect(bvx_context *context, const bvx_mesh_view *mesh, const bvx_inspect_options *options,
+                               bvx_inspect_report *report);
+
 /* ---- Points -------------------------------------------------------------------------------------------- */
 typedef struct bvx_points_report {
     uint64_t inside, outside; /**< points in the window, and beyond it */
@@ -1471,10 +1521,6 @@ enum { BVX_CAPS_LIST(BVX_LIST_ENUM) };
 #define BVX_CROSSINGS_LIST(X) \
     X(BVX_CROSSINGS_EXACT, 0, "exact") X(BVX_CROSSINGS_PAPER, 1, "paper") X(BVX_CROSSINGS_CLASSIC, 2, "classic")
 enum { BVX_CROSSINGS_LIST(BVX_LIST_ENUM) };
-/** How distances go from section to section: LINEAR, straight, with a kink at every section; CUBIC, the monotone cubic
- *  over four sections. AUTO: CUBIC from five sections on, with crossings EXACT. */
-#define BVX_BLEND_LIST(X) X(BVX_BLEND_AUTO, 0, "auto") X(BVX_BLEND_LINEAR, 1, "linear") X(BVX_BLEND_CUBIC, 2, "cubic")
-enum { BVX_BLEND_LIST(BVX_LIST_ENUM) };
 
 /** The label 0 in options, where 0 stands for the default. No loop has this number. */
 enum { BVX_LABEL_ZERO = -2147483647 - 1 };
@@ -1503,10 +1549,8 @@ typedef struct bvx_sections_report {
 /** What is between parallel planes. Planes of any direction take none of it. */
 typedef struct bvx_slabs {
     int32_t grid[2]; /**< cells along the plane's axes, both or none [Limit: 0, or 2..8192] */
-    int32_t layers; /**< cells from section to section [Limit: 1..64] [Default: 1] */
     int32_t crossings; /**< BVX_CROSSINGS_... */
     int32_t depth; /**< a cell is halved at most this often [Limit: BVX_NONE, or 0..8] [Default: 5] */
-    int32_t blend; /**< BVX_BLEND_... */
 } bvx_slabs;
 typedef struct bvx_sections_options {
     size_t struct_size;
@@ -1526,8 +1570,9 @@ typedef struct bvx_sections_options {
 } bvx_sections_options;
 /** The closed surface of a body through all of its section contours. On a section plane the contour decides: its points
  *  are vertices with the coordinates given. Between planes the surface follows a blend of the sections' signed
- *  distances. It is oriented, edge- and vertex-manifold, and closed but for open caps. Planes of any direction
- *  (normals) may cross. How each case is decided, and how far points may be off their plane: docs/rules.md.
+ *  distances: from five sections on, with crossings EXACT, the monotone cubic over four of them, else straight. It is
+ *  oriented, edge- and vertex-manifold, and closed but for open caps. Planes of any direction (normals) may cross. How
+ *  each case is decided, and how far points may be off their plane: docs/rules.md.
  *  Returns BVX_ERR_EMPTY (no loop, only one section and no thickness, a loop of fewer than three points),
  *  BVX_ERR_FORMAT (loops that cross or touch; two sections at one position; points off their plane; planes that
  *  contradict each other), BVX_ERR_ARGUMENT (also several labels and none chosen). */
@@ -1660,19 +1705,23 @@ typedef struct bvx_complex {
     uint64_t *cells; /**< of each vertex: the cell (i,j,k) around the low corner of the window's voxel (i,j,k) that
                           holds it, as (k * (size[1] + 1) + j) * (size[0] + 1) + i [Size: vertices] */
     uint8_t *junctions; /**< of each vertex: sides of its cell (bits -x, +x, -y ...) through which an edge runs that has
-                             more than two faces [Size: vertices] */
+                             more than two faces; BVX_AT_SEAM, BVX_ON_SEAM [Size: vertices] */
     uint64_t face_count, label_count;
     int32_t low[3], size[3]; /**< the volume's window */
     int32_t owned; /**< 1 when bvx_complex_free frees the arrays */
-    int32_t single; /**< 1: simplified. Face f is triangle f alone, cells is NULL, junctions is 0 off them */
+    int32_t single; /**< 1: simplified. Face f is triangle f alone, cells is NULL, junctions is 0 off them and seams; on
+                         seams BVX_ON_SEAM + the vertex's index in its cell: equal vertices have it and the position */
     int32_t reserved[2];
 } bvx_complex;
+/** Bits of junctions in open windows: a vertex of a cell that windows share; one at which several may have faces. */
+enum { BVX_AT_SEAM = 64, BVX_ON_SEAM = 128 };
 typedef struct bvx_labels_options {
     size_t struct_size;
-    int64_t background; /**< the label that is no body, and what lies beyond the window; u64: its bits [Limit: any] */
+    int64_t background; /**< the label that is no body, and what lies beyond the volume; u64: its bits [Limit: any] */
     int32_t staircase; /**< 1: vertices stay at the corners of voxels, unsmoothed */
     int32_t position_type; /**< see Types */
-    int32_t local_frame, reserved; /**< see Types */
+    int32_t local_frame; /**< see Types */
+    int32_t open; /**< 1: the window is a piece that others join, with one voxel more where the lattice goes on */
     uint64_t triangles; /**< at most so many in all, not on a staircase; 0: as they come [Limit: any] */
     double error; /**< instead: mean distance to the faces as they come, both ways [Units: world] [Limit: >= 0] */
 } bvx_labels_options;
@@ -1680,6 +1729,9 @@ typedef struct bvx_labels_options {
  *  different labels; its corners are vertices of the four cells around that side. Vertices are in order (z, y, x) of
  *  their cell, faces in order (z, y, x, axis) of their lower voxel. Labels keep the volume of their voxels to 0.1 %,
  *  but where most faces are at junctions; more: docs/rules.md. complex brings no arrays. Empty without labels.
+ *  Open windows part a lattice by planes along voxels' sides, two voxels from its own sides and more, and each takes one
+ *  voxel more beyond such planes. Each face is then in one of them, bodies of one end where the next one's begin, no
+ *  triangles of two cross, and vertices ON_SEAM have the same bits in all. Vertices on their planes stay there.
  *  Returns BVX_ERR_UNSUPPORTED (samples that are floats), BVX_ERR_ARGUMENT (also a background that samples cannot
  *  have), BVX_ERR_RANGE (2^32 - 1 vertices or 2^30 faces; positions too coarse). */
 BVX_API bvx_status bvx_label_surfaces(bvx_context *context, const bvx_volume_view *volume,

@@ -399,6 +399,8 @@ export interface HullOptions extends CallOptions {
     shell?: number | undefined;
     /** Openings of up to this many voxels are closed [0: those that no empty voxel leads through]. */
     closeGaps?: number | undefined;
+    /** Levels go around every triangle, touch none and are nowhere further from them [0: no]. */
+    enclose?: number | undefined;
 }
 /** [bvx_hull_report] */
 export interface HullReport {

@@ -136,7 +136,7 @@ def missing(header: Path) -> list[str]:
 # ---- reports: structs that the library fills, as named tuples of Python ----
 
 _REPORTS = {"bvx_topology": "Topology", "bvx_distance_report": "Distances", "bvx_certificate": "Certificate", "bvx_grid_difference": "Difference",
-                "bvx_seed": "Seed", "bvx_octree_level": "OctreeLevel",
+                "bvx_seed": "Seed", "bvx_finding": "Finding", "bvx_octree_level": "OctreeLevel",
                 "bvx_label": "Label"}
 _TYPES = {"double": "float", "float": "float", "size_t": "int", **{f"{u}int{n}_t": "int" for u in ("", "u") for n in (8, 16, 32, 64)}}
 

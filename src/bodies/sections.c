@@ -28,12 +28,10 @@ enum { MOST_TIMES = 4 }; /* that levels may cross before all are given up */
 static const char sections_name[] = "bvx_build_sections";
 
 static const bvxi_option sections_rows[] = {
-    BVXI_OR(bvx_sections_options, slabs.layers, WHOLE, 1, 1, 64),
     BVXI_CHOICE(bvx_sections_options, caps, BVX_CAPS_FLAT, BVX_CAPS_OPEN),
     BVXI_CHOICE(bvx_sections_options, slabs.crossings, BVX_CROSSINGS_EXACT, BVX_CROSSINGS_CLASSIC),
     BVXI_OR(bvx_sections_options, slabs.depth, WHOLE, 5, 0, BVXI_SECTION_DEEPEST),
     BVXI_SWITCH(bvx_sections_options, mend),
-    BVXI_CHOICE(bvx_sections_options, slabs.blend, BVX_BLEND_AUTO, BVX_BLEND_CUBIC),
     BVXI_REAL(bvx_sections_options, agree, 0.0, BVXI_FINITE),
     BVXI_CHOICE(bvx_sections_options, position_type, BVX_POSITION_AUTO, BVX_F64),
     BVXI_REAL(bvx_sections_options, spacing, 0.0, BVXI_FINITE),

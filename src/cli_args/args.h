@@ -24,6 +24,7 @@ enum {
     CLI_SIMPLIFY = 1 << 20,
     CLI_LABELS = 1 << 21,
     CLI_HULL = 1 << 22,
+    CLI_CHECK = 1 << 23,
     CLI_ALL = 0x7fffffff
 };
 
@@ -147,7 +148,7 @@ struct cli_options {
 
     /* fewer triangles */
     cli_list triangles;
-    cli_errors errors;
+    cli_errors errors, enclose;
     int32_t error_kind; /* BVX_ERROR_... */
     int32_t count;      /* levels */
     int32_t strict;

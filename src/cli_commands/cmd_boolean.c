@@ -138,19 +138,6 @@ static void choose_boolean_box(const boolean_run *b, const cli_box box[2], cli_b
         if (!(fit->low[a] < fit->high[a])) *fit = box[0]; /* nothing will be left */
 }
 
-/* A mesh that sticks out far needs fewer fraction bits for its vertices to fit. */
-static void give_fraction_bits(const cli_box box[2], bvx_lattice *l)
-{
-    double farthest = 0.0;
-    for (int i = 0; i < 2; i++)
-        for (int a = 0; a < 3; a++) {
-            farthest = fmax(farthest, (l->origin[a] - box[i].low[a]) / l->spacing[a]);
-            farthest = fmax(farthest, (box[i].high[a] - l->origin[a]) / l->spacing[a]);
-        }
-    /* A snapped coordinate stays below 2^29. */
-    while (l->fraction_bits > 4 && ldexp(farthest, l->fraction_bits) > 536870912.0) l->fraction_bits--;
-}
-
 /* A lattice around what can be left, as bvx_boolean fits it, with an empty voxel on every side. */
 static bvx_status fit_boolean_lattice(cli_run *run, const boolean_run *b, bvx_lattice *lattice)
 {
@@ -162,7 +149,18 @@ static bvx_status fit_boolean_lattice(cli_run *run, const boolean_run *b, bvx_la
     run->options->padding = 1;
     bvx_mesh_view const corners = cli_corners_of_box(&fit);
     bvx_status status = cli_make_lattice(run, &corners, lattice);
-    if (status == BVX_OK) give_fraction_bits(box, lattice);
+    if (status == BVX_OK) {
+        /* A mesh that sticks out far needs fewer fraction bits for its vertices to fit. */
+        double farthest = 0.0;
+        for (int i = 0; i < 2; i++)
+            for (int a = 0; a < 3; a++) {
+                farthest = fmax(farthest, (lattice->origin[a] - box[i].low[a]) / lattice->spacing[a]);
+                farthest = fmax(farthest, (box[i].high[a] - lattice->origin[a]) / lattice->spacing[a]);
+            }
+        /* A snapped coordinate stays below 2^29. */
+        while (lattice->fraction_bits > 4 && ldexp(farthest, lattice->fraction_bits) > 536870912.0)
+            lattice->fraction_bits--;
+    }
     return status;
 }
 

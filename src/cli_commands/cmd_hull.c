@@ -17,6 +17,9 @@ static const cli_argument hull_rows[] = {
     WHOLE("--close-gaps", "N", SHARED(close_gaps), 0, 65535,
           "openings of up to N voxels are closed, larger ones stay [those that no\n"
           "empty voxel leads through]"),
+    ERRORS("--enclose", "D", SHARED(enclose), 1,
+           "go around every triangle, touching none and nowhere further than D from\n"
+           "the mesh, in its unit or with % of its diagonal: for collisions"),
     LIST("--triangles", "A,B,C", SHARED(triangles), 1, 4294967295.0, 1, CLI_MAX_LEVELS,
          "maximum number of triangles, of each level where there are several [all]"),
     {.also = cli_takes_errors},
@@ -47,6 +50,8 @@ static int make_levels(cli_run *run, hull_run *h)
     b.placing.interpolation = o->interpolation;
     b.placing.sharp = cli_sharp(o);
     b.parts = cli_parts(run);
+    if (o->enclose.count != 0)
+        b.enclose = o->enclose.value[0] * (o->enclose.percent[0] ? c->diagonal / 100.0 : 1.0);
     if (cli_given(run, "--shell")) b.shell = cli_or_none(o->shell);
     b.report = &h->report;
     b.reports = c->level;
@@ -67,7 +72,12 @@ static int make_levels(cli_run *run, hull_run *h)
 
 static int make_hull(cli_run *run, void *work, cli_made *made)
 {
-    static const cli_rule rules[] = {{.also = cli_sharp_rules}, {0}};
+    static const cli_rule rules[] = {
+        {.also = cli_sharp_rules},
+        {.given = "--resolution --close-gaps --shell --keep-largest --sharp --no-sharp --interpolation",
+         .beside = "--enclose",
+         .message = "--enclose follows from the mesh alone: leave out %o"},
+        {0}};
     hull_run *const h = work;
     int kind;
 

@@ -198,20 +198,6 @@ static int take_table(cli_run *run, labels_job *j, const char *path)
     return named != 0 ? CLI_DONE : cli_fail(run, "%s: no line has the number of a label and a name", path);
 }
 
-/* Colors of the theme "Set2" and "Dark2" of colorbrewer2.org, by turns. */
-static void set_colours(labels_job *j)
-{
-    static const uint8_t of[14][3] = {{102, 194, 165}, {217, 95, 2},    {141, 160, 203}, {231, 41, 138},
-                                      {166, 216, 84},  {117, 112, 179}, {255, 217, 47},  {27, 158, 119},
-                                      {252, 141, 98},  {102, 166, 30},  {231, 138, 195}, {166, 118, 29},
-                                      {229, 196, 148}, {102, 102, 102}};
-
-    for (int i = 0; i < j->count; i++) {
-        if (!j->body[i].coloured) memcpy(j->body[i].colour, of[j->body[i].at % 14], 3);
-        j->body[i].colour[3] = 255;
-    }
-}
-
 static int list_bodies(cli_run *run, labels_job *j)
 {
     const bvx_complex *const c = &j->complex;
@@ -267,7 +253,18 @@ static int take_labels(cli_run *run, labels_job *j)
                             bvx_label_surfaces(run->context, &j->volume.view, &own->surfaces, &j->complex),
                             cli_first_name(run)));
     CLI_TRY(list_bodies(run, j));
-    set_colours(j);
+
+    /* Colors of the theme "Set2" and "Dark2" of colorbrewer2.org, by turns. */
+    static const uint8_t of[14][3] = {{102, 194, 165}, {217, 95, 2},    {141, 160, 203}, {231, 41, 138},
+                                      {166, 216, 84},  {117, 112, 179}, {255, 217, 47},  {27, 158, 119},
+                                      {252, 141, 98},  {102, 166, 30},  {231, 138, 195}, {166, 118, 29},
+                                      {229, 196, 148}, {102, 102, 102}};
+
+    for (int i = 0; i < j->count; i++) {
+        if (!j->body[i].coloured) memcpy(j->body[i].colour, of[j->body[i].at % 14], 3);
+        j->body[i].colour[3] = 255;
+    }
+
     CLI_TRY(choose_bodies(run, j));
     if (j->meshes > CLI_MAX_OUTPUTS)
         return cli_fail(run, "%s: %d labels, more than the %d meshes of one run; choose some by --only",

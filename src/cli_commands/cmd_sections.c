@@ -29,7 +29,6 @@ enum { TOUCHING_APART, TOUCHING_SHARED }; /* --touching */
 #define OWN(name) CLI_OWN(sections_options, name)
 
 static const char *const caps_names[] = {BVX_CAPS_LIST(CLI_NAME_OF) NULL};
-static const char *const blend_names[] = {BVX_BLEND_LIST(CLI_NAME_OF) NULL};
 static const char *const crossings_names[] = {BVX_CROSSINGS_LIST(CLI_NAME_OF) NULL};
 static const char *const label_names[] = {"all", NULL};
 static const char *const touching_names[] = {"apart", "shared", NULL};
@@ -51,10 +50,6 @@ static const cli_argument sections_rows[] = {
     FROM_TO("--close-gap", "G", SHARED(close_gap), 0, 1e300,
             "of .csv: loops whose ends lie further apart than G are refused as open\n"
             "polylines; 0 closes all of them by a straight side [0]"),
-    WHOLE("--layers", "N", OWN(body.slabs.layers), 1, 64, "layers of cells from section to section [1]"),
-    CHOICE("--blend", "HOW", OWN(body.slabs.blend), blend_names, BVX_BLEND_AUTO,
-           "from section to section: linear; cubic over four of them, smooth\n"
-           "across sections; auto: cubic from five sections on [auto]"),
     CHOICE("--caps", "HOW", OWN(body.caps), caps_names, BVX_CAPS_FLAT,
            "the ends: flat on the first and last section; taper: each part to a\n"
            "ridge half a spacing beyond, also those that end in between; open [flat]"),
@@ -172,7 +167,7 @@ static const cli_rule sections_rules[] = {
      .message = "--label all writes a mesh for each label: %f needs %d in its name"},
     {.unless = ALL_LABELS, .given = "--touching", .message = "%o is for --label all"},
     {.when = SHARED_FACES,
-     .given = "--grid --layers --blend --crossings --subdivide --mend --thickness",
+     .given = "--grid --crossings --subdivide --mend --thickness",
      .message = "%o is not used with --touching shared, which makes bodies by --cells"},
     {.when = SHARED_FACES,
      .given = "--triangles --error --error-kind",
@@ -192,7 +187,7 @@ static const cli_rule sections_rules[] = {
 /* What only the file says: how its planes lie. */
 static const cli_rule planes_rules[] = {
     {.when = ANY_DIRECTION,
-     .given = "--grid --layers --blend --crossings --subdivide",
+     .given = "--grid --crossings --subdivide",
      .message = "%o is for parallel planes; those of %i are not, and --cells makes them finer"},
     {.unless = ANY_DIRECTION | SHARED_FACES,
      .given = "--cells",
@@ -643,8 +638,7 @@ const cli_command cli_sections = {
     .example =
         "bitvox slice fixtures/knot.ply -o knot.csv --spacing 0.1\n"
         "bitvox sections knot.csv -o body.ply --caps taper --block-model blocks.csv --block 0.2,0.2,0.1",
-    .most = "--grid --spacing --layers --blend --caps --close-gap --mend --crossings "
-            "--triangles --threads --json",
+    .most = "--grid --spacing --caps --close-gap --mend --crossings --triangles --threads --json",
     .rows = sections_rows,
     .start = start_sections,
     .own = sizeof(sections_options),

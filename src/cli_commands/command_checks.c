@@ -63,7 +63,7 @@ int cli_check_line(cli_run *run)
     if (standard == 0 && !writes && o->output_dir == NULL && o->format != 0)
         return cli_usage(run, "--format is for standard input and output, '-'; file names give theirs");
     if (o->output_dir != NULL) return check_batch(run);
-    if (o->output == NULL && run->command->bit != CLI_COMPONENTS && cli_takes(run, "-o"))
+    if (o->output == NULL && (run->command->bit & (CLI_COMPONENTS | CLI_CHECK)) == 0 && cli_takes(run, "-o"))
         return cli_usage(run, "%s lacks -o FILE; see 'bitvox %s --help'", name, name);
     CLI_TRY(cli_check_pattern(run));
     if (writes && cli_take_standard_output(run) != CLI_DONE) return CLI_USAGE;

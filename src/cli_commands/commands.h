@@ -6,10 +6,10 @@
 
 extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render, cli_convert, cli_compare, cli_faces,
     cli_refine, cli_fill, cli_sections, cli_slice, cli_repair, cli_boolean, cli_morph, cli_components,
-    cli_simplify, cli_labels, cli_hull;
+    cli_simplify, cli_labels, cli_hull, cli_check;
 
 /* command_list.c: all of them, NULL after the last. */
-enum { CLI_COMMANDS = 18 };
+enum { CLI_COMMANDS = 19 };
 extern const cli_command *const cli_commands[CLI_COMMANDS + 1];
 
 /* cmd_compare.c: bvx_grid_compare with a message that names both. */

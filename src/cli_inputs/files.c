@@ -358,8 +358,8 @@ static bvx_status read_triangles(files_beside *beside, const cli_bytes *b, int32
 
     bvx_read_options options = {.struct_size = sizeof options, .keep_file = keeps_file(run)};
     options.drop_nonfinite = !options.keep_file &&
-                             (run->command->bit &
-                              (CLI_REPAIR | CLI_LOD | CLI_VOXELIZE | CLI_BOOLEAN | CLI_INFO | CLI_HULL)) != 0;
+                             (run->command->bit & (CLI_REPAIR | CLI_LOD | CLI_VOXELIZE | CLI_BOOLEAN |
+                                                   CLI_INFO | CLI_HULL | CLI_CHECK)) != 0;
     options.report = &beside->report;
 #ifdef BVX_HAVE_ZLIB
     options.inflate = cli_inflate;

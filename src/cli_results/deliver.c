@@ -61,6 +61,7 @@ int cli_perform(cli_run *run)
     int result = run->job->make(run, run->work, &made);
     if (result == CLI_DONE) result = write_made(run, &made);
     if (result == CLI_DONE) tell_made(run, &made);
+    if (result == CLI_DONE && made.judge != NULL) result = made.judge(run, run->work);
 
     cli_text_free(&made.head);
     cli_text_free(&made.text);

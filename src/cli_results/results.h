@@ -16,6 +16,7 @@ struct cli_made {
     const bvx_mesh *mesh;
     cli_voxels *voxels;
     int (*write)(cli_run *run, void *work); /* or what this writes */
+    int (*judge)(cli_run *run, void *work); /* once all is told: a failure where that is the answer */
 
     const bvx_grid *shown; /* its lattice is told where no grid is written; NULL: none */
     uint64_t set;          /* voxels of it, or values */

@@ -110,7 +110,7 @@ typedef struct bvxi_section_mesh {
     uint64_t vertex_count, vertex_room, triangle_count, triangle_room;
 } bvxi_section_mesh;
 
-/* What becomes of nesting levels between two sections: blended as the options say; linearly, where they would
+/* What becomes of nesting levels between two sections: blended as all are; linearly, where they would
  * cross otherwise; not apart from each other, where they would cross all the same. */
 enum { BVXI_LEVELS_APART, BVXI_LEVELS_LINEAR, BVXI_LEVELS_JOINED, BVXI_LEVELS_CROSSED = 0x80 };
 
@@ -145,6 +145,7 @@ typedef struct bvxi_stack {
     bvxi_plane nothing; /* a plane without loops: only its bits are there */
     bvxi_nesting nesting;
     uint32_t slab_count;
+    int cubic; /* 1: distances go from section to section by the cubic; 0: straight */
     bvx_sections_options options;
     bvx_sections_report report;
     bvxi_section_mesh mesh;

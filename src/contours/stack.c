@@ -436,10 +436,7 @@ bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_se
     uint32_t const n = s->plane_count;
     /* Of few sections most are a first or last one, whose slope is a guess. The paper's way and marching cubes
      * are straight. */
-    if (s->options.slabs.blend == BVX_BLEND_AUTO)
-        s->options.slabs.blend = n >= LEAST_CUBIC && s->options.slabs.crossings == BVX_CROSSINGS_EXACT
-                                     ? BVX_BLEND_CUBIC
-                                     : BVX_BLEND_LINEAR;
+    s->cubic = n >= LEAST_CUBIC && s->options.slabs.crossings == BVX_CROSSINGS_EXACT;
     /* Half a spacing beyond the ends; of a plane alone, half the thickness. */
     s->reach[0] = 0.5 * (n > 1 ? p[1].w - p[0].w : s->options.thickness);
     s->reach[1] = 0.5 * (n > 1 ? p[n - 1].w - p[n - 2].w : s->options.thickness);

@@ -219,17 +219,6 @@ static void glb_put_mesh(const bvxi_glb_file *file, uint64_t level, uint64_t *nu
     bvxi_output_print(out, "]}");
 }
 
-static void glb_put_meshes(const bvxi_glb_file *file, bvxi_output *out)
-{
-    uint64_t number = 0;
-    bvxi_output_print(out, "\"meshes\":[");
-    for (uint64_t level = 0; level < file->levels; level++) {
-        if (level > 0) bvxi_output_print(out, ",");
-        glb_put_mesh(file, level, &number, out);
-    }
-    bvxi_output_print(out, "],");
-}
-
 /* A material a mesh, with the mesh's name. */
 static void glb_put_colours_of_meshes(const bvxi_glb_file *file, bvxi_output *out)
 {
@@ -361,7 +350,15 @@ void bvxi_glb_put_json(const bvxi_glb_file *file, bvxi_output *out)
     bvxi_output_print(out, "{\"asset\":{\"version\":\"2.0\",\"generator\":\"bitvox\"},");
     glb_put_extensions(file, out);
     glb_put_nodes(file, out);
-    glb_put_meshes(file, out);
+
+    uint64_t number = 0;
+    bvxi_output_print(out, "\"meshes\":[");
+    for (uint64_t level = 0; level < file->levels; level++) {
+        if (level > 0) bvxi_output_print(out, ",");
+        glb_put_mesh(file, level, &number, out);
+    }
+    bvxi_output_print(out, "],");
+
     glb_put_assets(file, views, out);
 
     bvxi_output_print(out, "\"buffers\":[{\"byteLength\":%u}],", file->end);

@@ -24,7 +24,7 @@ static const bvxi_option labels_rows[] = {
     BVXI_SWITCH(bvx_labels_options, staircase),
     BVXI_CHOICE(bvx_labels_options, position_type, BVX_POSITION_AUTO, BVX_F64),
     BVXI_SWITCH(bvx_labels_options, local_frame),
-    BVXI_RESERVED(bvx_labels_options, reserved),
+    BVXI_SWITCH(bvx_labels_options, open),
     BVXI_REAL(bvx_labels_options, error, 0.0, BVXI_FINITE),
 };
 
@@ -194,7 +194,39 @@ static bvx_status make_ranks(label_work *w)
 
 /* ---- Cells ---- */
 
-/* A word of a row of cells: its edges as in a pattern. */
+/* Whether the window has vertices in cell i along an axis, or faces across edges from voxel i. */
+static int is_own(const label_work *w, int32_t axis, int32_t i, int faces)
+{
+    uint64_t const first = w->net.first[axis] << faces;
+    return (uint64_t)i >= first && (uint64_t)i <= w->net.last[axis];
+}
+
+/* Bits of a word for which that holds along x, none of a row for which it does not. */
+static uint64_t own_word(const label_work *w, int32_t j, int32_t k, int32_t word, int faces)
+{
+    int64_t const low = (int64_t)(w->net.first[0] << faces) - 64 * (int64_t)word;
+    int64_t const high = (int64_t)w->net.last[0] - 64 * (int64_t)word;
+
+    if (!w->options.open) return UINT64_MAX;
+    if (!is_own(w, 1, j, faces) || !is_own(w, 2, k, faces) || high < 0 || low > 63) return 0;
+    uint64_t const bits = high > 62 ? UINT64_MAX : (UINT64_C(2) << high) - 1;
+    return low > 0 ? bits & UINT64_MAX << low : bits;
+}
+
+/* A flap is of the window that has both vertices beyond, or of the higher one where both windows do. */
+static int is_own_flap(const label_work *w, const int32_t c[3], const bvxi_cell_flap *flap)
+{
+    int32_t const axis = 3 - (flap->side[0] >> 1) - (flap->side[1] >> 1);
+    int own = (uint64_t)c[axis] < w->net.last[axis];
+
+    for (int n = 0; n < 2; n++) {
+        int32_t const a = flap->side[n] >> 1;
+        own &= (uint64_t)c[a] != ((flap->side[n] & 1) != 0 ? w->net.last[a] : w->net.first[a]);
+    }
+    return own || !w->options.open;
+}
+
+/* A word of a row of cells: its edges as in a pattern; which cells have vertices. */
 static uint64_t cell_word(const label_scan *s, int32_t j, int32_t k, int32_t word, uint64_t edge[12])
 {
     size_t const words = (size_t)s->w->words, at = (size_t)j * words + (size_t)word;
@@ -213,7 +245,7 @@ static uint64_t cell_word(const label_scan *s, int32_t j, int32_t k, int32_t wor
         edge[9 + 2 * n] = z[0] >> 1 | (more ? z[1] << 63 : 0);
     }
     for (int32_t e = 0; e < 12; e++) any |= edge[e];
-    return any;
+    return any & own_word(s->w, j, k, word, 0);
 }
 
 static uint32_t pattern_at(const uint64_t edge[12], int32_t bit)
@@ -287,13 +319,15 @@ static void count_cell_row(const label_scan *s, int32_t j, int32_t k, cell_row *
     row->vertex = row->face = row->flap = 0;
     for (int32_t word = 0; word < s->w->words; word++) {
         uint64_t any = cell_word(s, j, k, word, edge);
+        uint64_t const faces = own_word(s->w, j, k, word, 1);
         /* A face belongs to the cell of its edge's low end. */
-        row->face += bvxi_popcount(edge[0]) + bvxi_popcount(edge[4]) + bvxi_popcount(edge[8]);
+        for (int a = 0; a < 3; a++) row->face += bvxi_popcount(edge[4 * a] & faces);
         for (; any != 0; any &= any - 1) {
             int32_t const c[3] = {64 * word + bvxi_lowest(any), j, k};
             const bvxi_cell_split *const split = &s->w->splits[split_at(s->w, edge, c)];
             row->vertex += split->count;
-            row->flap += split->flaps;
+            for (int f = 0; f < split->flaps; f++)
+                row->flap += (uint32_t)is_own_flap(s->w, c, &split->flap[f]);
         }
     }
 }
@@ -316,6 +350,7 @@ static void link_cell(label_scan *s, const int32_t c[3], uint32_t pattern, uint3
         size_t const at = cell_index(w, c[0] - (a == 0), c[1] - (a == 1));
         int const slice = (c[2] - (a == 2)) & 1;
 
+        if ((uint64_t)c[a] == w->net.first[a]) continue;
         for (uint32_t low = pattern & low_side[a]; low != 0; low &= low - 1) {
             int32_t const edge = bvxi_lowest(low);
 
@@ -374,6 +409,36 @@ static void close_flaps(const label_work *w)
     }
 }
 
+/* Vertices in seams: in the planes of these, with others in the middle. Only those inside faces in the plane have all
+ * their faces in one window. */
+static void put_seams(const label_work *w, const int32_t c[3], uint32_t pattern, uint32_t first,
+                      const bvxi_cell_split *split)
+{
+    static const uint16_t flat[8] = {0, 0x00f, 0x0f0, 0, 0xf00, 0, 0, 0};
+    uint64_t const cell[3] = {(uint64_t)c[0], (uint64_t)c[1], (uint64_t)c[2]};
+    uint32_t const seams = bvxi_net_seams(&w->net, cell);
+
+    for (uint32_t v = 0; seams != 0 && v < split->count; v++) {
+        w->made->junctions[first + v] |= pattern == flat[seams] ? BVX_AT_SEAM : BVX_AT_SEAM | BVX_ON_SEAM;
+        for (uint32_t a = 0; w->net.offset != NULL && a < 3; a++) {
+            int16_t *const o = &w->net.offset[3 * (size_t)(first + v) + a];
+            int32_t const most = split->count > 1 || (seams >> a & 1) != 0 ? 0 : BVXI_SEAM_LIMIT;
+            *o = (int16_t)(*o > most ? most : *o < -most ? -most : *o);
+        }
+    }
+}
+
+/* A flap beside them may be another window's. */
+static void close_seams(const label_work *w)
+{
+    bvx_complex *const c = w->made;
+    for (uint64_t v = 0; w->options.open && v < c->mesh.vertex_count; v++)
+        for (int32_t side = 0; side < 6 && c->junctions[v] == BVX_AT_SEAM; side++) {
+            uint32_t const link = bvxi_net_link(&w->net, v, side);
+            if (link != UINT32_MAX && bvxi_shares_cell(c, link)) c->junctions[v] |= BVX_ON_SEAM;
+        }
+}
+
 /* Vertices of cells of one row, numbered; written where they are the piece's own. */
 static void put_vertices(label_scan *s, int32_t j, int32_t k, int own)
 {
@@ -398,8 +463,10 @@ static void put_vertices(label_scan *s, int32_t j, int32_t k, int own)
                 if (w->net.offset != NULL)
                     memcpy(w->net.offset + 3 * (size_t)(next + v), split->start[v], sizeof split->start[v]);
             }
+            if (own && w->options.open) put_seams(w, c, pattern_at(edge, bit), next, split);
             for (uint32_t f = 0; own && f < split->flaps; f++)
-                open_flap(w, c, next, split, &split->flap[f], w->net.flaps + flap++);
+                if (is_own_flap(w, c, &split->flap[f]))
+                    open_flap(w, c, next, split, &split->flap[f], w->net.flaps + flap++);
             if (own && w->net.offset != NULL) link_cell(s, c, pattern_at(edge, bit), next, split);
             next += split->count;
         }
@@ -441,7 +508,8 @@ static void put_faces(const label_scan *s, int32_t j, int32_t k)
 
     for (int32_t word = 0; word < w->words; word++) {
         (void)cell_word(s, j, k, word, edge);
-        for (uint64_t any = edge[0] | edge[4] | edge[8]; any != 0; any &= any - 1) {
+        uint64_t any = (edge[0] | edge[4] | edge[8]) & own_word(w, j, k, word, 1);
+        for (; any != 0; any &= any - 1) {
             int32_t const bit = bvxi_lowest(any), c[3] = {64 * word + bit, j, k};
             for (int32_t a = 0; a < 3; a++)
                 if ((edge[4 * a] >> bit & 1) != 0) put_face(s, c, a, face++);
@@ -621,7 +689,10 @@ static bvx_status make_complex(label_work *w)
     bvxi_drop(ctx, w->scratch);
     close_flaps(w);
     w->net.complex = c;
-    if (!w->options.staircase) BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.8, bvxi_net_smooth(ctx, &w->net)));
+    if (!w->options.staircase) {
+        close_seams(w);
+        BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.8, bvxi_net_smooth(ctx, &w->net)));
+    }
     BVXI_TRY(bvxi_for(ctx, "positions", vertices, POSITION_GRAIN, put_positions, &w->net));
     return w->options.staircase ? BVX_OK : BVXI_SHARE(ctx, 0.8, 1.0, bvxi_net_untangle(ctx, &w->net));
 }
@@ -653,12 +724,29 @@ static bvx_status check_label_options(label_work *w)
         w->made->low[a] = shape.low[a] = w->volume->low[a];
         w->made->size[a] = shape.size[a] = w->volume->size[a];
         w->n[a] = w->volume->size[a] + 1;
+        w->net.seam[2 * a] = o->open && shape.low[a] > 0;
+        w->net.seam[2 * a + 1] = o->open && shape.low[a] + shape.size[a] < w->volume->lattice.dims[a];
+        w->net.first[a] = (uint64_t)w->net.seam[2 * a];
+        w->net.last[a] = (uint64_t)(w->n[a] - 1 - w->net.seam[2 * a + 1]);
         w->net.spacing[a] = w->volume->lattice.spacing[a];
         w->net.origin[a] = o->local_frame ? 0.0 : w->volume->lattice.origin[a];
     }
     w->words = w->n[0] / 64 + 1;
     BVXI_TRY(bvxi_choose_position_type(ctx, surfaces_name, &shape, w->net.origin, &o->position_type));
     return o->position_type == BVX_F64 ? bvxi_check_f64(ctx, surfaces_name, &shape, w->net.origin) : BVX_OK;
+}
+
+/* Between its seams a window keeps its vertices, so that triangles of no two windows cross. */
+static void bound_window(const label_work *w, double box[6])
+{
+    for (uint32_t a = 0; a < 3; a++)
+        for (uint32_t n = 0; n < 2; n++) {
+            double const cell = (double)(n == 0 ? w->net.first[a] : w->net.last[a]);
+            double const p = w->net.origin[a] + ((double)w->made->low[a] + cell) * w->net.spacing[a];
+            box[2 * a + n] = !w->net.seam[2 * a + n]               ? (n == 0 ? -BVXI_FINITE : BVXI_FINITE)
+                             : w->options.position_type == BVX_F32 ? (double)(float)p
+                                                                   : p;
+        }
 }
 
 static bvx_status run_label_surfaces(bvx_context *ctx, const bvx_volume_view *volume,
@@ -674,12 +762,14 @@ static bvx_status run_label_surfaces(bvx_context *ctx, const bvx_volume_view *vo
     BVXI_TRY(bvxi_take_options(ctx, surfaces_name, options, &w.options, sizeof w.options));
     BVXI_TRY(bvxi_volume_check(ctx, surfaces_name, volume, w.stride));
     BVXI_TRY(check_label_options(&w));
+    double box[6];
+    bound_window(&w, box);
     int const fewer = w.options.triangles != 0 || w.options.error > 0;
     bvx_status status = BVXI_SHARE(ctx, 0.0, fewer ? 0.3 : 1.0, BVXI_SCOPE(ctx, make_complex(&w)));
     if (status == BVX_OK && fewer)
-        status = BVXI_SHARE(
-            ctx, 0.3, 1.0,
-            bvxi_complex_simplify(ctx, surfaces_name, &made, w.options.triangles, w.options.error));
+        status = BVXI_SHARE(ctx, 0.3, 1.0,
+                            bvxi_complex_simplify(ctx, surfaces_name, &made, w.options.triangles,
+                                                  w.options.error, w.options.open ? box : NULL));
     if (status == BVX_OK) status = list_faces(&w);
     if (status == BVX_OK) {
         bvx_complex_free(ctx, complex);

@@ -11,8 +11,8 @@
 
 enum { BVXI_PATTERNS = 4096, BVXI_SPLITS = 5506 };
 
-/* Offsets of vertices are in parts of a voxel; the limit is 0.49 voxels. */
-enum { BVXI_NET_UNITS = 65536, BVXI_NET_LIMIT = 32112, BVXI_NET_FLAP = 3 };
+/* Offsets of vertices are in parts of a voxel; the limit is 0.49 voxels, within a seam 0.24. */
+enum { BVXI_NET_UNITS = 65536, BVXI_NET_LIMIT = 32112, BVXI_SEAM_LIMIT = 15728, BVXI_NET_FLAP = 3 };
 
 /* What leads through a side whose four edges have different ends: none of its labels, that of the voxels with
  * offsets 0, 0 and 1, 1, or that of the other two. */
@@ -81,7 +81,27 @@ typedef struct bvxi_net {
     uint32_t *links; /* of sides -y, +y, -z [Size: vertices * 3] */
     uint32_t *above; /* of side +z [Size: vertices] */
     double origin[3], spacing[3]; /* of positions: origin 0 in a local frame */
+    uint64_t first[3], last[3];   /* cells with vertices */
+    int32_t seam[6];              /* 1: those of this side are the neighbouring window's too */
 } bvxi_net;
+
+/* Axes, as bits, of the seams that a cell is in. */
+static inline uint32_t bvxi_net_seams(const bvxi_net *net, const uint64_t cell[3])
+{
+    uint32_t seams = 0;
+    for (uint32_t a = 0; a < 3; a++)
+        if ((net->seam[2 * a] && cell[a] == net->first[a]) ||
+            (net->seam[2 * a + 1] && cell[a] == net->last[a]))
+            seams |= UINT32_C(1) << a;
+    return seams;
+}
+
+/* Whether others are in the vertex's cell. */
+static inline int bvxi_shares_cell(const bvx_complex *c, uint64_t vertex)
+{
+    return (vertex > 0 && c->cells[vertex - 1] == c->cells[vertex]) ||
+           (vertex + 1 < c->mesh.vertex_count && c->cells[vertex + 1] == c->cells[vertex]);
+}
 
 static inline uint32_t bvxi_net_link(const bvxi_net *net, uint64_t vertex, int32_t side)
 {

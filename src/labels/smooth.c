@@ -6,6 +6,7 @@
  * Steps go from one buffer to another, so no order of vertices shows; each goes on from the last two. On a junction
  * only neighbours along it count. Offsets are 16 bits a coordinate; links and area vectors are where positions will
  * be. Volumes of faces are whole numbers of them.
+ * In seams of windows only neighbours in the same seams count, which all of these windows have.
  * What the faces between two labels have swept since the staircase is then undone: their free vertices move along
  * normals. A label's volume is that of its voxels and what all its faces have swept, since the walls that edges
  * sweep cancel; so it comes back without a system of equations over labels. */
@@ -50,11 +51,29 @@ static double limited(double x, double limit)
     return x < -limit ? -limit : x > limit ? limit : x;
 }
 
-static int16_t clamp(float x)
+static int16_t clamp_to(float most, float x)
 {
-    float const most = (float)BVXI_NET_LIMIT;
     /* Positive when it is cut off, so it is rounded to the nearest. */
     return (int16_t)((int32_t)((x < -most ? -most : x > most ? most : x) + 32768.5F) - 32768);
+}
+
+static int16_t clamp(float x)
+{
+    return clamp_to((float)BVXI_NET_LIMIT, x);
+}
+
+/* The sides of its cell across which a vertex goes with others. */
+static uint32_t sides_along(const bvxi_net *net, uint64_t vertex)
+{
+    uint32_t const junction = net->complex->junctions[vertex];
+    uint32_t const mask = (junction & 63) != 0 ? junction & 63 : 63;
+    uint64_t cell[3];
+
+    if ((junction & BVX_AT_SEAM) == 0) return mask;
+    if (bvxi_shares_cell(net->complex, vertex)) return 0;
+    bvxi_cell_of(net->complex, vertex, cell);
+    uint32_t const seams = bvxi_net_seams(net, cell);
+    return mask & ~((seams & 1) * 3 | (seams >> 1 & 1) * 12 | (seams >> 2) * 48);
 }
 
 static void relax_range(void *user, uint64_t begin, uint64_t end)
@@ -65,7 +84,9 @@ static void relax_range(void *user, uint64_t begin, uint64_t end)
     for (uint64_t v = begin; v < end; v++) {
         const int16_t *const own = w->from + 3 * v;
         int16_t *const to = w->to + 3 * v;
-        uint32_t const junction = net->complex->junctions[v], mask = junction != 0 ? junction : 63;
+        uint32_t const mask = net->complex->junctions[v] == 0 ? 63 : sides_along(net, v);
+        float const most = (net->complex->junctions[v] & BVX_AT_SEAM) != 0 ? (float)BVXI_SEAM_LIMIT
+                                                                           : (float)BVXI_NET_LIMIT;
         int32_t sum[3] = {0, 0, 0}, count = 0;
 
         for (int32_t side = 0; side < 6; side++) {
@@ -78,7 +99,8 @@ static void relax_range(void *user, uint64_t begin, uint64_t end)
         }
         float const of_own = count == 0 ? w->of_own + w->of_mean[1] : w->of_own, of_sum = w->of_mean[count];
         for (int a = 0; a < 3; a++)
-            to[a] = clamp(w->of_last * (float)to[a] + of_own * (float)own[a] + of_sum * (float)sum[a]);
+            to[a] = clamp_to(most,
+                             w->of_last * (float)to[a] + of_own * (float)own[a] + of_sum * (float)sum[a]);
     }
 }
 

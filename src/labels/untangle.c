@@ -10,6 +10,8 @@
  * of its lattice edge with each of its sides. Envelopes of different edges have no inner point in common, so of two
  * faces that cross one leaves its own. Faces lie in the box of their cells, so it has a corner in a cell in which the
  * other has one too. Later rounds look around what was moved.
+ * In seams of windows vertices stay. They are in the seam's plane, which parts the faces of both windows, and near
+ * enough to their cells' centres for faces to keep their envelopes when the other vertices are at theirs.
  * Guarantee: pairs are listed in the order of triangles, and each vertex moves once a round, so the result follows
  * from the labels alone. */
 #include "labels/labels.h"
@@ -39,13 +41,6 @@ typedef struct tangle {
     uint64_t vertex_count, triangle_count;
 } tangle;
 
-/* Whether others are in the vertex's cell. */
-static int shares_cell(const bvx_complex *c, uint64_t vertex)
-{
-    return (vertex > 0 && c->cells[vertex - 1] == c->cells[vertex]) ||
-           (vertex + 1 < c->mesh.vertex_count && c->cells[vertex + 1] == c->cells[vertex]);
-}
-
 static double cross_flat(const double a[3], const double b[3], int32_t u, int32_t v)
 {
     return a[u] * b[v] - a[v] * b[u];
@@ -63,7 +58,7 @@ static int is_in_envelope(const tangle *t, uint32_t face)
     if (axis == BVXI_NET_FLAP) return 0;
     bvxi_read_face(t->net, face, (uint32_t)axis, &f);
     for (int32_t n = 0; n < 4; n++)
-        if (shares_cell(c, f.vertex[n])) return 0;
+        if (bvxi_shares_cell(c, f.vertex[n])) return 0;
 
     int32_t const u = (axis + 1) % 3, v = (axis + 2) % 3;
     /* From the edge's low end. */
@@ -149,7 +144,7 @@ static void move_back(tangle *t, uint32_t vertex)
     uint8_t *const state = &t->state[vertex];
     int16_t *const offset = t->net->offset + 3 * (size_t)vertex;
 
-    if ((*state & IS_MOVED) != 0) return;
+    if ((*state & IS_MOVED) != 0 || (t->net->complex->junctions[vertex] & BVX_AT_SEAM) != 0) return;
     *state |= IS_MOVED;
     /* A flap's new vertex comes last, as triangles would lose their area. */
     int32_t const most = (*state & IS_FLAP) != 0 ? IS_FLAP + FLAP_STRIKES * STRIKE : STRIKES * STRIKE;
@@ -242,7 +237,9 @@ bvx_status bvxi_net_untangle(bvx_context *ctx, bvxi_net *net)
     }
 
     /* Not seen yet; the staircase does not cross. */
-    memset(net->offset, 0, (size_t)vertices * 6);
-    for (uint64_t v = 0; v < vertices; v++) bvxi_net_put(net, v);
+    for (uint64_t v = 0; v < vertices; v++) {
+        if ((c->junctions[v] & BVX_AT_SEAM) == 0) memset(net->offset + 3 * (size_t)v, 0, 6);
+        bvxi_net_put(net, v);
+    }
     return BVX_OK;
 }

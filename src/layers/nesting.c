@@ -441,8 +441,7 @@ static void nest_mark_pairs(const nest_mesh *m, const uint32_t *pairs, uint64_t 
 
     /* A cubic blend gives way to the linear one first; levels that cross even then are joined. */
     for (uint32_t i = 0; i < m->s->plane_count; i++) {
-        int const was_cubic = m->s->options.slabs.blend == BVX_BLEND_CUBIC &&
-                              joined[i] == BVXI_LEVELS_CROSSED;
+        int const was_cubic = m->s->cubic && joined[i] == BVXI_LEVELS_CROSSED;
         if (joined[i] >= BVXI_LEVELS_CROSSED) joined[i] = was_cubic ? BVXI_LEVELS_LINEAR : BVXI_LEVELS_JOINED;
     }
 }

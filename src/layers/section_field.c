@@ -180,26 +180,6 @@ static double far_at(bvxi_field *f, int k, double u, double v)
     return bvxi_plane_encloses(p, u, v) ? d : -d;
 }
 
-static double far_corner(bvxi_field *f, const int32_t at[2], int k)
-{
-    const bvxi_plane *const p = f->slab->far[k - BVXI_BLEND_FAR_BELOW];
-    int32_t const fine = f->s->fine, part = (1 << fine) - 1;
-    if (p == NULL) return 0.0;
-    if ((at[0] & part) != 0 || (at[1] & part) != 0)
-        return far_at(f, k, bvxi_fixed_u(f->s, 0, at[0]), bvxi_fixed_u(f->s, 1, at[1]));
-    double const d = grid_distance(f, &f->plane[k], at[0] >> fine, at[1] >> fine);
-    return bvxi_grid_bit(f->s, p, at[0] >> fine, at[1] >> fine) ? d : -d;
-}
-
-double bvxi_field_between(bvxi_field *f, const int32_t at[2], const uint8_t inside[2], double t)
-{
-    double value[BVXI_BLEND_SECTIONS];
-    for (int k = 0; k < 2; k++) value[k] = bvxi_field_corner(f, at, k, inside[k]);
-    if (!f->cubic) return (1.0 - t) * value[0] + t * value[1];
-    for (int k = BVXI_BLEND_FAR_BELOW; k < BVXI_BLEND_SECTIONS; k++) value[k] = far_corner(f, at, k);
-    return bvxi_blend_value(&f->blend, value, t);
-}
-
 double bvxi_field_at(bvxi_field *f, double u, double v, double t)
 {
     if (f->cubic && t > 0.0 && t < 1.0) {
@@ -235,28 +215,13 @@ static double line_zero(const bvxi_field *f, int from, const double d[BVXI_BLEND
     return bvxi_blend_zero(&f->blend, value);
 }
 
-/* Kept a little off the planes of cells; and between which levels it is. */
-static double line_share(const bvxi_field *f, double t, uint8_t *layer)
-{
-    int32_t l = 0;
-    /* Of several layers each has its own margins, so that no crossing lies on a level between two. */
-    if (f->layers > 1) {
-        t *= f->layers;
-        l = t >= f->layers ? f->layers - 1 : t > 0.0 ? (int32_t)t : 0;
-        t -= l;
-    }
-    if (!(t > FIELD_MARGIN)) t = FIELD_MARGIN;
-    if (t > 1.0 - FIELD_MARGIN) t = 1.0 - FIELD_MARGIN;
-    *layer = (uint8_t)l;
-    return (l + t) / f->layers;
-}
-
 static bvx_status cross_over(bvxi_field *f, double u, double v, int from, const double d[BVXI_BLEND_SECTIONS],
-                             uint8_t *layer, uint32_t *vertex)
+                             uint32_t *vertex)
 {
     const double *const w = f->slab->w;
-    double const t = line_share(f, line_zero(f, from, d), layer);
-    double place[3];
+    double t = line_zero(f, from, d), place[3];
+    if (!(t > FIELD_MARGIN)) t = FIELD_MARGIN;
+    if (t > 1.0 - FIELD_MARGIN) t = 1.0 - FIELD_MARGIN;
     bvxi_section_place(f->s, u, v, w[0] + t * (w[1] - w[0]), place);
     return bvxi_section_add_vertex(f->s, place, vertex);
 }
@@ -331,12 +296,10 @@ static bvx_status cross_grid_lines(bvxi_field *f)
                 int const from = !bvxi_grid_bit(s, f->slab->plane[0], i, j);
                 double d[BVXI_BLEND_SECTIONS] = {f->line[0][n], f->line[1][n], 0.0, 0.0};
                 uint32_t vertex;
-                uint8_t layer;
                 for (int k = BVXI_BLEND_FAR_BELOW; k < BVXI_BLEND_SECTIONS && f->cubic; k++)
                     if (f->plane[k].plane != NULL) d[k] = f->line[k][n];
                 BVXI_TRY(cross_over(f, s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], from, d,
-                                    &layer, &vertex));
-                if (f->layers > 1) f->layer[n] = layer;
+                                    &vertex));
             }
     return BVX_OK;
 }
@@ -354,8 +317,8 @@ static bvx_status cross_hanging_lines(bvxi_field *f)
             for (int k = 0; k < 2; k++)
                 if (!is_nothing(f, k)) d[k] = corner_distance(f, h->at, k);
         for (int k = BVXI_BLEND_FAR_BELOW; k < BVXI_BLEND_SECTIONS && f->cubic; k++)
-            d[k] = far_corner(f, h->at, k);
-        BVXI_TRY(cross_over(f, u, v, !h->inside[0], d, &h->layer, &h->vertex));
+            d[k] = far_at(f, k, u, v);
+        BVXI_TRY(cross_over(f, u, v, !h->inside[0], d, &h->vertex));
     }
     return BVX_OK;
 }
@@ -427,8 +390,6 @@ static void set_blend(bvxi_field *f)
 bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab)
 {
     f->slab = slab;
-    /* A plane without loops has nothing that levels could blend. */
-    f->layers = is_nothing(f, 0) || is_nothing(f, 1) ? 1 : f->s->options.slabs.layers;
     /* What was above is below now: its distances and hints stay valid, so both are swapped. */
     if (f->s->options.slabs.crossings != BVX_CROSSINGS_EXACT && f->plane[1].plane == slab->plane[0]) {
         bvxi_plane_field const up = f->plane[1];
@@ -450,15 +411,14 @@ bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f, uint32_t lines)
 
     memset(f, 0, sizeof *f);
     f->s = s;
-    for (int k = 0; k < (s->options.slabs.blend == BVX_BLEND_CUBIC ? BVXI_BLEND_SECTIONS : 2); k++) {
+    for (int k = 0; k < (s->cubic ? BVXI_BLEND_SECTIONS : 2); k++) {
         BVXI_TRY(BVXI_ARRAY(s->ctx, s->size[0] + 3, "the distances of a section", f->plane[k].column));
         BVXI_TRY(BVXI_ZEROS(s->ctx, lines, "the distances of a section", f->line[k]));
         /* Each line is measured once then; keeping distances would only cost memory. */
-        if (s->options.slabs.crossings == BVX_CROSSINGS_EXACT && s->options.slabs.layers == 1) continue;
+        if (s->options.slabs.crossings == BVX_CROSSINGS_EXACT) continue;
         BVXI_TRY(BVXI_ARRAY(s->ctx, points, "the distances of a section", f->plane[k].distance));
         BVXI_TRY(BVXI_ZEROS(s->ctx, known_words(s), "the distances of a section", f->plane[k].known));
     }
-    if (s->options.slabs.layers > 1) BVXI_TRY(BVXI_ARRAY(s->ctx, lines, "the crossings of lines", f->layer));
     BVXI_TRY(BVXI_ARRAY(s->ctx, (uint64_t)s->size[0] + 2, "the corners of cells", f->hanging_column));
     BVXI_TRY(BVXI_ARRAY(s->ctx, (uint64_t)s->size[1] + 2, "the corners of cells", f->hanging_row));
     BVXI_TRY(BVXI_ARRAY(s->ctx, words, "the crossed lines", f->before));

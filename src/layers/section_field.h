@@ -22,9 +22,6 @@ double bvxi_blend_zero(const bvxi_blend *blend, const double value[BVXI_BLEND_SE
 
 /* ---- The field over one slab ---- */
 
-/* Levels are the planes from cell to cell: level 0 is the plane below, level layers the one above, those
- * between are blends. */
-
 /* The segment that was nearest to the last place in a column; row -1: none yet. */
 typedef struct bvxi_column_hint {
     uint32_t segment;
@@ -43,7 +40,6 @@ typedef struct bvxi_plane_field {
 typedef struct bvxi_field {
     bvxi_stack *s;
     bvxi_slab *slab;
-    int32_t layers;
     int cubic; /* 1: the blend looks at planes beyond the slab's; else it is linear */
     bvxi_blend blend;
     bvxi_plane_field plane[4]; /* below, above, beyond below, beyond above */
@@ -56,7 +52,6 @@ typedef struct bvxi_field {
     /* the slab's first hanging corner in each row of the grid or behind, and one more */
     uint32_t *hanging_row;
     uint32_t *hanging_column; /* the same by column, in the order of by_u */
-    uint8_t *layer;           /* and between which levels it lies; layers > 1 */
 } bvxi_field;
 
 /* lines: the most crossings of a slab. */
@@ -65,8 +60,6 @@ bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f, uint32_t lines);
 bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab);
 /* The blended field at a place: t 0 is the plane below, 1 the one above. */
 double bvxi_field_at(bvxi_field *f, double u, double v, double t);
-/* The same at a point of the grid or a corner of a cell, its sides on the slab's planes given. */
-double bvxi_field_between(bvxi_field *f, const int32_t at[2], const uint8_t inside[2], double t);
 /* Signed distances at a point of the grid or a corner of a cell on plane k, its side given. */
 double bvxi_field_corner(bvxi_field *f, const int32_t at[2], int k, int inside);
 /* The number of a grid point's crossing among all of the slab. */

@@ -511,7 +511,7 @@ bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs)
     nothing->section = BVXI_NONE;
     BVXI_TRY(BVXI_ZEROS(s->ctx, bvxi_stack_words(s), "an empty plane", nothing->inside));
     s->slab_count = lay_slabs(s, *slabs, nothing);
-    for (uint32_t i = 0; i < s->slab_count && s->options.slabs.blend == BVX_BLEND_CUBIC; i++) {
+    for (uint32_t i = 0; i < s->slab_count && s->cubic; i++) {
         bvxi_slab *const b = &(*slabs)[i];
         if (bvxi_plane_is_nothing(b->plane[0]) || bvxi_plane_is_nothing(b->plane[1])) continue;
         for (int side = 0; side < 2; side++) b->far[side] = plane_beyond(s, *slabs, i, side);

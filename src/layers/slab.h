@@ -20,7 +20,6 @@ typedef struct bvxi_split {
 typedef struct bvxi_hanging {
     int32_t at[2];
     uint8_t inside[2];
-    uint8_t layer;
     uint32_t vertex; /* where the surface crosses the line over it */
 } bvxi_hanging;
 

@@ -1,5 +1,4 @@
-/* slab_fill.c - the surface between two sections: every cell that it may cross, layer by layer, in the order
- * of the grid.
+/* slab_fill.c - the surface between two sections: every cell that it may cross, in the order of the grid.
  *
  * Arcs of both planes and crossings of lines lie in the order of the cells, so a row of cells takes them one
  * after the other. */
@@ -150,47 +149,31 @@ static bvx_status fill_grid_cell(bvxi_slab_work *w, int32_t i, int32_t j)
     return BVX_OK;
 }
 
-static void set_level(bvxi_slab_work *w, bvxi_level *level, int32_t number)
+static bvx_status fill_cells(bvxi_slab_work *w)
 {
-    const bvxi_slab *const slab = w->field.slab;
-    int const k = number == 0 ? 0 : number == w->field.layers ? 1 : -1;
-    memset(level, 0, sizeof *level);
-    level->t = (double)number / w->field.layers;
-    level->w = k >= 0 ? slab->w[k] : slab->w[0] + level->t * (slab->w[1] - slab->w[0]);
-    level->k = k;
-    level->kind = BVXI_PLANE_FIELD;
-    if (k < 0) return;
-    level->plane = slab->plane[k];
-    if (bvxi_plane_is_nothing(level->plane)) level->kind = BVXI_PLANE_EMPTY;
-    else if (w->s->options.slabs.crossings == BVX_CROSSINGS_EXACT) level->kind = BVXI_PLANE_EXACT;
-    else if (w->s->options.slabs.crossings == BVX_CROSSINGS_PAPER) level->inserts = 1;
-}
+    bvxi_stack *const s = w->s;
+    bvxi_level *const level = w->trace.level;
 
-static bvx_status fill_layers(bvxi_slab_work *w)
-{
-    bvxi_trace *const t = &w->trace;
-
-    for (int32_t layer = 0; layer < w->field.layers; layer++) {
-        /* The top of a layer is the bottom of the next one: its vertices are kept, and the older map is used
-         * again. */
-        w->map_top = 1 - w->map_top;
-        bvxi_map_clear(&w->map[w->map_top]);
-        set_level(w, &t->level[0], layer);
-        set_level(w, &t->level[1], layer + 1);
-        t->level[0].edges = &w->map[1 - w->map_top];
-        t->level[1].edges = &w->map[w->map_top];
-        t->low_w = t->level[0].w;
-        t->high_w = t->level[1].w;
-        t->layer = layer;
-        bvxi_stack *const s = w->s;
-        w->split = w->arc[0] = w->arc[1] = 0;
-        for (int32_t j = 0; j < s->size[1]; j++) {
-            find_active(w, j);
-            for (int k = 0; k < 2; k++) w->line[k] = w->field.before[(size_t)(j + k) * (size_t)s->words];
-            for (int32_t k = 0; k < s->words; k++)
-                for (uint64_t bits = w->row[k]; bits != 0; bits &= bits - 1)
-                    BVXI_TRY(fill_grid_cell(w, 64 * k + bvxi_lowest(bits), j));
-        }
+    /* The top of a slab is the bottom of the next one: its vertices are kept, and the older map is used again. */
+    w->map_top = 1 - w->map_top;
+    bvxi_map_clear(&w->map[w->map_top]);
+    for (int k = 0; k < 2; k++) {
+        bvxi_plane *const p = w->field.slab->plane[k];
+        level[k] = (bvxi_level){.kind = BVXI_PLANE_FIELD, .plane = p, .w = w->field.slab->w[k]};
+        level[k].edges = &w->map[k == 1 ? w->map_top : 1 - w->map_top];
+        if (bvxi_plane_is_nothing(p)) level[k].kind = BVXI_PLANE_EMPTY;
+        else if (s->options.slabs.crossings == BVX_CROSSINGS_EXACT) level[k].kind = BVXI_PLANE_EXACT;
+        else if (s->options.slabs.crossings == BVX_CROSSINGS_PAPER) level[k].inserts = 1;
+    }
+    w->trace.low_w = level[0].w;
+    w->trace.high_w = level[1].w;
+    w->split = w->arc[0] = w->arc[1] = 0;
+    for (int32_t j = 0; j < s->size[1]; j++) {
+        find_active(w, j);
+        for (int k = 0; k < 2; k++) w->line[k] = w->field.before[(size_t)(j + k) * (size_t)s->words];
+        for (int32_t k = 0; k < s->words; k++)
+            for (uint64_t bits = w->row[k]; bits != 0; bits &= bits - 1)
+                BVXI_TRY(fill_grid_cell(w, 64 * k + bvxi_lowest(bits), j));
     }
     return BVX_OK;
 }
@@ -201,11 +184,10 @@ bvx_status bvxi_slab_fill(bvxi_slab_work *w, bvxi_slab *slab)
     if (w->field.plane[1].plane != slab->plane[0]) bvxi_map_clear(&w->map[w->map_top]);
     bvxi_map_clear(&w->trace.folds);
     BVXI_TRY(bvxi_field_set(&w->field, slab));
-    w->plain = !w->only_traced && w->s->options.slabs.crossings == BVX_CROSSINGS_EXACT &&
-               w->field.layers == 1;
+    w->plain = !w->only_traced && w->s->options.slabs.crossings == BVX_CROSSINGS_EXACT;
     /* Bits set for this slab and cleared after it cost less than clearing the plane. */
     mark_split(w, 1);
-    bvx_status const status = fill_layers(w);
+    bvx_status const status = fill_cells(w);
     mark_split(w, 0);
     return status;
 }

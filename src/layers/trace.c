@@ -52,27 +52,10 @@ static bvx_status add_hanging_nodes(bvxi_trace *t, int side)
         bvxi_trace_node *const node = &t->node[t->node_count++];
         memcpy(node->at, h->at, sizeof node->at);
         node->faces = (uint8_t)(BVXI_FACE_SIDE << side);
-        node->on[0] = h->inside[0];
-        node->on[1] = h->inside[1];
-        node->vertex = h->vertex;
-        node->inside[0] = h->layer;
-        node->inside[1] = 1; /* finished by level_nodes */
+        memcpy(node->inside, h->inside, sizeof node->inside);
+        node->vertex = h->inside[0] != h->inside[1] ? h->vertex : BVXI_NONE;
     }
     return BVX_OK;
-}
-
-/* What a corner is on the cell's own levels, from the planes and the layer of its crossing (in inside[0]). */
-static void level_node(bvxi_trace_node *n, int32_t layer)
-{
-    int32_t const crossed = n->inside[0];
-    if (n->on[0] == n->on[1]) {
-        n->inside[0] = n->inside[1] = n->on[0];
-        n->vertex = BVXI_NONE;
-        return;
-    }
-    n->inside[0] = layer <= crossed ? n->on[0] : n->on[1];
-    n->inside[1] = layer + 1 <= crossed ? n->on[0] : n->on[1];
-    if (layer != crossed) n->vertex = BVXI_NONE; /* The crossing belongs to one layer's cells. */
 }
 
 static bvx_status add_corner(bvxi_trace *t, int i)
@@ -88,19 +71,15 @@ static bvx_status add_corner(bvxi_trace *t, int i)
     n->at[0] = t->low[0] + (i == 1 || i == 2 ? t->size : 0);
     n->at[1] = t->low[1] + (i >= 2 ? t->size : 0);
     n->faces = faces[i];
-    n->inside[1] = 1;
     if ((n->at[0] & part) == 0 && (n->at[1] & part) == 0) {
         int32_t const x = n->at[0] >> fine, y = n->at[1] >> fine;
-        uint32_t const number = bvxi_line_number(t->field, x, y);
-        for (int k = 0; k < 2; k++) n->on[k] = (uint8_t)bvxi_grid_bit(t->s, slab->plane[k], x, y);
-        n->vertex = n->on[0] != n->on[1] ? t->field->first + number : BVXI_NONE;
-        n->inside[0] = t->field->layers > 1 && n->on[0] != n->on[1] ? t->field->layer[number] : 0;
+        for (int k = 0; k < 2; k++) n->inside[k] = (uint8_t)bvxi_grid_bit(t->s, slab->plane[k], x, y);
+        n->vertex = n->inside[0] != n->inside[1] ? t->field->first + bvxi_line_number(t->field, x, y)
+                                                 : BVXI_NONE;
     } else {
-        uint32_t const low = hanging_from(t->field, 0, n->at);
-        n->on[0] = slab->hanging[low].inside[0];
-        n->on[1] = slab->hanging[low].inside[1];
-        n->vertex = slab->hanging[low].vertex;
-        n->inside[0] = slab->hanging[low].layer;
+        const bvxi_hanging *const h = &slab->hanging[hanging_from(t->field, 0, n->at)];
+        memcpy(n->inside, h->inside, sizeof n->inside);
+        n->vertex = h->inside[0] != h->inside[1] ? h->vertex : BVXI_NONE;
     }
     return BVX_OK;
 }
@@ -146,11 +125,11 @@ static int strip_joins(bvxi_trace *t, const bvxi_trace_node *left, const bvxi_tr
     /* not 0 but where both lines run from corner to corner */
     double const d = 1.0 - (above - below) * (high - low);
     double const y = d > 0.0 ? (low + below * (high - low)) / d : 0.5, x = below + (above - below) * y;
-    double place[2], level = t->level[0].t + y * (t->level[1].t - t->level[0].t);
+    double place[2];
 
     place[axis] = from + x * (to - from);
     place[1 - axis] = bvxi_fixed_u(s, 1 - axis, a->at[1 - axis]);
-    return bvxi_field_at(t->field, place[0], place[1], level) > 0.0;
+    return bvxi_field_at(t->field, place[0], place[1], y) > 0.0;
 }
 
 /* Two crossings of one level, in the order of the strip; the corner before them is inside or not. */
@@ -384,7 +363,6 @@ bvx_status bvxi_trace_slab_cell(bvxi_trace *t)
         if (t->beside_split) BVXI_TRY(add_hanging_nodes(t, i));
     }
     corner[4] = t->node_count;
-    for (uint32_t i = 0; i < t->node_count; i++) level_node(&t->node[i], t->layer);
 
     BVXI_TRY(gather_ends(t));
     BVXI_TRY(bvxi_trace_open_rows(t, t->end_count, t->node_count));

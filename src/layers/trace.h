@@ -8,22 +8,20 @@
 /* Cell faces as bits: a loop's vertices say on which they lie. Sides are counter-clockwise from low v. */
 enum { BVXI_FACE_BELOW = 1, BVXI_FACE_ABOVE = 2, BVXI_FACE_SIDE = 4 };
 
-/* A plane from cell to cell. */
+/* A section below or above the cells. */
 typedef struct bvxi_level {
-    int kind;          /* BVXI_PLANE_EXACT, _FIELD or _EMPTY */
-    int k;             /* FIELD: on a section, 0 or 1; else -1, a blend */
-    bvxi_plane *plane; /* EXACT, and FIELD on a section */
-    double t, w;
+    int kind; /* BVXI_PLANE_EXACT, _FIELD or _EMPTY */
+    bvxi_plane *plane;
+    double w;
     bvxi_map *edges; /* FIELD: crossings by edge */
-    int inserts;     /* FIELD on a section: contour points are put into its lines */
+    int inserts;     /* FIELD: contour points are put into its lines */
 } bvxi_level;
 
 /* A corner of the cell, or of a finer one on its side. */
 typedef struct bvxi_trace_node {
     int32_t at[2];
     uint32_t vertex;   /* where the surface crosses the cell's height over it */
-    uint8_t inside[2]; /* on the level below, above */
-    uint8_t on[2];     /* on the planes of the slab */
+    uint8_t inside[2]; /* on the plane below, above */
     uint8_t faces;
 } bvxi_trace_node;
 
@@ -46,7 +44,6 @@ typedef struct bvxi_trace {
     bvxi_field *field;
     bvxi_level level[2];
     double low_w, high_w;
-    int32_t layer;
     bvxi_map folds; /* vertices on sides where a contour comes back */
     /* the cell */
     int32_t low[2], size;

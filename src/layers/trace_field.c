@@ -1,5 +1,4 @@
-/* trace_field.c - levels on which the field decides: blends between two sections, and sections in the paper's
- * and the classic way.
+/* trace_field.c - sections on which the field decides: those in the paper's and the classic way.
  *
  * An edge between a corner inside and one outside is crossed where the field, linear between them, is 0. Two
  * crossings of a cell's face are joined; four by the field at the point where the lines joining opposite ones
@@ -8,13 +7,6 @@
 #include "layers/trace.h"
 
 #define FIELD_EDGE_MARGIN (1.0 / 1024.0)
-
-static double node_value(bvxi_trace *t, int k, const bvxi_trace_node *n)
-{
-    const bvxi_level *const level = &t->level[k];
-    if (level->k >= 0) return bvxi_field_corner(t->field, n->at, level->k, n->on[level->k]);
-    return bvxi_field_between(t->field, n->at, n->on, level->t);
-}
 
 bvx_status bvxi_trace_edge(bvxi_trace *t, int k, const bvxi_trace_node *a, const bvxi_trace_node *b,
                            uint32_t *vertex)
@@ -31,8 +23,8 @@ bvx_status bvxi_trace_edge(bvxi_trace *t, int k, const bvxi_trace_node *a, const
     BVXI_TRY(bvxi_stack_map_add(s, t->level[k].edges, key, &found));
     *vertex = *found;
     if (*found != BVXI_NONE) return BVX_OK;
-    from = node_value(t, k, low);
-    to = node_value(t, k, high);
+    from = bvxi_field_corner(t->field, low->at, k, low->inside[k]);
+    to = bvxi_field_corner(t->field, high->at, k, high->inside[k]);
     share = from - to != 0.0 ? from / (from - to) : 0.5;
     /* Off the corners, so that no triangle is without area. */
     if (!(share > FIELD_EDGE_MARGIN)) share = FIELD_EDGE_MARGIN;
@@ -64,7 +56,7 @@ static int face_joins(bvxi_trace *t, int k)
     if (!(share > 0.0 && share < 1.0)) share = 0.5;
     x = p[0][0] + share * (p[2][0] - p[0][0]);
     y = p[0][1] + share * (p[2][1] - p[0][1]);
-    return bvxi_field_at(t->field, x, y, t->level[k].k >= 0 ? t->level[k].k : t->level[k].t) > 0.0;
+    return bvxi_field_at(t->field, x, y, k) > 0.0;
 }
 
 void bvxi_trace_face(bvxi_trace *t, int k)

@@ -239,16 +239,6 @@ static int indices_mention(const unsigned char *at, size_t n, uint32_t value)
     return hit != 0;
 }
 
-static int indices_within(const unsigned char *at, size_t n, uint32_t last)
-{
-    uint32_t beyond = 0, c;
-    for (size_t i = 0; i < n; i++) {
-        memcpy(&c, at + 4 * i, sizeof c);
-        beyond |= c > last;
-    }
-    return beyond == 0;
-}
-
 /* All triangles: *within is whether every index is a vertex, the result whether all wanted are used. */
 static int triangles_mention(const bvx_mesh_view *v, uint32_t want[6], int *within)
 {
@@ -260,7 +250,15 @@ static int triangles_mention(const bvx_mesh_view *v, uint32_t want[6], int *with
         uint64_t const left = 3 * v->triangle_count - first;
         size_t const n = left < VIEW_INDEX_BLOCK ? (size_t)left : VIEW_INDEX_BLOCK;
         const unsigned char *const at = p + 4 * (size_t)first;
-        *within = indices_within(at, n, (uint32_t)(v->vertex_count - 1));
+
+        uint32_t const last = (uint32_t)(v->vertex_count - 1);
+        uint32_t beyond = 0, c;
+        for (size_t i = 0; i < n; i++) {
+            memcpy(&c, at + 4 * i, sizeof c);
+            beyond |= c > last;
+        }
+        *within = beyond == 0;
+
         /* From the end, so that a vertex that was found can give its place to the last one. */
         for (int k = missing - 1; k >= 0; k--)
             if (indices_mention(at, n, want[k])) want[k] = want[--missing];

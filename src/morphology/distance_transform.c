@@ -41,16 +41,6 @@ BVXI_VECTOR_INLINE void make_lengths(const distance_job *job, const void *square
     }
 }
 
-static void store_lengths(const distance_job *job, size_t at, int32_t count, uint32_t wanted,
-                          const double *lengths)
-{
-    for (int32_t i = 0; i < count; i++) {
-        if ((wanted >> i & 1) == 0) continue;
-        if (job->value_type == BVX_F32) ((float *)job->values)[at + (size_t)i] = (float)lengths[i];
-        else ((double *)job->values)[at + (size_t)i] = lengths[i];
-    }
-}
-
 BVXI_VECTOR_INLINE void store_floats(float *BVXI_RESTRICT to, const double *BVXI_RESTRICT lengths)
 {
     for (int i = 0; i < BVXI_LANES; i++) to[i] = (float)lengths[i];
@@ -64,7 +54,13 @@ BVXI_VECTOR_INLINE void take_lengths(const distance_job *job, size_t at, int32_t
     /* The usual case has no branch, so compilers make vectors of it. */
     if (job->value_type == BVX_F32 && count == BVXI_LANES && wanted == 0xffffu)
         store_floats((float *)job->values + at, lengths);
-    else store_lengths(job, at, count, wanted, lengths);
+    else {
+        for (int32_t i = 0; i < count; i++) {
+            if ((wanted >> i & 1) == 0) continue;
+            if (job->value_type == BVX_F32) ((float *)job->values)[at + (size_t)i] = (float)lengths[i];
+            else ((double *)job->values)[at + (size_t)i] = lengths[i];
+        }
+    }
 }
 
 BVXI_AVX2_COPY(take_lengths_avx2,

@@ -308,6 +308,7 @@ static int crosses(const crossing_tree *tree, const bvxi_orient_plane *plane, co
     corners_in(tree, v, q);
     sides = bvxi_cross_sides(plane, p, q);
     if (BVXI_LIKELY(sides == BVXI_CROSS_APART)) return 0;
+    if (tree->touching) return bvxi_triangles_cross_beside(sides, plane, p, q);
 
     /* Equal positions are one pointer to the exact test. */
     for (int i = 0; i < 3; i++)

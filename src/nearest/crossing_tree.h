@@ -36,6 +36,7 @@ typedef struct crossing_tree {
     crossing_node *node[CROSSING_LEVELS];
     uint64_t nodes[CROSSING_LEVELS];
     int32_t levels, slanted; /* slanted 1: with */
+    int32_t touching;        /* 1: a common corner is crossing too, and so are triangles without an area */
     crossing_slant *slant;   /* of each node of level 0 */
 } crossing_tree;
 

@@ -19,18 +19,6 @@ typedef struct band_work {
     int32_t pieces;
 } band_work;
 
-/* Slots of a brick that lie in the window. */
-static uint64_t near_slots_inside(const bvx_grid *g, const int32_t first[3])
-{
-    uint64_t slots = 0;
-    int32_t const nx = g->size[0] - first[0];
-    uint64_t const row = nx >= BVXI_NEAR_SIDE ? 15 : nx > 0 ? (UINT64_C(1) << nx) - 1 : 0;
-    for (int32_t z = 0; z < BVXI_NEAR_SIDE && first[2] + z < g->size[2]; z++)
-        for (int32_t y = 0; y < BVXI_NEAR_SIDE && first[1] + y < g->size[1]; y++)
-            slots |= row << (4 * y + 16 * z);
-    return slots;
-}
-
 uint64_t bvxi_near_slots_of(const bvx_grid *g, const int32_t first[3])
 {
     uint64_t slots = 0;
@@ -117,7 +105,16 @@ static void find_cube_band(const band_work *w, const bvxi_near_run *r, int32_t x
                                    (uint64_t)b * BVXI_NEAR_SLOTS;
         int32_t first[3], index[3];
         bvxi_near_brick_first(r, x, b, first);
-        uint64_t const inside = near_slots_inside(w->band, first);
+
+        /* Slots of a brick that lie in the window. */
+        const bvx_grid *const g = w->band;
+        uint64_t slots = 0;
+        int32_t const nx = g->size[0] - first[0];
+        uint64_t const row = nx >= BVXI_NEAR_SIDE ? 15 : nx > 0 ? (UINT64_C(1) << nx) - 1 : 0;
+        for (int32_t z = 0; z < BVXI_NEAR_SIDE && first[2] + z < g->size[2]; z++)
+            for (int32_t y = 0; y < BVXI_NEAR_SIDE && first[1] + y < g->size[1]; y++)
+                slots |= row << (4 * y + 16 * z);
+        uint64_t const inside = slots;
 
         /* A brick beyond the window has no centre, but its slots in the memory say so. */
         if (inside == 0) {

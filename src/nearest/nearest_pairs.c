@@ -7,17 +7,6 @@
 #include "mesh/facet.h"
 #include "nearest/point_triangle_four.h"
 
-static void order_near_corners(bvxi_near_pairs *p)
-{
-    for (int32_t i = 0; i < p->count; i++) {
-        double t[3][3];
-        /* By position, so that results do not depend on which corner is the first. */
-        for (int v = 0; v < 9; v++) t[v / 3][v % 3] = p->corner[v][i];
-        bvxi_order_corners(t);
-        for (int v = 0; v < 9; v++) p->corner[v][i] = t[v / 3][v % 3];
-    }
-}
-
 static void evaluate_near_pair(bvxi_near_pairs *p, int32_t i)
 {
     double const point[3] = {p->point[0][i], p->point[1][i], p->point[2][i]};
@@ -45,7 +34,15 @@ void bvxi_near_evaluate(const bvxi_nearest *n, int32_t fast, bvxi_near_pairs *pa
         bvxi_near_corners(n, pairs->triangle[i], t);
         for (int v = 0; v < 9; v++) pairs->corner[v][i] = t[v / 3][v % 3];
     }
-    if (n->by_planes) order_near_corners(pairs);
+    if (n->by_planes) {
+        for (int32_t i = 0; i < pairs->count; i++) {
+            double t[3][3];
+            /* By position, so that results do not depend on which corner is the first. */
+            for (int v = 0; v < 9; v++) t[v / 3][v % 3] = pairs->corner[v][i];
+            bvxi_order_corners(t);
+            for (int v = 0; v < 9; v++) pairs->corner[v][i] = t[v / 3][v % 3];
+        }
+    }
 
     BVXI_PATH(fast, evaluate_near_fours_base(pairs), evaluate_near_fours_avx2(pairs));
 }

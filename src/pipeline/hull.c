@@ -7,6 +7,7 @@
  * Guarantee: that of bvx_repair and of the levels of its surface, whatever the input. */
 #include "fill/fills.h"
 #include "mesh/mesh.h"
+#include "pipeline/enclose.h"
 #include "pipeline/repair.h"
 #include "simplify/room.h"
 
@@ -32,6 +33,7 @@ static const bvxi_option hull_rows[] = {
     BVXI_PARTS(bvx_hull_options),
     BVXI_OR(bvx_hull_options, shell, ZERO_OR, 2.0, 1.5, 1e6),
     BVXI_WHOLE(bvx_hull_options, close_gaps, 0, BVXI_MOST_GAP),
+    BVXI_REAL(bvx_hull_options, enclose, 0.0, BVXI_FINITE),
     BVXI_RESERVED(bvx_hull_options, reserved),
 };
 
@@ -301,6 +303,29 @@ static bvx_status simplify_hull(hull_job *job, const bvx_mesh *surface, bvxi_lev
     return BVX_OK;
 }
 
+/* Levels that go around all of the mesh. */
+static bvx_status enclose_steps(hull_job *job, bvxi_level_chain *chain)
+{
+    bvx_context *const ctx = job->repair.ctx;
+    const bvx_mesh_view *const mesh = &job->repair.mesh;
+    double const farthest = job->options->enclose;
+    bvxi_enclosed enclosed = {.farthest = farthest};
+    bvx_mesh surface = {0};
+    bvx_status status = BVXI_SHARE(
+        ctx, 0.0, 0.4,
+        BVXI_SCOPE(ctx, bvxi_enclose(ctx, hull_name, mesh, farthest, &job->report.lattice, &surface)));
+
+    job->report.triangles = surface.triangle_count;
+    job->report.outer_triangles = mesh->triangle_count;
+    if (status == BVX_OK)
+        status = BVXI_SHARE(ctx, 0.4, 0.5, bvxi_enclosed_open(ctx, hull_name, mesh, farthest, &enclosed));
+    chain->collapse.enclosed = &enclosed;
+    if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.5, 1.0, simplify_hull(job, &surface, chain));
+    bvxi_closest_shut(ctx, &enclosed.closest);
+    bvx_mesh_free(ctx, &surface);
+    return status;
+}
+
 static bvx_status hull_steps(hull_job *job, bvxi_level_chain *chain)
 {
     bvx_context *const ctx = job->repair.ctx;
@@ -338,6 +363,11 @@ static bvx_status run_hull(bvx_context *context, const bvx_mesh_view *mesh, cons
     if (levels == NULL) return bvxi_fail_null(context, hull_name, "levels");
     BVXI_TRY(bvxi_take_options(context, hull_name, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(context, hull_name, &o, BVXI_OPTIONS(hull_rows)));
+    if (o.enclose > 0 && (o.fit.lattice != NULL || o.fit.resolution != 0 || o.close_gaps != 0 ||
+                          o.parts.least_part != 0 || o.parts.keep_largest != 0))
+        return bvxi_fail_for(
+            context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+            "%s: fit, parts and close_gaps exclude enclose, which follows from the mesh alone", hull_name);
     BVXI_TRY(bvxi_check_fit(context, hull_name, &o.fit));
     BVXI_TRY(bvxi_view_check(context, hull_name, mesh));
     for (uint64_t i = 0; i < level_count; i++)
@@ -362,7 +392,7 @@ static bvx_status run_hull(bvx_context *context, const bvx_mesh_view *mesh, cons
     job.repair.given = mesh;
     job.repair.mesh = *mesh;
     job.repair.fill = BVX_FILL_PARITY; /* lids over openings are cut in the middle */
-    bvx_status status = hull_steps(&job, &chain);
+    bvx_status status = o.enclose > 0 ? enclose_steps(&job, &chain) : hull_steps(&job, &chain);
     if (status != BVX_OK) bvxi_levels_drop(context, levels, level_count);
     if (status != BVX_OK || o.report == NULL) return status;
     warn_of_hull(&job, &chain);

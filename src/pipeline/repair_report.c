@@ -183,14 +183,6 @@ static int has_lost_walls(const bvx_repair_report *r)
     return r->thin_voxels != 0 && !r->thin_kept;
 }
 
-static void warn_of_walls(bvx_context *ctx, const bvx_repair_report *r, const bvxi_repair_facts *f)
-{
-    bvx_warning *const w = BVXI_WARN(ctx, BVX_WARN_THIN_LOST, (double)r->thin_voxels,
-                                     bvxi_advised(r->thin_resolution));
-
-    bvxi_warn_box(w, &r->lattice, f->thin_low, f->thin_high);
-}
-
 /* Parts, and handles where walls, or gaps, thinner than voxels have met. Parts that cross may close a handle at each
  * curve where they do, and a curve takes a pair of triangles at least; the shell of an open sheet has its holes. */
 static void warn_of_topology(bvx_context *ctx, const bvx_repair_report *r, const bvxi_repair_facts *f,
@@ -261,7 +253,12 @@ void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *r, const bvxi_repair_
     if (r->copied) return;
     for (int a = 0; a < 3 && resolution == 0; a++)
         longest = r->lattice.dims[a] > longest ? r->lattice.dims[a] : longest;
-    if (has_lost_walls(r)) warn_of_walls(ctx, r, f);
+    if (has_lost_walls(r)) {
+        bvx_warning *const w = BVXI_WARN(ctx, BVX_WARN_THIN_LOST, (double)r->thin_voxels,
+                                         bvxi_advised(r->thin_resolution));
+
+        bvxi_warn_box(w, &r->lattice, f->thin_low, f->thin_high);
+    }
     warn_of_topology(ctx, r, f, bvxi_advised(2.0 * longest));
     bvxi_warn_of_lids(ctx, share_of_lids(r, f), r->holes, &f->longest_rim);
     if (encloses_inward(r, f)) BVXI_WARN(ctx, BVX_WARN_TURNED, 0.0, -r->before.volume);

@@ -343,20 +343,6 @@ static bvx_status list_parted(bvxi_repair_job *job, const all_sums *sums)
 
 /* ---- Open pieces that make a body together ---- */
 
-/* The triangles of open pieces are to be asked. Returns how many. */
-static uint64_t ask_open_pieces(const bvxi_repair_job *job, const all_sums *sums, uint8_t *answer)
-{
-    uint64_t count = 0;
-    uint32_t c[3];
-
-    for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
-        bvxi_view_triangle(&job->mesh, t, c);
-        answer[t] = is_open_piece(sums_of(job, sums, c[0])) ? BVXI_TRIANGLE_ASKED : 0;
-        count += answer[t] != 0;
-    }
-    return count;
-}
-
 static void sum_joined(const bvxi_repair_job *job, const uint8_t *answer, all_sums *sums)
 {
     double p[3][3], n[3];
@@ -420,7 +406,17 @@ static bvx_status join_open_pieces(bvxi_repair_job *job, all_sums *sums)
 
     if (job->fill == BVX_FILL_PARITY) return BVX_OK;
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, bytes, "the open triangles", &answer));
-    asked = ask_open_pieces(job, sums, answer);
+
+    /* The triangles of open pieces are to be asked. Returns how many. */
+    uint64_t count = 0;
+    uint32_t c[3];
+
+    for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
+        bvxi_view_triangle(&job->mesh, t, c);
+        answer[t] = is_open_piece(sums_of(job, sums, c[0])) ? BVXI_TRIANGLE_ASKED : 0;
+        count += answer[t] != 0;
+    }
+    asked = count;
 
     /* Each round leaves out what turned out as sheets, which changes the winding number. */
     for (int round = 0; asked != 0 && asked != before; round++) {

@@ -91,19 +91,6 @@ static int is_on_bar(const bar_job *b, const double p[3], const double n[3])
     return 1;
 }
 
-static void place_bar_vertices(bar_job *b)
-{
-    const bvx_lattice *const l = &b->inside->lattice;
-    bvx_mesh_view view;
-
-    bvx_mesh_view_of(b->surface, &view);
-    for (uint64_t v = 0; v < b->vertices; v++) {
-        double *const p = b->place + 3 * v;
-        bvxi_view_position(&view, v, p);
-        for (int a = 0; a < 3; a++) p[a] = (p[a] + b->surface->frame[a] - l->origin[a]) / l->spacing[a];
-    }
-}
-
 static void sum_bar_areas(bar_job *b)
 {
     for (uint64_t t = 0; t < b->surface->triangle_count; t++) {
@@ -163,7 +150,17 @@ static bvx_status find_bars(bvx_context *ctx, bar_job *b)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->vertices * 24, "the vertices' places", &b->place));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->vertices * 4, "the bars' vertices", &b->number));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, b->vertices * 32, "the vertices' normals", &b->sums));
-    place_bar_vertices(b);
+
+    const bvx_lattice *const l = &b->inside->lattice;
+    bvx_mesh_view view;
+
+    bvx_mesh_view_of(b->surface, &view);
+    for (uint64_t v = 0; v < b->vertices; v++) {
+        double *const p = b->place + 3 * v;
+        bvxi_view_position(&view, v, p);
+        for (int a = 0; a < 3; a++) p[a] = (p[a] + b->surface->frame[a] - l->origin[a]) / l->spacing[a];
+    }
+
     sum_bar_areas(b);
     number_bars(b);
     if (b->count == 0) return BVX_OK;

@@ -58,15 +58,6 @@ static void decide_voxel(const row_states_job *job, const bvxi_octets *o, uint64
     }
 }
 
-static void decide_base(const row_states_job *job)
-{
-    const bvx_octree *const tree = job->tree;
-    for (int32_t z = 0; z < tree->base[2]; z++)
-        for (int32_t y = 0; y < tree->base[1]; y++)
-            for (int32_t x = 0; x < tree->base[0]; x++)
-                decide_voxel(job, &tree->root, bvxi_root_bit(tree, x, y, z), (int32_t[3]){x, y, z}, 0);
-}
-
 /* ---- the triangles near the window ---- */
 
 /* Do a triangle's rows, along x, come near the window? Its ends grow to whole voxels of level `outer`. */
@@ -147,7 +138,13 @@ static bvx_status decide_by_solids(bvxi_refine_job *job, const bvx_mesh_view *ne
     rows->tree = job->tree;
     rows->outer = job->outer;
     bvx_status const status = make_solids(job, nearby, rows);
-    if (status == BVX_OK) decide_base(rows);
+    if (status == BVX_OK) {
+        const bvx_octree *const tree = rows->tree;
+        for (int32_t z = 0; z < tree->base[2]; z++)
+            for (int32_t y = 0; y < tree->base[1]; y++)
+                for (int32_t x = 0; x < tree->base[0]; x++)
+                    decide_voxel(rows, &tree->root, bvxi_root_bit(tree, x, y, z), (int32_t[3]){x, y, z}, 0);
+    }
     for (int32_t l = job->tree->levels; l >= job->outer; l--) bvx_grid_free(job->ctx, &rows->solid[l]);
     return status;
 }

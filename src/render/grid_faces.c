@@ -16,11 +16,6 @@ enum { GRID_GRAIN = 4096 /* rows a piece, at least */ };
 
 /* ---- what the cut leaves ---- */
 
-static double kept_voxel_centre(const bvx_grid *g, int axis, int32_t i)
-{
-    return g->lattice.origin[axis] + ((double)g->low[axis] + (double)i + 0.5) * g->lattice.spacing[axis];
-}
-
 /* The first voxel of an axis whose centre lies at or above a place (above: beyond it), by bisection. */
 static int32_t first_voxel_from(const bvx_grid *g, int axis, double place, int above)
 {
@@ -28,7 +23,8 @@ static int32_t first_voxel_from(const bvx_grid *g, int axis, double place, int a
     int32_t begin = 0, end = g->size[axis];
     while (begin < end) {
         int32_t const middle = begin + (end - begin) / 2;
-        double const centre = kept_voxel_centre(g, axis, middle);
+        double const centre = g->lattice.origin[axis] +
+                              ((double)g->low[axis] + (double)middle + 0.5) * g->lattice.spacing[axis];
         if (above ? centre > place : centre >= place) end = middle;
         else begin = middle + 1;
     }

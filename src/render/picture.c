@@ -31,17 +31,6 @@ static bvx_status check_picture_view(bvx_context *ctx, const char *function, con
     return BVX_OK;
 }
 
-static bvx_status check_picture_cut(bvx_context *ctx, const char *function, const bvx_render_options *o)
-{
-    static const char *const axis[3] = {"x", "y", "z"};
-    for (int a = 0; a < 3; a++)
-        if (!(o->cut.low[a] <= o->cut.high[a]))
-            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                                 "%s: the cut from %g to %g along %s is not a range", function, o->cut.low[a],
-                                 o->cut.high[a], axis[a]);
-    return BVX_OK;
-}
-
 static const bvxi_option picture_rows[] = {
     BVXI_OR(bvx_render_options, width, WHOLE, 1024, 1, PICTURE_SIDE),
     BVXI_OR(bvx_render_options, height, WHOLE, 768, 1, PICTURE_SIDE),
@@ -79,7 +68,14 @@ bvx_status bvxi_picture_options(bvx_context *ctx, const char *function, const bv
     BVXI_TRY(bvxi_take_options(ctx, function, given, options, sizeof *options));
     BVXI_TRY(bvxi_check_options(ctx, function, options, BVXI_OPTIONS(picture_rows)));
     put_picture_defaults(options);
-    BVXI_TRY(check_picture_cut(ctx, function, options));
+
+    static const char *const axis[3] = {"x", "y", "z"};
+    for (int a = 0; a < 3; a++)
+        if (!(options->cut.low[a] <= options->cut.high[a]))
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                                 "%s: the cut from %g to %g along %s is not a range", function,
+                                 options->cut.low[a], options->cut.high[a], axis[a]);
+
     return looked_at ? check_picture_view(ctx, function, options) : BVX_OK;
 }
 

@@ -138,18 +138,6 @@ bvx_status bvx_render_grid(bvx_context *context, const bvx_grid *grid, const bvx
     return BVXI_CALL(context, run_render_grid(context, grid, options, image));
 }
 
-static bvx_status check_same_place(bvx_context *ctx, const char *function, const bvx_grid *before,
-                                   const bvx_grid *after)
-{
-    if (!bvxi_lattice_equal(&before->lattice, &after->lattice))
-        return bvxi_fail(ctx, BVX_ERR_LATTICE, "%s: before and after are on different lattices", function);
-    if (memcmp(before->low, after->low, sizeof before->low) != 0 ||
-        memcmp(before->size, after->size, sizeof before->size) != 0)
-        return bvxi_fail(ctx, BVX_ERR_LATTICE,
-                         "%s: before and after cover different windows of their lattice", function);
-    return BVX_OK;
-}
-
 static bvx_status run_render_difference(bvx_context *context, const bvx_grid *before, const bvx_grid *after,
                                         const bvx_render_options *options, bvx_image *image)
 {
@@ -160,7 +148,15 @@ static bvx_status run_render_difference(bvx_context *context, const bvx_grid *be
     if (after == NULL) return bvxi_fail_null(context, function, "after");
     BVXI_TRY(bvxi_grid_check(context, function, before));
     BVXI_TRY(bvxi_grid_check(context, function, after));
-    BVXI_TRY(check_same_place(context, function, before, after));
+
+    if (!bvxi_lattice_equal(&before->lattice, &after->lattice))
+        return bvxi_fail(context, BVX_ERR_LATTICE, "%s: before and after are on different lattices",
+                         function);
+    if (memcmp(before->low, after->low, sizeof before->low) != 0 ||
+        memcmp(before->size, after->size, sizeof before->size) != 0)
+        return bvxi_fail(context, BVX_ERR_LATTICE,
+                         "%s: before and after cover different windows of their lattice", function);
+
     s.grid = before;
     s.also = after->words;
     return render_grid_scene(context, &s, image);

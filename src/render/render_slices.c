@@ -106,15 +106,6 @@ static int32_t room_in_cell(int32_t length, int32_t cells)
     return cell > 2 * margin + 1 ? cell - 2 * margin - (cells > 1) : 1;
 }
 
-/* Pixels a world unit that fit a slice of w x h into cells of a sheet of so many columns. */
-static double scale_of_columns(const slice_sheet *s, int32_t columns, double w, double h)
-{
-    int32_t const rows = (s->count + columns - 1) / columns;
-    double const across = room_in_cell(s->options.width, columns) / w;
-    double const upwards = room_in_cell(s->options.height, rows) / h;
-    return across < upwards ? across : upwards;
-}
-
 static int32_t slice_pixels(double size, double scale, int32_t room)
 {
     double const n = floor(size * scale + 0.5);
@@ -142,7 +133,12 @@ static void lay_out_sheet(slice_sheet *s)
     w = s->right.voxels * (spacing[s->right.axis] / longest);
     h = s->up.voxels * (spacing[s->up.axis] / longest);
     for (int32_t columns = 1; columns <= s->count; columns++) {
-        double const scale = scale_of_columns(s, columns, w, h);
+        /* Pixels a world unit that fit a slice of w x h into cells of a sheet of so many columns. */
+        int32_t const rows = (s->count + columns - 1) / columns;
+        double const across = room_in_cell(s->options.width, columns) / w;
+        double const upwards = room_in_cell(s->options.height, rows) / h;
+        double const scale = across < upwards ? across : upwards;
+
         if (scale <= best) continue;
         best = scale;
         s->right.cells = columns;

@@ -224,10 +224,12 @@ static int judge_at(const collapse_sweep *s, const bvxi_edge_planned *plan, cons
                     const double d[3], int needles, double p[3])
 {
     const bvxi_collapse *const c = s->c;
-    const double *const from = c->mesh.at[plan->u].p;
+    const double *const from = c->mesh.at[plan->u].p, *const box = c->options.box;
 
     for (int k = 0; k < 3; k++) p[k] = bvxi_collapse_rounded(c, from[k] + d[k] / c->scale);
     if (d[0] == 0 && d[1] == 0 && d[2] == 0) memcpy(p, from, 3 * sizeof *p);
+    for (int k = 0; box != NULL && k < 3; k++)
+        if (p[k] < box[2 * k] || p[k] > box[2 * k + 1]) return 0;
     return bvxi_edge_judge_shapes(c, plan, star, p, needles) &&
            (c->tree.node[0] == NULL ||
             !bvxi_collapse_crosses(c, plan->u, plan->v, star->link, star->count, p));

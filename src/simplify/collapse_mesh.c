@@ -125,6 +125,31 @@ static bvx_status close_small(bvxi_collapse *c, uint64_t target, int last, doubl
     return BVX_OK;
 }
 
+/* What let a piece out goes back, with all that came after order: the level is larger then. */
+static bvx_status keep_enclosed(bvxi_collapse *c, uint32_t order, double at)
+{
+    uint64_t escaped, undone;
+
+    BVXI_TRY(BVXI_SCOPE(c->ctx, bvxi_collapse_escaped(c, &escaped)));
+    if (escaped == 0) return BVX_OK;
+    memset(c->fresh, 0, (size_t)c->mesh.vertices);
+    bvxi_collapse_undo_since(c, order);
+    BVXI_TRY(bvxi_collapse_judge(c, at, at, &undone));
+    bvxi_collapse_end_careful(c);
+    return BVX_OK;
+}
+
+/* All vertices that settled go back where one of the steps let a piece out. */
+static bvx_status keep_settled(bvxi_collapse *c)
+{
+    uint64_t escaped;
+
+    BVXI_TRY(BVXI_SCOPE(c->ctx, bvxi_collapse_escaped(c, &escaped)));
+    for (uint32_t v = 0; v < c->mesh.vertices && escaped != 0; v++)
+        if (!bvxi_collapse_is_gone(c, v)) bvxi_collapse_move_quadric(c, v, c->undo[v].p);
+    return BVX_OK;
+}
+
 /* Down to the target without crossings. What crosses is undone by name; other edges go in its place, looked at
  * one by one, unless all were refused before. */
 static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, double from, double to)
@@ -134,6 +159,7 @@ static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, d
 
     memset(c->fresh, 0, (size_t)c->mesh.vertices);
     BVXI_TRY(bvxi_collapse_pack(c));
+    uint32_t const order = c->order;
     BVXI_TRY(collapse_edges(c, target, last, from, middle));
     int const met = c->mesh.left <= target + target % 2;
     BVXI_TRY(bvxi_collapse_judge(c, middle, to, &undone));
@@ -141,6 +167,7 @@ static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, d
     if (c->options.given.topology != BVX_TOPOLOGY_KEEP) BVXI_TRY(close_small(c, target, last, to));
     bvxi_collapse_end_careful(c);
 
+    if (c->options.enclosed != NULL) BVXI_TRY(keep_enclosed(c, order, to));
     if (!last) return BVX_OK;
 
     /* No edge comes apart after this: what crosses goes back. */
@@ -150,7 +177,7 @@ static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, d
     BVXI_TRY(bvxi_collapse_settle(c));
     if (bvxi_any_marked(c->settled, c->mesh.vertices)) BVXI_TRY(bvxi_collapse_judge(c, to, to, &undone));
     bvxi_collapse_end_careful(c);
-    return BVX_OK;
+    return c->options.enclosed != NULL ? keep_settled(c) : BVX_OK;
 }
 
 /* Where crossings are looked for next on the way to the last level. */

@@ -227,6 +227,15 @@ uint32_t bvxi_collapse_now(const bvxi_collapse *c, uint32_t v);
 /* pack_level.c: the new index of each vertex that is left. */
 bvx_status bvxi_collapse_number(bvxi_collapse *c, uint32_t **index);
 
+/* enclosed.c: 1: a triangle leaves what the level encloses. *hint: as of bvxi_closest_ask. */
+int bvxi_collapse_leaves(const bvxi_collapse *c, uint32_t triangle, uint32_t *hint);
+/* The same of triangles from p to the edges of a link [Size: count + 1]. */
+int bvxi_collapse_fan_leaves(const bvxi_collapse *c, const uint32_t *link, int32_t count, const double *p);
+/* Mark those with a fresh vertex that do [Size: triangles]. */
+bvx_status bvxi_collapse_mark_leaving(const bvxi_collapse *c, uint8_t **leaves);
+/* Pieces that the level does not go around once. */
+bvx_status bvxi_collapse_escaped(const bvxi_collapse *c, uint64_t *escaped);
+
 /* judge.c: undo collapses until no two triangles cross but beside those of the mesh that do; *undone counts
  * them. From then on collapses are looked at one by one, until the end is called. */
 bvx_status bvxi_collapse_judge(bvxi_collapse *c, double from, double to, uint64_t *undone);

@@ -358,7 +358,7 @@ int bvxi_collapse_crosses(const bvxi_collapse *c, uint32_t u, uint32_t v, const 
             if (bvxi_triangles_cross(a, b)) return 1;
         }
     }
-    return 0;
+    return bvxi_collapse_fan_leaves(c, link, count, p);
 }
 
 /* ---- Undoing ---- */
@@ -369,15 +369,18 @@ typedef struct judge_found {
     uint32_t *pair;
     uint64_t count, capacity;
     uint32_t triangle; /* whose partners are being listed */
-    int settled;       /* 1: vertices have moved that go back first */
+    uint32_t hint;
+    int settled; /* 1: vertices have moved that go back first */
     bvx_status status;
 } judge_found;
 
+/* Of the same triangle twice: one that leaves what the level encloses. */
 static int add_pair(void *user, uint32_t t)
 {
     judge_found *const list = user;
 
-    if (t == list->triangle) return 0;
+    /* What failed once is not covered by what follows. */
+    if (list->status != BVX_OK) return 1;
     list->status = BVXI_GROW_BY(list->c, list->pair, list->count, list->capacity, 8, "crossing pairs");
     if (list->status != BVX_OK) return 1;
     list->pair[2 * list->count] = list->triangle;
@@ -412,6 +415,7 @@ static void look_around(judge_found *list, uint32_t v, int boxes)
                               (c->last[w[0]] & c->last[w[1]] & c->last[w[2]]) == BVXI_VERTEX_NONE;
 
             list->triangle = t;
+            if (!still && bvxi_collapse_leaves(c, t, &list->hint)) add_pair(list, t);
             bvxi_crossing_tree_visit(&c->tree, p, graph, BVXI_VERTEX_NONE, has_come(c, t) ? c->came : NULL,
                                      still ? c->last : NULL, add_pair, list);
         }
@@ -474,7 +478,7 @@ static bvx_status undo_pairs(judge_found *list, uint64_t *undone)
         if (bvxi_corner_gone(&c->mesh, (int32_t)(4 * s)) || bvxi_corner_gone(&c->mesh, (int32_t)(4 * t)))
             continue;
         if (has_come(c, s) && has_come(c, t)) continue;
-        if (!bvxi_crossing_pair(&c->tree, s, t)) continue;
+        if (s == t ? !bvxi_collapse_leaves(c, t, &list->hint) : !bvxi_crossing_pair(&c->tree, s, t)) continue;
         if (list->settled) {
             /* Where none has settled both were that way before. */
             uint64_t const back = unsettle(c, c->mesh.triangle[s].vertex) +
@@ -499,6 +503,20 @@ static bvx_status undo_pairs(judge_found *list, uint64_t *undone)
     return list->status;
 }
 
+static bvx_status list_leaving(judge_found *list)
+{
+    const bvxi_collapse *const c = list->c;
+    uint8_t *leaves;
+
+    BVXI_TRY(bvxi_collapse_mark_leaving(c, &leaves));
+    for (uint64_t t = 0; t < c->mesh.triangles; t++) {
+        list->triangle = (uint32_t)t;
+        if (leaves[t]) add_pair(list, (uint32_t)t);
+    }
+    bvxi_drop(c->ctx, leaves);
+    return BVX_OK;
+}
+
 bvx_status bvxi_collapse_judge(bvxi_collapse *c, double from, double to, uint64_t *undone)
 {
     judge_found list = {.c = c, .settled = bvxi_any_marked(c->settled, c->mesh.vertices)};
@@ -514,6 +532,7 @@ bvx_status bvxi_collapse_judge(bvxi_collapse *c, double from, double to, uint64_
         list.triangle = c->pairs[2 * i];
         if (is_fresh_pair(c, c->pairs + 2 * i)) add_pair(&list, c->pairs[2 * i + 1]);
     }
+    if (c->options.enclosed != NULL) BVXI_TRY(list_leaving(&list));
     memset(c->fresh, 0, (size_t)c->mesh.vertices);
     BVXI_TRY(list.status);
     while (list.count != 0) {

@@ -4,6 +4,7 @@
 #define BVXI_SIMPLIFY_ROOM_H
 
 #include "nearest/closest.h"
+#include "nearest/crossing_tree.h"
 #include "mesh/view.h"
 
 /* What becomes of edges that have no two triangles running along them in opposite directions. */
@@ -27,16 +28,26 @@ enum {
         BVXI_CHOICE(type, collapse.topology, BVX_TOPOLOGY_KEEP, BVX_TOPOLOGY_SIMPLIFY)
 #define BVXI_WEIGHT 1.0 /* by default */
 
+/* A mesh that levels go around: none of their triangles meets it, or has a point further from it than farthest. */
+typedef struct bvxi_enclosed {
+    bvx_closest closest;
+    crossing_tree tree;
+    double farthest, *point; /* of each piece that triangles join [Size: pieces * 3] */
+    uint64_t pieces;
+} bvxi_enclosed;
+
 typedef struct bvxi_collapse_options {
     /* The caller's; the type is that of the levels, to which new positions are rounded, never AUTO; locked [Size:
      * vertex_count of the mesh that bvxi_levels_make takes]. */
     bvx_collapse given;
     double even; /* pull of every vertex towards the line along its normal: even triangles where it is flat */
-    int32_t simple;   /* 1: the mesh is known to be welded, closed, manifold and oriented */
-    int32_t borders;  /* BVXI_BORDERS_...: what becomes of a mesh that is not closed */
-    int32_t counted;  /* 1: crossings are, those that were there before too */
-    int32_t farthest; /* 1: the farthest distance decides, so none is made longer for the mean's sake */
-    int32_t sheets;   /* 1: no edge comes to be that joins two locked vertices, and no triangle of three */
+    int32_t simple;    /* 1: the mesh is known to be welded, closed, manifold and oriented */
+    int32_t borders;   /* BVXI_BORDERS_...: what becomes of a mesh that is not closed */
+    int32_t counted;   /* 1: crossings are, those that were there before too */
+    int32_t farthest;  /* 1: the farthest distance decides, so none is made longer for the mean's sake */
+    const double *box; /* NULL, or low and high along x, y, z, beyond which no vertex goes */
+    const bvxi_enclosed *enclosed; /* or NULL */
+    int32_t sheets; /* 1: no edge comes to be that joins two locked vertices, and no triangle of three */
 } bvxi_collapse_options;
 
 /* Handles that were cut and holes that were filled, and the way around the longest of them. */
@@ -84,6 +95,10 @@ typedef struct bvxi_sheets_report {
     uint64_t triangles; /* before edges collapse */
 } bvxi_sheets_report;
 
+/* enclosed.c: of a checked view with triangles; closest is the caller's to shut, also after a failure. Scratch: 130 bytes
+ * a triangle. */
+bvx_status bvxi_enclosed_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                              double farthest, bvxi_enclosed *enclosed);
 /* Refuse options that say too much, or nothing that can be. */
 bvx_status bvxi_levels_check(bvx_context *ctx, const bvxi_level_chain *chain);
 /* Make all levels of any checked view: it is welded by position and made ready here (bvxi_sheets_report), and
@@ -95,9 +110,10 @@ bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *chain, const bvx
 void bvxi_levels_warn(bvx_context *ctx, const bvxi_level_chain *chain, const bvx_certificate *from,
                       const bvxi_sheets_report *sheets);
 /* Fewer triangles in a smoothed complex: so many, or with error above 0 as few as keep that mean distance. From then
- * on each face is one triangle (bvx_complex.single); lists of faces are made anew. Scratch: 190 bytes a triangle. */
+ * on each face is one triangle (bvx_complex.single); lists of faces are made anew. Scratch: 190 bytes a triangle.
+ * Vertices ON_SEAM stay, and none goes beyond the box, if there is one. */
 bvx_status bvxi_complex_simplify(bvx_context *ctx, const char *function, bvx_complex *complex,
-                                 uint64_t triangles, double error);
+                                 uint64_t triangles, double error, const double *box);
 /* Free what the library made of levels, and empty those in arrays of the caller's. */
 void bvxi_levels_drop(bvx_context *ctx, bvx_mesh *levels, uint64_t count);
 

@@ -11,12 +11,14 @@
 #include "mesh/view.h"
 #include "simplify/edge_costs.h"
 
+/* Of the way to what is enclosed. */
+#define SETTLE_INWARD 0.8
 /* Of a vertex's sum of squares along all axes: how it is held where no distance asks for a step. */
 #define SETTLE_HELD 0.03
 
 enum {
     SETTLE_WANTED = 8, /* triangles of the mesh for each vertex, */
-    SETTLE_LEAST = 4,  /* and fewer tell too little */
+    SETTLE_LEAST = 5,  /* and fewer tell too little */
     SETTLE_LOOKS = 4,  /* around vertices, until none is nearer */
     SETTLE_HALVES = 4,
     SETTLE_MOST = 1 << 18,  /* of them in all */
@@ -164,21 +166,45 @@ void bvxi_collapse_unsettle(bvxi_collapse *c, uint32_t v)
     move_vertex(c, v, c->settled[v] != 0 ? p : from);
 }
 
+static void settle_at(bvxi_collapse *c, uint32_t v, const double at[3])
+{
+    double p[3];
+
+    for (int k = 0; k < 3; k++) p[k] = bvxi_collapse_rounded(c, at[k]);
+    /* Where it was waits where a vertex that is gone has what undoes that. */
+    memcpy(c->undo[v].p, c->mesh.at[v].p, sizeof p);
+    c->settled[v] = c->fresh[v] = 1;
+    move_vertex(c, v, p);
+}
+
 static void settle_vertex(bvxi_collapse *c, uint32_t v, bvxi_quadric *q)
 {
     double const held = SETTLE_HELD * (q->a[0] + q->a[3] + q->a[5]);
-    double d[3], p[3];
+    double d[3];
 
     q->a[0] += held;
     q->a[3] += held;
     q->a[5] += held;
     if (!bvxi_quadric_solve(q->a, q->b, d)) return;
-    for (int k = 0; k < 3; k++) p[k] = bvxi_collapse_rounded(c, c->mesh.at[v].p[k] + d[k]);
+    for (int k = 0; k < 3; k++) d[k] += c->mesh.at[v].p[k];
+    settle_at(c, v, d);
+}
 
-    /* Where it was waits where a vertex that is gone has what undoes that. */
-    memcpy(c->undo[v].p, c->mesh.at[v].p, sizeof p);
-    c->settled[v] = c->fresh[v] = 1;
-    move_vertex(c, v, p);
+/* Towards what the level encloses: what leaves it goes back by halves, when the level is judged. */
+static void settle_inward(bvxi_collapse *c)
+{
+    uint32_t hint = 0;
+
+    for (uint32_t v = 0; v < c->mesh.vertices; v++) {
+        const double *const p = c->mesh.at[v].p;
+        bvx_closest_point found;
+        double to[3];
+
+        if (bvxi_collapse_is_gone(c, v)) continue;
+        bvxi_closest_ask(&c->options.enclosed->closest, p, &hint, &found);
+        for (int k = 0; k < 3; k++) to[k] = p[k] + SETTLE_INWARD * (found.position[k] - p[k]);
+        settle_at(c, v, to);
+    }
 }
 
 /* 1: a triangle has other corners than before, which turn it or take its area. */
@@ -199,13 +225,13 @@ static int is_turned(const bvxi_collapse *c, const uint32_t *v)
     return !(cosine > 0 && 2 * cosine * cosine > squares);
 }
 
-bvx_status bvxi_collapse_settle(bvxi_collapse *c)
+/* Each vertex where its part of what is asked says. */
+static bvx_status settle_nearest(bvxi_collapse *c)
 {
-    bvxi_corners *const m = &c->mesh;
+    const bvxi_corners *const m = &c->mesh;
     uint64_t const most = SETTLE_WANTED * c->alive < SETTLE_MOST ? SETTLE_WANTED * c->alive : SETTLE_MOST;
     uint64_t const step = (c->first_triangles + most - 1) / most;
     bvxi_quadric *sum;
-    int turned = 1;
 
     /* Borders of open meshes keep their attributes where these have a say. */
     if (c->options.sheets || c->options.farthest || c->options.given.vertices == BVX_VERTICES_KEPT ||
@@ -217,6 +243,16 @@ bvx_status bvxi_collapse_settle(bvxi_collapse *c)
     for (uint32_t v = 0; v < m->vertices; v++)
         if (!bvxi_collapse_is_gone(c, v) && c->kind[v] == 0) settle_vertex(c, v, &sum[v]);
     bvxi_drop(c->ctx, sum);
+    return BVX_OK;
+}
+
+bvx_status bvxi_collapse_settle(bvxi_collapse *c)
+{
+    const bvxi_corners *const m = &c->mesh;
+    int turned = 1;
+
+    if (c->options.enclosed != NULL) settle_inward(c);
+    else BVXI_TRY(settle_nearest(c));
     while (turned) {
         turned = 0;
         for (uint64_t t = 0; t < m->triangles; t++) {

@@ -10,7 +10,8 @@
  * the step made anew; the second undoes its own.
  *
  * Guarantee: sheets share the vertices of lines, and no edge of a sheet joins two of these that did not before. So each
- * body stays closed, edge-manifold and oriented, and no two triangles cross where none did. */
+ * body stays closed, edge-manifold and oriented, and no two triangles cross where none did. In open windows vertices on
+ * seams stay. */
 #include "core/vec3.h"
 #include "mesh/mesh.h"
 #include "mesh/view.h"
@@ -34,6 +35,7 @@ typedef struct complex_parts {
     bvx_mesh mesh;
     uint32_t *sides; /* [Size: triangles * 2] */
     uint8_t *junctions;
+    const double *box; /* as in bvxi_collapse_options */
 } complex_parts;
 
 typedef struct complex_round {
@@ -109,8 +111,9 @@ static void line_quadric(complex_round *r, uint32_t v)
 
     memset(q, 0, sizeof *q);
     r->kind[v] = (uint8_t)line_ends(r, v, ends);
+    if ((r->from->junctions[v] & BVX_ON_SEAM) != 0) r->kind[v] = LINE_FIXED | BVX_ON_SEAM;
     if (r->kind[v] == 0) return;
-    r->kind[v] = r->kind[v] == 2 ? LINE_ALONG : LINE_FIXED;
+    r->kind[v] = r->kind[v] == 2 ? LINE_ALONG : (r->kind[v] & BVX_ON_SEAM) | LINE_FIXED;
     for (uint32_t i = 0; i < 2; i++) {
         for (int a = 0; a < 3; a++) n[a] = r->at[ends[i]].p[a] - p[a];
         double const weight = bvxi_vec_dot(n, n);
@@ -130,14 +133,15 @@ static void line_quadric(complex_round *r, uint32_t v)
 static int plan_line(const complex_round *r, uint32_t *u, uint32_t *v, bvxi_quadric *q, double p[3],
                      double *cost)
 {
+    const double *const box = r->from->box;
     double way[3], d[3] = {0, 0, 0}, from_middle = 0, square;
 
-    if (r->kind[*v] == LINE_FIXED) {
+    if ((r->kind[*v] & LINE_FIXED) != 0) {
         uint32_t const swap = *u;
         *u = *v;
         *v = swap;
     }
-    if (r->kind[*v] == LINE_FIXED || r->held[*u] || r->held[*v]) return 0;
+    if ((r->kind[*v] & LINE_FIXED) != 0 || r->held[*u] || r->held[*v]) return 0;
     for (int a = 0; a < 3; a++) way[a] = r->at[*v].p[a] - r->at[*u].p[a];
     square = bvxi_vec_dot(way, way);
     bvxi_quadrics_join(&r->at[*u].q, &r->at[*v].q, way, q);
@@ -156,6 +160,7 @@ static int plan_line(const complex_round *r, uint32_t *u, uint32_t *v, bvxi_quad
     for (int a = 0; a < 3; a++) {
         double const to = r->at[*u].p[a] + d[a];
         p[a] = r->from->mesh.position_type == BVX_F32 ? bvxi_nearest_float(to) : to;
+        if (box != NULL && (p[a] < box[2 * a] || p[a] > box[2 * a + 1])) return 0;
     }
     *cost = bvxi_quadric_at(q, d) + LINE_EVEN * square * square;
     return 1;
@@ -183,6 +188,10 @@ static int link_holds(const complex_round *r, uint32_t u, uint32_t v)
             *met = (uint8_t)(*met + (*met % MET_APEX / MET_V < 3 ? MET_V : 0));
         }
         if (x == u || y == u) continue;
+        /* The other windows may have an edge of two vertices on seams, too. */
+        good &= (r->kind[u] &
+                 ((r->met[x] < MET_APEX ? r->kind[x] : 0) | (r->met[y] < MET_APEX ? r->kind[y] : 0)) &
+                 BVX_ON_SEAM) == 0;
         int const near_x = r->met[x] % MET_V != 0, near_y = r->met[y] % MET_V != 0;
         good &= !(near_x && near_y) && (!near_x || r->met[x] >= MET_APEX) &&
                 (!near_y || r->met[y] >= MET_APEX);
@@ -429,7 +438,8 @@ static bvx_status join_label_sheets(complex_round *r, const bvxi_collapse *c, co
     for (uint64_t v = 0; v < m->vertices; v++) {
         if (bvxi_collapse_is_gone(c, (uint32_t)v)) continue;
         uint32_t const source = r->source[m->source[v]], index = number[source];
-        to->junctions[index] = r->kind[source];
+        int const stays = (r->kind[source] & BVX_ON_SEAM) != 0;
+        to->junctions[index] = stays ? r->from->junctions[source] : r->kind[source];
         for (uint64_t a = 0; a < 3; a++) {
             if (from->position_type == BVX_F64)
                 ((double *)to->mesh.positions)[3 * (size_t)index + a] = m->at[v].p[a];
@@ -448,13 +458,21 @@ static bvx_status join_label_sheets(complex_round *r, const bvxi_collapse *c, co
 
 static bvx_status collapse_sheets(complex_round *r, uint64_t target, complex_parts *to)
 {
-    bvxi_collapse_options options = {.even = BVXI_EVEN, .borders = BVXI_BORDERS_KEPT, .sheets = 1};
+    bvxi_collapse_options options = {
+        .even = BVXI_EVEN, .borders = BVXI_BORDERS_KEPT, .sheets = 1, .box = r->from->box};
     bvxi_sheets sheets = {.corner = NULL};
     bvxi_collapse *c;
 
     options.given.position_type = r->from->mesh.position_type;
     options.given.lock_border = 1;
     BVXI_TRY(part_label_sheets(r, &sheets.view));
+    if (r->from->box != NULL) {
+        uint64_t const count = sheets.view.vertex_count;
+        uint8_t *locked;
+        BVXI_TRY(bvxi_alloc(r->ctx, BVXI_SCRATCH, count, "the seams", &locked));
+        for (uint64_t i = 0; i < count; i++) locked[i] = r->from->junctions[r->source[i]] & BVX_ON_SEAM;
+        options.given.locked = locked;
+    }
     BVXI_TRY(bvxi_collapse_open(r->ctx, r->function, &sheets.view, &sheets, &options, &c));
     BVXI_TRY(bvxi_collapse_to(c, target, 0.2, 1.0));
     return join_label_sheets(r, c, to);
@@ -507,12 +525,15 @@ static bvx_status bodies_hold(bvx_context *ctx, const complex_parts *parts, uint
     *hold = 1;
     for (uint64_t first = 0; first < edges; first = end) {
         for (end = first; end < edges && keys[end] == keys[first];) end++;
+        /* Bodies of open windows end there. */
+        int const seam = (parts->junctions[keys[first] >> 32] & parts->junctions[keys[first] & UINT32_MAX] &
+                          BVX_ON_SEAM) != 0;
         for (uint64_t i = 2 * first; i < 2 * end; i++) {
             uint32_t const label = parts->sides[order[i / 2] / 3 * 2 + i % 2];
             int met = 0;
             for (uint64_t k = 2 * first; k < 2 * end; k++)
                 met += parts->sides[order[k / 2] / 3 * 2 + k % 2] == label;
-            *hold &= met == 2 || label == none;
+            *hold &= met == 2 || label == none || (met == 1 && seam);
         }
     }
     return BVX_OK;
@@ -544,7 +565,7 @@ static bvx_status run_complex_rounds(bvx_context *ctx, const char *function, con
                                 : near > triangles ? near
                                                    : triangles;
         double const to = 0.5 + 0.5 * at;
-        complex_parts next = {.sides = NULL};
+        complex_parts next = {.box = now->box};
         bvx_distance_report d;
 
         status = BVXI_SHARE(ctx, at, to,
@@ -569,16 +590,24 @@ static bvx_status run_complex_rounds(bvx_context *ctx, const char *function, con
 }
 
 bvx_status bvxi_complex_simplify(bvx_context *ctx, const char *function, bvx_complex *complex,
-                                 uint64_t triangles, double error)
+                                 uint64_t triangles, double error, const double *box)
 {
     uint64_t const vertices = complex->mesh.vertex_count, count = complex->mesh.triangle_count;
-    complex_parts now = {.mesh = complex->mesh, .junctions = complex->junctions};
+    complex_parts now = {.mesh = complex->mesh, .junctions = complex->junctions, .box = box};
 
     if (count > INT32_MAX / 4)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: %u triangles are too many to collapse; %u are possible, take windows",
                              function, count, (uint64_t)INT32_MAX / 4);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, count * 8, "the triangles' labels", &now.sides));
+
+    /* Those of one cell can be at one position, so their places tell them apart. */
+    for (uint64_t v = 0; v < vertices; v++) {
+        uint32_t place = 0;
+        if ((now.junctions[v] & BVX_ON_SEAM) == 0) continue;
+        while (place < v && complex->cells[v - place - 1] == complex->cells[v]) place++;
+        now.junctions[v] = (uint8_t)(BVX_ON_SEAM | place);
+    }
     for (uint64_t t = 0; t < count; t++) memcpy(now.sides + 2 * t, complex->sides + t / 2 * 2, 8);
     bvx_status const status = run_complex_rounds(ctx, function, complex, triangles, error, &now);
     if (status != BVX_OK) {

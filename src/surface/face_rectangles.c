@@ -237,23 +237,21 @@ static bvx_status emit_merged(bvx_context *ctx, face_merge *m, bvx_mesh *mesh)
     return bvxi_mesh_made(ctx, status, mine, mesh);
 }
 
-/* Words of the largest planes' bits: all slices of 64 planes across x and
- * both sides, or the rows of one across y or z. */
-static uint64_t plane_bits(const bvx_grid *g)
-{
-    uint64_t const x = 128 * (uint64_t)bvxi_row_words(g->size[1]) * (uint64_t)g->size[2];
-    uint64_t const across = (uint64_t)(g->size[1] > g->size[2] ? g->size[1] : g->size[2]) *
-                            (uint64_t)g->words_per_row;
-    return x > across ? x : across;
-}
-
 bvx_status bvxi_faces_merge(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
 {
     uint64_t const threads = (uint64_t)bvxi_threads(ctx), mark = bvxi_scratch_begin(ctx);
     face_merge m = {0};
     m.f = f;
     m.tasks = f->words + f->grid->size[1] + 1 + f->grid->size[2] + 1;
-    m.scratch_words = plane_bits(f->grid);
+
+    /* Words of the largest planes' bits: all slices of 64 planes across x and both sides, or the rows of
+     * one across y or z. */
+    const bvx_grid *const g = f->grid;
+    uint64_t const x = 128 * (uint64_t)bvxi_row_words(g->size[1]) * (uint64_t)g->size[2];
+    uint64_t const across = (uint64_t)(g->size[1] > g->size[2] ? g->size[1] : g->size[2]) *
+                            (uint64_t)g->words_per_row;
+    m.scratch_words = x > across ? x : across;
+
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, ((uint64_t)m.tasks + 1) * 8, "the planes' counts", &m.before));
     /* Scratch for each worker, as planes are cut side by side. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, threads * m.scratch_words * 8, "planes of faces", &m.scratch));

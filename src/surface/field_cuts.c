@@ -135,17 +135,6 @@ static void place_missing_cuts(cut_walk *k)
     k->missing_count = 0;
 }
 
-static void take_missing_cut(cut_walk *k, uint64_t vertex, int32_t axis, int32_t i)
-{
-    bvxi_missing_edge *const e = &k->missing[k->missing_count];
-    e->axis = axis;
-    e->at[0] = i;
-    e->at[1] = k->j;
-    e->at[2] = k->k;
-    k->missing_vertex[k->missing_count++] = vertex;
-    if (k->missing_count == BVXI_MISSING_MOST) place_missing_cuts(k);
-}
-
 typedef struct placed_cut {
     double t;
     int32_t by;                 /* BVXI_CUT_...; LID: t is not known yet */
@@ -256,8 +245,15 @@ static void place_cut(cut_walk *k, uint64_t vertex, int32_t axis, int32_t i, con
     }
     k->count[cut.by]++;
     if (c->planes != NULL) memcpy(&c->planes[2 * vertex], cut.planes, sizeof cut.planes);
-    if (cut.by == BVXI_CUT_LID && k->bodies == 1) take_missing_cut(k, vertex, axis, i);
-    else bvxi_put_crossing(c->march, vertex, axis, i, k->j, k->k, cut.t);
+    if (cut.by == BVXI_CUT_LID && k->bodies == 1) {
+        bvxi_missing_edge *const e = &k->missing[k->missing_count];
+        e->axis = axis;
+        e->at[0] = i;
+        e->at[1] = k->j;
+        e->at[2] = k->k;
+        k->missing_vertex[k->missing_count++] = vertex;
+        if (k->missing_count == BVXI_MISSING_MOST) place_missing_cuts(k);
+    } else bvxi_put_crossing(c->march, vertex, axis, i, k->j, k->k, cut.t);
 }
 
 static void place_slot(cut_walk *k, uint64_t slot)

@@ -77,17 +77,6 @@ static inline int is_solid_on_line(const thin_lines *l, int32_t w, int32_t u, in
     return w >= 0 && w < solid->size[l->axis[0]] && (solid->words[bit >> 6] >> (bit & 63) & 1) != 0;
 }
 
-/* The voxel that holds the crossing between centres w and w + 1: the crossing again, exactly, of the triangle
- * moved by half a voxel, so that both ways of marking choose the same voxel. */
-static int32_t voxel_of_crossing(const thin_lines *l, int32_t w, int32_t u, int32_t v)
-{
-    int32_t const f = l->tile->job->fraction_bits, half = 1 << f >> 1;
-    bvxi_triangle moved = l->t;
-    /* Moved by half a voxel, the crossing of a centre's line becomes that of a voxel's border. */
-    for (int c = 0; c < 3; c++) moved.p[c][0] += half;
-    return bvxi_cross_exact(&moved, f, u, v) - 1 > w ? w + 1 : w;
-}
-
 /* The solid ends half way between two centres of which it has one, that below or the other; the surface does a part
  * of the way after the first. */
 static inline int32_t beyond_at(double part, int below)
@@ -118,7 +107,14 @@ static inline void cross_line(thin_lines *l, int32_t u, int32_t v)
         int const below = is_solid_on_line(l, w, u, v), above = is_solid_on_line(l, w + 1, u, v);
         if (below != above && l->facing) add_beyond(l, w, place, below);
         if (below | above) return;
-        w = voxel_of_crossing(l, w, u, v);
+
+        /* The voxel that holds the crossing between centres w and w + 1: the crossing again, exactly, of
+         * the triangle moved by half a voxel, so that both ways of marking choose the same voxel. */
+        int32_t const f = l->tile->job->fraction_bits, half = 1 << f >> 1;
+        bvxi_triangle moved = l->t;
+        /* Moved by half a voxel, the crossing of a centre's line becomes that of a voxel's border. */
+        for (int c = 0; c < 3; c++) moved.p[c][0] += half;
+        w = bvxi_cross_exact(&moved, f, u, v) - 1 > w ? w + 1 : w;
     }
     if (w < l->low[0] || w > l->high[0]) return;
     voxel[l->axis[0]] = w;
@@ -313,8 +309,8 @@ BVXI_VECTOR_INLINE void place_first_blocks(const line_axis *s, uint32_t n)
         int32_t const last_v = most_v[i] > high_v ? high_v : most_v[i];
         int32_t const along_u = u < last_u ? 3 : u == last_u ? 1 : 0;
         int32_t const along_v = v < last_v ? 5 : v == last_v ? 1 : 0;
-        int32_t const larger = (most_u[i] - least_u[i] > 1) | (most_v[i] - least_v[i] > 1);
-        int32_t const more = larger != 0 ? THIN_MORE : 0;
+        int32_t const more = ((most_u[i] - least_u[i] > 1) | (most_v[i] - least_v[i] > 1)) != 0 ? THIN_MORE
+                                                                                                : 0;
         l->u[i] = u;
         l->v[i] = v;
         l->lines[i] = along_u * along_v != 0 ? along_u * along_v | more : 0;

@@ -20,13 +20,6 @@ typedef struct points_work {
     bvx_points_report report;
 } points_work;
 
-static int32_t count_point_planes(int32_t minimum)
-{
-    int32_t n = 0;
-    while (((int64_t)1 << n) < minimum) n++;
-    return n;
-}
-
 /* All counters begin at 2^plane_count - minimum. */
 static bvx_status open_point_planes(bvx_context *ctx, int32_t minimum, points_work *w)
 {
@@ -124,7 +117,9 @@ static bvx_status check_points_options(bvx_context *ctx, const bvx_lattice *latt
 static bvx_status voxelize_cloud(bvx_context *ctx, const bvx_points_options *o, points_work *w)
 {
     w->words = bvxi_grid_words(w->grid);
-    w->plane_count = count_point_planes(o->minimum);
+    int32_t n = 0;
+    while (((int64_t)1 << n) < o->minimum) n++;
+    w->plane_count = n;
     memset(w->grid->words, 0, (size_t)w->words * 8);
     if (w->plane_count != 0) BVXI_TRY(open_point_planes(ctx, o->minimum, w));
     BVXI_TRY(take_points(ctx, w));

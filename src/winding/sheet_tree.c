@@ -20,19 +20,6 @@ enum { TREE_LOOPS = 256, TREE_LOOP_POINTS = 16 };
 
 /* ---- Triangles in order ---- */
 
-/* The place of a triangle's middle on a curve. */
-static uint64_t triangle_place(const bvxi_sheet *s, const uint32_t *corner)
-{
-    uint64_t key = 0;
-    for (int a = 0; a < 3; a++) {
-        /* Corners are within 2^30 of 0; the sum is moved up so that it is not negative. */
-        int64_t sum = (int64_t)3 << 30;
-        for (int k = 0; k < 3; k++) sum += s->xyz[3 * (uint64_t)s->holes->vertex[corner[k]] + (uint64_t)a];
-        key |= bvxi_curve_spread((uint64_t)(sum / 3) >> 10) << (2 - a);
-    }
-    return key;
-}
-
 static void shape_triangle(const bvxi_sheet *s, const uint32_t *corner, bvxi_sheet_shape *shape)
 {
     double longest = -1, n[3];
@@ -61,7 +48,18 @@ static bvx_status order_sheet(bvx_context *ctx, const bvxi_sheet *s, bvxi_sheet_
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 12, "the sheet's triangles as they come", &listed));
     bvxi_sheet_triangles(s->holes, listed);
     for (uint64_t t = 0; t < count; t++) {
-        keys[t] = triangle_place(s, listed + 3 * t);
+        /* The place of a triangle's middle on a curve. */
+        const uint32_t *const corner = listed + 3 * t;
+        uint64_t key = 0;
+        for (int a = 0; a < 3; a++) {
+            /* Corners are within 2^30 of 0; the sum is moved up so that it is not negative. */
+            int64_t sum = (int64_t)3 << 30;
+            for (int k = 0; k < 3; k++)
+                sum += s->xyz[3 * (uint64_t)s->holes->vertex[corner[k]] + (uint64_t)a];
+            key |= bvxi_curve_spread((uint64_t)(sum / 3) >> 10) << (2 - a);
+        }
+        keys[t] = key;
+
         number[t] = (uint32_t)t;
     }
     BVXI_TRY(bvxi_radix_sort(ctx, keys, number, count));

@@ -220,17 +220,6 @@ static void view_centre(bvxi_turns_block *block, const int32_t at[3], const uint
     set_turns(block, bvxi_turns_row(at[1], at[2]), at[0], whole, block->want_clear && clear);
 }
 
-static void view_centres(bvxi_turns_block *block, const turns_brick *b, const uint32_t *pending,
-                         const tree_view *v)
-{
-    int32_t at[3];
-    for (at[2] = b->at[2]; at[2] < b->at[2] + b->size[2]; at[2]++)
-        for (at[1] = b->at[1]; at[1] < b->at[1] + b->size[1]; at[1]++)
-            for (at[0] = b->at[0]; at[0] < b->at[0] + b->size[0]; at[0]++)
-                if ((block->open[bvxi_turns_row(at[1], at[2])] >> at[0] & 1) != 0)
-                    view_centre(block, at, pending, v);
-}
-
 /* 1 when the brick is done with. above: what the brick that it is an eighth of has left, or NULL. */
 static int view_brick(bvxi_turns_block *block, const turns_brick *b, const tree_view *above,
                       const uint32_t *left, uint32_t *pending, tree_view *v)
@@ -250,7 +239,14 @@ static int view_brick(bvxi_turns_block *block, const turns_brick *b, const tree_
              bvxi_turns_settled(block, b, &v->look, &whole, &clear))
         settle_brick(block, b, whole, block->want_clear && clear);
     else if (b->side > (is_near_linear(v) ? TREE_PLAIN : TREE_SMALL)) return 0;
-    else view_centres(block, b, pending, v);
+    else {
+        int32_t at[3];
+        for (at[2] = b->at[2]; at[2] < b->at[2] + b->size[2]; at[2]++)
+            for (at[1] = b->at[1]; at[1] < b->at[1] + b->size[1]; at[1]++)
+                for (at[0] = b->at[0]; at[0] < b->at[0] + b->size[0]; at[0]++)
+                    if ((block->open[bvxi_turns_row(at[1], at[2])] >> at[0] & 1) != 0)
+                        view_centre(block, at, pending, v);
+    }
     return 1;
 }
 

@@ -147,8 +147,7 @@ static double time_two(const bvx_sections *s, const bvx_sections_options *o, int
     return bench_min(&times);
 }
 
-static void show_row(bvx_context *ctx, const bvx_sections *s, int32_t grid, int32_t crossings, int32_t blend,
-                     int runs)
+static void show_row(bvx_context *ctx, const bvx_sections *s, int32_t grid, int32_t crossings, int runs)
 {
     static const char *const name[] = {"exact", "paper", "classic"};
     bvx_sections_options o = {.struct_size = sizeof o};
@@ -163,7 +162,6 @@ static void show_row(bvx_context *ctx, const bvx_sections *s, int32_t grid, int3
     memset(&report, 0, sizeof report);
     o.slabs.grid[0] = o.slabs.grid[1] = grid;
     o.slabs.crossings = crossings;
-    o.slabs.blend = blend;
     o.report = &report;
     for (int i = 0; i < runs; i++) {
         double start;
@@ -175,9 +173,8 @@ static void show_row(bvx_context *ctx, const bvx_sections *s, int32_t grid, int3
     bvx_mesh_view_of(&mesh, &view);
     bench_try(ctx, bvx_mesh_check(ctx, &view, 0, &certificate), "certificate");
     measure_contours(ctx, s, &mesh, &mean, &most);
-    printf("| %d x %d | %s%s | %.2f | %.2f | %s | %llu | %s | %llu, %llu | %.3g, %.3g | %.5g : %.5g |\n",
-           (int)grid, (int)grid, name[crossings], blend == BVX_BLEND_CUBIC ? ", cubic" : "",
-           bench_min(&times), time_two(s, &o, runs),
+    printf("| %d x %d | %s | %.2f | %.2f | %s | %llu | %s | %llu, %llu | %.3g, %.3g | %.5g : %.5g |\n",
+           (int)grid, (int)grid, name[crossings], bench_min(&times), time_two(s, &o, runs),
            grid == 20   ? "823"
            : grid == 40 ? "1452"
                         : "-",
@@ -418,11 +415,9 @@ int main(int argc, char **argv)
     printf(
         "| grid | crossings | ms | two threads: ms | the paper's ms | triangles | closed, manifold | edges and loops, points not kept | contour to "
         "mesh: mean, most | volume : prismoids |\n|--:|---|--:|--:|--:|--:|---|--:|--:|--:|\n");
-    for (size_t i = 0; i < sizeof grids / sizeof *grids; i++) {
-        show_row(ctx, &ore, grids[i], BVX_CROSSINGS_EXACT, BVX_BLEND_CUBIC, runs);
+    for (size_t i = 0; i < sizeof grids / sizeof *grids; i++)
         for (int32_t crossings = BVX_CROSSINGS_EXACT; crossings <= BVX_CROSSINGS_CLASSIC; crossings++)
-            show_row(ctx, &ore, grids[i], crossings, BVX_BLEND_LINEAR, runs);
-    }
+            show_row(ctx, &ore, grids[i], crossings, runs);
     show_any_planes(runs < 5 ? runs : 5);
     show_joint_table(runs < 3 ? runs : 3);
     bvx_context_destroy(ctx);

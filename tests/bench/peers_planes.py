@@ -5,7 +5,7 @@
 Analytic bodies are cut by 3 to 60 random planes, real meshes by 12 and 24 and by stacks; each way makes a body of the same contours on the
 same lattice (CELLS along the longest side [48]); meshes: these alone. Ways:
 
-- bitvox sections, with nothing else said; stacks also with --blend cubic;
+- bitvox sections, with nothing else said;
 - a signed-distance RBF: scipy's RBFInterpolator, thin plate, 40 neighbours (more in stacks), of the signed distances on a raster of each plane and of the
   contours' points; marching cubes of scikit-image;
 - a blend of the planes' signed distances by inverse cubes of the distances to the planes; marching cubes;
@@ -328,15 +328,14 @@ def compare(name, what, sections, truth, stack):
     near = blend(lattice, planes)
     row = {"body": name, "planes": what, "bitvox": judge(by_bitvox(sections, *cells), truth)}
     if stack:
-        row["cubic"] = judge(by_bitvox(sections, "--blend", "cubic", "--layers", "4"), truth)
         row["masks"] = judge(lattice.surface(by_masks(lattice, sections)), truth)
     row["rbf"] = judge(lattice.surface(by_rbf(lattice, planes, sections, near)), truth)
     row["blend"] = judge(lattice.surface(near), truth)
     rows.append(row)
-    print("| " + " | ".join([name, what] + [f"{row[k]:.2f}" if k in row else "" for k in ("bitvox", "cubic", "rbf", "blend", "masks")]) + " |", flush=True)
+    print("| " + " | ".join([name, what] + [f"{row[k]:.2f}" if k in row else "" for k in ("bitvox", "rbf", "blend", "masks")]) + " |", flush=True)
 
 
-print("| body | planes | bitvox | cubic | RBF | inverse cubes | ITK masks |\n|---|--:|--:|--:|--:|--:|--:|")
+print("| body | planes | bitvox | RBF | inverse cubes | ITK masks |\n|---|--:|--:|--:|--:|--:|")
 for name, body in BODIES.items() if len(sys.argv) < 6 else ():
     truth = truth_of_body(body)
     for count in (3, 6, 12, 24, 60):

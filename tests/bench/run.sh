@@ -151,24 +151,13 @@ measure_files() {
 }
 
 measure_sections() {
-    rm -f "$out/sections.md" "$out/planes.md" "$out/blend.md"
+    rm -f "$out/sections.md" "$out/planes.md"
     echo "== bodies from sections"
     "$BENCHES/bench_sections" "$out" 9 >"$out/sections.md" && cat "$out/sections.md"
     if [ -n "$python" ]; then "$python" tests/bench/peers_sections.py "$out" 9 | tee -a "$out/sections.md"; fi
     if [ -n "$python" ] && "$python" -c 'import scipy, skimage, itk' 2>/dev/null; then
         "$python" tests/bench/peers_planes.py "$out" "$BUILD/bitvox" "$MESHES" >"$out/planes.md" && cat "$out/planes.md"
     fi
-    contours=${CONTOURS:-$MESHES/../contours}
-    if [ ! -e "$contours/pig_heart_A05.tsv.gz" ]; then return; fi
-    for frame in 10 29; do # a heart's inner and outer wall, and both
-        for part in 0 1 2; do
-            gzip -dc "$contours/pig_heart_A05.tsv.gz" | awk -v f=$frame -v c=$part 'BEGIN { print "section,position,loop,x,y" }
-                $4 == f && (c == 2 || $5 == c) { printf "%d,%d,%d,%s,%s\n", $3, 8 * $3, $5, $1, $2 }' >"$out/heart_${frame}_$part.csv"
-        done
-    done
-    "$BENCHES/bench_blend" "$contours"/orex_eight_15.csl.gz "$contours"/orex_SideBishop.csl "$out"/heart_*.csv "$MESHES"/rocker-arm.obj.gz \
-        "$MESHES"/cow.obj.gz "$MESHES"/fandisk.obj.gz "$MESHES"/nefertiti_100k.obj.gz "$MESHES"/dragon_100k.obj.gz "$MESHES"/unit_sphere.stl.gz \
-        "$MESHES"/gears.stl.gz >"$out/blend.md" && cat "$out/blend.md"
 }
 
 measure_paper() {

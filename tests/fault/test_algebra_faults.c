@@ -186,15 +186,16 @@ static bvx_status join_lens(void *user, bvx_context *ctx)
 }
 
 /* A mesh of one piece, and the lens, which is thinner than a voxel: a shell. */
-static bvx_status hull_of(bvx_context *ctx, int n)
+static bvx_status hull_of(bvx_context *ctx, int n, double enclose)
 {
-    uint64_t const target = 300;
-    bvx_hull_options o = {.struct_size = sizeof o, .targets = {.triangles = &target}, .close_gaps = 1};
+    uint64_t const target = enclose > 0 ? 40 : 300;
+    bvx_hull_options o = {.struct_size = sizeof o, .targets = {.triangles = &target}, .enclose = enclose};
     bvx_hull_report report;
     bvx_mesh mesh = {0};
     bvx_status status;
 
-    o.fit.resolution = 20;
+    o.fit.resolution = enclose > 0 ? 0 : 20;
+    o.close_gaps = enclose > 0 ? 0 : 1;
     o.report = &report;
     status = bvx_hull(ctx, &view[n], &o, 1, &mesh);
     if (status == BVX_OK) status = bvx_mesh_hash(ctx, &mesh, &mark);
@@ -206,13 +207,19 @@ static bvx_status hull_of(bvx_context *ctx, int n)
 static bvx_status hull_mesh(void *user, bvx_context *ctx)
 {
     (void)user;
-    return hull_of(ctx, 0);
+    return hull_of(ctx, 0, 0);
+}
+
+static bvx_status enclosed_mesh(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return hull_of(ctx, 0, 8);
 }
 
 static bvx_status hull_lens(void *user, bvx_context *ctx)
 {
     (void)user;
-    return hull_of(ctx, 2);
+    return hull_of(ctx, 2, 0);
 }
 
 static fault_row cases[] = {
@@ -232,6 +239,7 @@ static fault_row cases[] = {
     {"boolean union, thin", join_lens, 1, 1, 0},
     {"hull", hull_mesh, 1, 1, 0},
     {"hull of a sheet", hull_lens, 1, 1, 0},
+    {"hull that encloses", enclosed_mesh, 1, 1, 0},
 };
 
 /* ---- Tests ---- */

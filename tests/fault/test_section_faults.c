@@ -4,7 +4,7 @@
 #include "tools/section_maker.h"
 
 static bvx_context *maker;
-static section_maker stack, walls, crossed, oblique, handled, lone, touching;
+static section_maker stack, tall, walls, crossed, oblique, handled, lone, touching;
 static maker_mesh star;
 static bvx_mesh_view view;
 
@@ -25,6 +25,9 @@ static int make_inputs(void **state)
         if (i < 2) stack_round(&stack, k, 0, 0, 0.5, 0.3, 12, 0, 0, 0);
         stack_round(&stack, k, 2.6, 1.0, 0.2, 0.1, 8, 0, 0, 0);
     }
+    stack_clear(&tall);
+    for (int i = 0; i < 5; i++) /* from five sections on by the cubic */
+        stack_round(&tall, stack_section(&tall, 0.5 * i), 0.1 * i * i, 0, 2, 1, 12, 0, 0, 0);
     stack_clear(&walls);
     for (int i = 0; i < 2; i++) { /* levels that cross in coarse cells */
         uint32_t const k = stack_section(&walls, 0.5 * i);
@@ -82,7 +85,6 @@ enum {
     RUN_EXACT,
     RUN_TAPER,
     RUN_PAPER,
-    RUN_LAYERS,
     RUN_CUBIC,
     RUN_JOINED,
     RUN_MENDED,
@@ -114,13 +116,12 @@ static bvx_status run_body(section_run *run, bvx_context *ctx, uint64_t *mark)
     o.agree = 0.5;
     if (run->kind == RUN_TAPER || run->kind == RUN_LENS) o.caps = BVX_CAPS_TAPER;
     if (run->kind == RUN_PAPER) o.slabs.crossings = BVX_CROSSINGS_PAPER;
-    if (run->kind == RUN_LAYERS || run->kind == RUN_CUBIC) o.slabs.layers = 3;
-    if (run->kind == RUN_CUBIC) o.slabs.blend = BVX_BLEND_CUBIC;
     if (run->kind == RUN_SLAB || run->kind == RUN_LENS) o.thickness = 0.5;
     o.report = &report;
     o.mend = run->kind == RUN_MENDED;
     bvx_status status = bvx_build_sections(ctx,
                                            run->kind == RUN_JOINED    ? &walls.s
+                                           : run->kind == RUN_CUBIC   ? &tall.s
                                            : run->kind == RUN_OBLIQUE ? &oblique.s
                                            : run->kind == RUN_HANDLED ? &handled.s
                                            : o.thickness > 0.0        ? &lone.s

@@ -274,6 +274,16 @@ static bvx_status mass(void *user, bvx_context *ctx)
     return end_with_plain(bvx_measure(ctx, &holes_view, &o, &report), &report, sizeof report);
 }
 
+static bvx_status inspect(void *user, bvx_context *ctx)
+{
+    bvx_inspect_options o = {.struct_size = sizeof o, .walls = 1e9, .gaps = 1e9, .up = BVX_UP_X};
+    bvx_inspect_report report;
+    (void)user;
+    o.fit.resolution = 12;
+    memset(&report, 0, sizeof report);
+    return end_with_plain(bvx_inspect(ctx, &holes_view, &o, &report), &report, sizeof report);
+}
+
 static bvx_status distance(void *user, bvx_context *ctx)
 {
     bvx_distance_report report;
@@ -485,6 +495,7 @@ static fault_row stages[] = {
     {"smooth", smooth, 1, 1, 0},
     {"crossings", crossings, 1, 1, 0},
     {"mass", mass, 1, 1, 0},
+    {"inspection", inspect, 1, 1, 0},
     {"distance", distance, 1, 1, 0},
     {"read STL", read_stl, 1, 1, 0},
     {"read OBJ", read_obj, 1, 1, 0},

@@ -49,8 +49,6 @@ static void fuzz_slices(bvx_context *ctx, bvx_context *other, fuzz_input *in, co
     if (!fuzz_good(ctx, bvx_slice_mesh(ctx, &view, &o, &sections))) return;
     b.slabs.grid[0] = fuzz_range(in, 2, 20);
     b.slabs.grid[1] = fuzz_range(in, 2, 20);
-    b.slabs.layers = fuzz_range(in, 1, 3);
-    b.slabs.blend = fuzz_range(in, BVX_BLEND_AUTO, BVX_BLEND_CUBIC);
     b.caps = fuzz_range(in, BVX_CAPS_FLAT, BVX_CAPS_TAPER);
     b.slabs.crossings = fuzz_range(in, BVX_CROSSINGS_EXACT, BVX_CROSSINGS_CLASSIC);
     b.slabs.depth = fuzz_range(in, BVX_NONE, 5);
@@ -105,6 +103,35 @@ static void fuzz_measure(bvx_context *ctx, bvx_context *other, fuzz_input *in, c
                      "a tensor that no body has");
     fuzz_must(other, bvx_measure(other, view, &o, &twin));
     fuzz_require(memcmp(&r, &twin, sizeof r) == 0, "another mass with more threads");
+}
+
+/* Counts and places agree, what is least is not more than any share, and more threads change no byte. */
+static void fuzz_inspect(bvx_context *ctx, bvx_context *other, fuzz_input *in, const bvx_mesh_view *view)
+{
+    static bvx_finding found[BVX_FINDING_COUNT][4], twins[BVX_FINDING_COUNT][4];
+    bvx_inspect_options o = {.struct_size = sizeof o, .most = 4, .findings = &found[0][0]};
+    bvx_inspect_report r, twin;
+
+    o.fit.resolution = fuzz_range(in, 1, 24);
+    o.walls = fuzz_range(in, 0, 9) * 0.25;
+    o.gaps = fuzz_range(in, 0, 9) * 0.25;
+    o.up = fuzz_range(in, BVX_UP_Z, BVX_UP_Y);
+    memset(found, 0, sizeof found);
+    memset(twins, 0, sizeof twins);
+    if (!fuzz_good(ctx, bvx_inspect(ctx, view, &o, &r))) return;
+    for (int k = 0; k < 4; k++) fuzz_require(r.thickness[k] >= r.least_thickness, "a share below the least");
+    for (int kind = 0; kind < BVX_FINDING_COUNT; kind++)
+        for (uint64_t i = 0; i < 4 && i < r.found[kind]; i++) {
+            const bvx_finding *const f = &found[kind][i];
+            fuzz_require(f->voxels > 0 && f->size >= 0, "a finding of nothing");
+            for (int a = 0; a < 3; a++)
+                fuzz_require(f->low[a] <= f->position[a] && f->position[a] <= f->high[a],
+                             "a place beside its box");
+        }
+    o.findings = &twins[0][0];
+    fuzz_must(other, bvx_inspect(other, view, &o, &twin));
+    fuzz_require(memcmp(&r, &twin, sizeof r) == 0 && memcmp(found, twins, sizeof found) == 0,
+                 "other findings with more threads");
 }
 
 /* In order, each once, and the same pairs with more threads. */
@@ -284,6 +311,7 @@ static void fuzz_one(fuzz_input *in)
             fuzz_smooth(ctx, other, in, &m.view);
             fuzz_crossings(ctx, other, &m.view);
             fuzz_measure(ctx, other, in, &m.view);
+            fuzz_inspect(ctx, other, in, &m.view);
             break;
         default: fuzz_parts(ctx, &solid);
         }

@@ -60,9 +60,7 @@ static void fuzz_check_body(bvx_context *ctx, const bvx_sections *s, int32_t cho
     o.slabs.grid[1] = 2 + choice % 11;
     o.slabs.depth = choice % 5;
     o.caps = choice % 2;
-    o.slabs.layers = 1 + choice % 3;
     o.mend = choice / 64 % 2;
-    o.slabs.blend = choice / 128 % 3;
     o.label = s->loops[0].label;
     o.cells = 8 + choice % 13;
     o.thickness = choice / 512 % 2 == 0 ? 0.0 : 0.5; /* of one section alone */

@@ -166,6 +166,10 @@ static void fuzz_hull(bvx_context *ctx, bvx_context *other, fuzz_input *in, cons
     o.parts.least_part = (uint64_t)fuzz_range(in, 0, 3);
     o.parts.keep_largest = (uint64_t)fuzz_range(in, 0, 2);
     o.placing.position_type = BVX_F64;
+    if (fuzz_range(in, 0, 3) == 0) {
+        o = (bvx_hull_options){.struct_size = sizeof o};
+        o.enclose = fuzz_range(in, 1, 40) * 0.25;
+    }
     if (!fuzz_good(ctx, bvx_hull(ctx, &m->view, &o, 1, &mesh))) return;
     fuzz_require(mesh.triangle_count > 0, "an empty success");
     fuzz_certified(ctx, &mesh, "a hull that is not certified");

@@ -96,6 +96,9 @@ static void field_cases(golden *g)
     shape_soup(&golden_shape, 300, 11);
     shape_view(&golden_shape, &view);
     field_values(g, "soup_24", &view, 24);
+    shape_ball(&golden_shape, 10);
+    shape_view(&golden_shape, &view);
+    field_values(g, "ball_12", &view, 12);
 }
 
 static void repair_values_of(golden *g, const char *name, const bvx_mesh_view *view, int32_t resolution,

@@ -50,6 +50,23 @@ static void mass_values(golden *g, const bvx_mesh_view *view)
         golden_hex(g, "mass", mixed_doubles(mixed_doubles(0, &whole.volume, 15), &rest.volume, 15));
 }
 
+/* What is measured along rays, and the places that voxels make of it. */
+static void inspect_values(golden *g, const bvx_mesh_view *view)
+{
+    static bvx_finding found[BVX_FINDING_COUNT][8];
+    bvx_inspect_options o = {
+        .struct_size = sizeof o, .walls = 1.0, .gaps = 2.5, .most = 8, .findings = &found[0][0]};
+    bvx_inspect_report r;
+    uint64_t hash;
+
+    memset(found, 0, sizeof found);
+    o.fit.resolution = 32;
+    if (!golden_good(g, bvx_inspect(g->context, view, &o, &r))) return;
+    hash = mixed_doubles(mixed_doubles(0, &r.volume, 14), &r.thin_area, 9);
+    for (int i = 0; i < BVX_FINDING_COUNT * 8; i++) hash = mixed_doubles(hash, &found[i / 8][i % 8].size, 10);
+    golden_hex(g, "inspection", hash);
+}
+
 enum { QUERY_COUNT = 200, QUERY_PAIRS = 20000 };
 
 /* Points and rays from a fixed generator, in and around the torus. */
@@ -130,6 +147,7 @@ static void mesh_questions(golden *g, const bvx_mesh_view *view, bvx_mesh *surfa
         golden_hex(g, "volume", mixed_doubles(mixed_doubles(0, &c.volume, 1), &c.area, 1));
     }
     mass_values(g, view);
+    inspect_values(g, view);
     /* across the body */
     for (uint32_t i = 0; i < 3 * QUERY_COUNT; i++) corners[i] = i * 37 % (uint32_t)view->vertex_count;
     loose.indices = corners;

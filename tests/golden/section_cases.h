@@ -17,30 +17,11 @@ static void body_values(golden *g, const bvx_sections *sections, int32_t cells)
             bvx_mesh mesh = {0};
             o.slabs.crossings = crossings;
             o.caps = caps;
-            o.slabs.blend = BVX_BLEND_LINEAR;
             o.slabs.grid[0] = o.slabs.grid[1] = cells;
-            o.slabs.layers = 1 + caps;
             o.report = &report;
             mesh_value(g, key[crossings], bvx_build_sections(g->context, sections, &o, &mesh), &mesh);
             if (crossings != BVX_CROSSINGS_EXACT || caps != BVX_CAPS_TAPER) continue;
             golden_u64(g, "unkept", report.unkept_edges + report.unkept_loops);
-        }
-}
-
-/* By the cubic blend, of one layer and of several. */
-static void cubic_values(golden *g, const bvx_sections *sections, int32_t cells)
-{
-    static const char *const key[] = {"exact", "paper", "classic"};
-
-    for (int32_t crossings = BVX_CROSSINGS_EXACT; crossings <= BVX_CROSSINGS_CLASSIC; crossings++)
-        for (int32_t layers = 1; layers <= 4; layers += 3) {
-            bvx_sections_options o = {.struct_size = sizeof o};
-            bvx_mesh mesh = {0};
-            o.slabs.crossings = crossings;
-            o.slabs.grid[0] = o.slabs.grid[1] = cells;
-            o.slabs.layers = layers;
-            o.slabs.blend = BVX_BLEND_CUBIC;
-            mesh_value(g, key[crossings], bvx_build_sections(g->context, sections, &o, &mesh), &mesh);
         }
 }
 
@@ -131,9 +112,6 @@ static void wall_values(golden *g)
     }
     golden_begin(g, "walls");
     body_values(g, &golden_stack.s, 21);
-    golden_end(g);
-    golden_begin(g, "cubic");
-    cubic_values(g, &golden_stack.s, 21);
     golden_end(g);
 }
 

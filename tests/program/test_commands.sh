@@ -82,6 +82,45 @@ reports 'info --json: no mass' '"mass" not in r' info plain.obj
 refuses 2 'density is used with --measure' info plain.obj --density 4
 refuses 2 'resolution is used with --measure' info plain.obj --resolution 4
 refuses 2 '--measure is used with meshes' info "$root/fixtures/waves.raw" --shape 2,2,2 --sample-type u8 --measure
+# ---- check: a box of 2 with a hollow of 1, its walls 0.5; a second one 0.25 above it ----
+
+{
+    for z in 0 2; do for y in 0 2; do for x in 0 2; do echo "v $x $y $z"; done; done; done
+    for z in 0.5 1.5; do for y in 0.5 1.5; do for x in 0.5 1.5; do echo "v $x $y $z"; done; done; done
+    for z in 2.25 3.25; do for y in 0 1; do for x in 0 1; do echo "v $x $y $z"; done; done; done
+    for face in '1 3 4' '1 4 2' '5 6 8' '5 8 7' '1 2 6' '1 6 5' '3 7 8' '3 8 4' '1 5 7' '1 7 3' '2 4 8' '2 8 6'; do
+        # shellcheck disable=SC2086
+        set -- $face
+        echo "f $1 $2 $3"
+        echo "f $(($1 + 8)) $(($3 + 8)) $(($2 + 8))"
+        echo "f $(($1 + 16)) $(($2 + 16)) $(($3 + 16))"
+    done
+} >hollow.obj
+report_of='r["check"]["sound"] and abs(r["check"]["volume"] - 8) < 1e-9 and abs(r["check"]["mass"] - 16) < 1e-9 and abs(r["check"]["least_thickness"] - 0.5) < 1e-9 and abs(r["check"]["least_gap"] - 0.25) < 1e-9'
+run check hollow.obj --walls 0.4 --resolution 64
+holds 'check: what is wrong is the error' grep -q '^bitvox: hollow.obj: cavities: 1$' err
+run check hollow.obj --walls 0.6 --gaps 0.3 --resolution 64 --density 2 --json -o hollow.ply
+holds 'check: status 1' [ $status = 1 ]
+if has python3; then
+    holds 'check --json: what is measured' python3 -c "import json; r = json.load(open('out')); assert $report_of, r"
+    holds 'check --json: faults and places' python3 -c '
+import json
+r = json.load(open("out"))
+c = r["check"]
+assert r["status"] == "failed" and r["error"]["code"] == "CHECK" and r["error"]["message"] == "hollow.obj: thin walls: 6, gaps: 1, cavities: 1", r["error"]
+assert c["faults"] == 8 and c["island"]["count"] == 1 and abs(c["island"]["places"][0]["area"] - 1) < 0.1, c
+assert abs(c["cavity_volume"] - 1) < 0.1 and all(abs(x - 1) < 0.6 for x in c["cavity"]["places"][0]["position"]), c'
+fi
+reports 'check -o: thin walls are red' 'r["meshes"][0]["colours"] is True' info hollow.ply
+works 'check: nothing wrong' check plain.obj --resolution 16
+holds 'check: says so' says 'no fault found'
+run check crossing.obj --resolution 16
+holds 'check: open edges are a fault' sh -c "[ $status = 1 ] && grep -q '^bitvox: crossing.obj: not sound: open edges' err"
+refuses 2 'this format has no colours' check plain.obj -o x.stl
+refuses 2 'check is for meshes' check "$root/fixtures/labels.npy"
+refuses 2 'walls' check plain.obj --walls -1
+refuses 2 'up' check plain.obj --up w
+
 works 'voxelize' voxelize plain.obj -o box.npy --spacing 0.25 --padding 2
 holds 'voxelize writes a side-car' test -s box.npy.json
 refuses 2 'box.npy is not a mesh' info box.npy --crossings

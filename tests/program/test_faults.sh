@@ -29,6 +29,7 @@ vti convert grid.bvx
 ply lod small.ply --levels 8 --samples 0
 ply simplify small.ply --samples 0
 ply hull small.ply --resolution 24
+ply check small.ply --resolution 24
 glb labels labels.npy
 npy voxelize small.ply --resolution 20
 bvx voxelize ball.xyz --spacing 0.05

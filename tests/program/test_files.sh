@@ -234,7 +234,7 @@ refuses 1 'the file is text in UTF-16; save it as UTF-8' info wide.obj
 printf '\376\377\0v\0 \0001' >wide.off
 refuses 1 'the file is text in UTF-16; save it as UTF-8' info wide.off
 too_wide=0
-for command in info voxelize lod render convert compare faces refine fill sections slice repair boolean morph components simplify labels; do
+for command in info voxelize lod render convert compare faces refine fill sections slice repair boolean morph components simplify labels hull check; do
     too_wide=$((too_wide + $("$program" $command --help-all | awk 'length($0) > 110 { n++ } END { print n + 0 }')))
 done
 holds 'help fits 110 columns' [ $too_wide = 0 ]

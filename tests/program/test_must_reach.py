@@ -82,7 +82,7 @@ def check(name, path, truth, right):
     for words in (['repair', path, '-o', 'x.ply', '--resolution', '64'], ['simplify', path, '-o', 'x.ply', '--samples', '0'],
                   ['lod', path, '-o', 'x_%d.ply', '--count', '2', '--samples', '0', '--resolution', '64'],
                   ['lod', path, '-o', 'x_%d.ply', '--levels', '48,24', '--samples', '0'],
-                  ['boolean', 'union', path, 'cube.off', '-o', 'x.ply', '--resolution', '64']):
+                  ['boolean', 'union', path, 'cube.off', '-o', 'x.ply', '--resolution', '32']):
         report = run(*words)
         if report is None or report['warnings']:
             counts['passed'] += 1

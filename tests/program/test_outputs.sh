@@ -32,6 +32,7 @@ same() { # FILE, ARGUMENTS with OUT for its name: what goes to standard output i
 same x.ply repair "$knot" -o OUT --resolution 32
 same x.ply lod "$knot" -o OUT --triangles 2000
 same x.ply simplify "$knot" -o OUT --triangles 2000
+same x.ply check "$knot" -o OUT --resolution 32
 same x.ply faces "$knot" -o OUT --resolution 32
 same x.ply convert "$knot" -o OUT
 same x.ply boolean union "$knot" "$knot" -o OUT --resolution 32

@@ -635,6 +635,7 @@ refine KNOT -o x_t.bvx --resolution 16 --halvings 2
 refine KNOT -o x_t.ply --resolution 16 --halvings 2
 convert x_t.bvx -o x_e.bvx --expand 1
 convert KNOT -o x_c.stl
+check KNOT -o x_i.ply --resolution 24
 convert x.bvx -o x.npy
 convert WAVES -o x_v.npy --level 120
 components x.bvx -o x_k.bvx --at-least 2

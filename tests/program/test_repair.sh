@@ -248,6 +248,12 @@ result 'hull: levels of what can be reached from outside' $?
 run hull "$knot" -o hull.ply --resolution 24 --count 2
 [ $status = 2 ] && grep -q 'levels' err && [ ! -e hull.ply ]
 result 'refused (2): two levels, one name' $?
+run hull flipped.obj -o proxy.ply --enclose 2% --triangles 300 --json
+[ $status = 0 ] && grep -q '"closed": true, "manifold": true, "oriented": true' out && [ -s proxy.ply ]
+result 'hull: around every triangle' $?
+run hull "$knot" -o hull.ply --enclose 2% --close-gaps 2
+[ $status = 2 ] && grep -q 'enclose' err
+result 'refused (2): --enclose with --close-gaps' $?
 run voxelize "$knot" -o knot.bvx --resolution 16 --quiet
 run hull knot.bvx -o hull.ply
 [ $status = 2 ] && grep -q 'hull is for meshes; knot.bvx is a grid' err

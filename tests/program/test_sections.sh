@@ -62,10 +62,8 @@ gives 'a wish that is not met' 0 '--genus 0 is not met: the surface has 1 handle
 run sections prism.csv -o prism.ply --parts 2 --genus 1 --json
 if grep -q '"parts": 1, "genus": 1, "parts_met": false, "genus_met": true' out; then ok 'wishes in a report'; else not_ok 'wishes in a report' "$(cat out)"; fi
 gives 'wishes are of closed bodies' 2 'needs a closed body' sections prism.csv -o prism.ply --caps open --parts 1
-gives 'taper' 0 'closed, manifold, oriented' sections prism.csv -o prism.ply --caps taper --layers 2
+gives 'taper' 0 'closed, manifold, oriented' sections prism.csv -o prism.ply --caps taper
 gives 'open' 0 'manifold, oriented, open' sections prism.csv -o prism.ply --caps open
-gives 'cubic' 0 'closed, manifold, oriented' sections prism.csv -o prism.ply --blend cubic --layers 2
-gives 'blend that is none' 2 'auto, linear, cubic' sections prism.csv -o x.ply --blend spline
 awk 'BEGIN { print "section,position,loop,x,y"; for (k = 0; k < 5; k++) for (l = 0; l < 2; l++) for (i = 0; i < 40; i++) {
     a = i * 3.14159265 / 20; r = 3 - 0.3 * l; printf "%d,%d,%d,%.9f,%.9f\n", k, k, l, 0.8 * k + r * cos(a), r * sin(a) } }' >wall.csv
 run sections wall.csv -o wall.ply --json
@@ -74,8 +72,6 @@ is 'its levels' "$(field joined_slabs)" 0
 near 'its volume' "$(field volume)" "$(field prismoid_volume)" 0.02
 sed 's/$//' wall.csv | awk -F, 'NR == 1 { print; next } { r = $3 == 1 ? 2.99 / 2.7 : 1; x = $4 - 0.8 * $1; printf "%s,%s,%s,%.9f,%.9f\n", $1, $2, $3, 0.8 * $1 + r * x, r * $5 }' >thin.csv
 gives 'a wall too thin for the cells' 0 'walls are too thin for the cells' sections thin.csv -o wall.ply --grid 8x8
-run sections wall.csv -o wall.ply --json --blend cubic --layers 3
-is 'a leaning wall has no window by the cubic blend' "$(field euler) $(field joined_slabs)" '0 0'
 printf 'section,position,loop,x,y\n' >keyhole.csv
 for k in 0 1; do for p in 0,0 4,0 4,4 0,4 0,2 1,2 1,3 3,3 3,1 1,1 1,2 0,2; do echo "$k,$k,0,$p"; done; done >>keyhole.csv
 printf 'section,position,loop,x,y\n0,0,0,1,1\n0,0,0,1,1\n0,0,0,1,1\n' >dot.csv
@@ -124,7 +120,7 @@ gives 'a wish for handles of planes that cross' 0 '--genus 1 is not met: the sur
 gives 'planes that contradict each other' 1 'sections 0 and 1 contradict each other where their planes cross, near (2, ' sections apart.csl -o x.ply
 gives 'contours that are moved to agree' 0 ' gaps left where planes cross, contours ' sections apart.csl -o cross.ply --agree 2.5
 gives 'cells or spacing' 2 'contradict each other' sections cross.csl -o x.ply --cells 16 --spacing 1
-for option in '--grid 20x20' '--layers 2' '--blend cubic' '--crossings classic' '--subdivide 2'; do
+for option in '--grid 20x20' '--crossings classic' '--subdivide 2'; do
     gives "planes that cross: $option" 2 "${option%% *} is for parallel planes; those of cross.csl are not" sections cross.csl -o x.ply $option
 done
 gives 'parallel planes: --cells' 2 '--cells is for planes that are not parallel; those of prism.csv are' sections prism.csv -o x.ply --cells 16
@@ -156,17 +152,17 @@ for name in orex_eight_15.csl.gz orex_SideBishop.csl; do
     gives "$name" 0 'closed, manifold, oriented' sections "$contours/$name" -o real.ply --caps taper
 done
 if [ -f "$contours/orex_eight_15_reference.stl.gz" ]; then
-    run sections "$contours/orex_eight_15.csl.gz" -o real.ply --caps taper --blend linear --json
+    run sections "$contours/orex_eight_15.csl.gz" -o real.ply --caps taper --json
     cell=$(sed -n 's/.*"cell": \[\([0-9.e-]*\),.*/\1/p' out)
     run compare real.ply "$contours/orex_eight_15_reference.stl.gz"
     mean=$(awk '/both ways/ { print $3 }' out)
     if awk -v m="$mean" -v c="$cell" 'BEGIN { exit !(m > 0 && m < c / 2) }'; then ok 'mean distance to the reference below half a cell'
     else not_ok 'mean distance to the reference below half a cell' "$mean of $cell"; fi
-    run sections "$contours/orex_eight_15.csl.gz" -o real.ply --caps taper --blend cubic --layers 4
+    run sections "$contours/orex_eight_15.csl.gz" -o real.ply --caps taper --crossings paper
     run compare real.ply "$contours/orex_eight_15_reference.stl.gz"
-    cubic=$(awk '/both ways/ { print $3 }' out)
-    if awk -v m="$mean" -v c="$cubic" 'BEGIN { exit !(c > 0 && c < 0.8 * m) }'; then ok 'the cubic blend is nearer to it'
-    else not_ok 'the cubic blend is nearer to it' "$cubic of $mean"; fi
+    straight=$(awk '/both ways/ { print $3 }' out)
+    if awk -v m="$mean" -v s="$straight" 'BEGIN { exit !(m > 0 && m < s) }'; then ok 'the cubic is nearer to it than the paper'
+    else not_ok 'the cubic is nearer to it than the paper' "$mean of $straight"; fi
 else
     skip 'distance to the reference' 'the file is not there'
 fi
@@ -174,9 +170,8 @@ if [ -e "$contours/pig_heart_A05.tsv.gz" ]; then
     for frame in 10 29; do # the wall of a heart's chamber: a loop and a hole in it in each section
         gzip -dc "$contours/pig_heart_A05.tsv.gz" | awk -v f=$frame 'BEGIN { print "section,position,loop,x,y" }
             $4 == f { printf "%d,%d,%d,%s,%s\n", $3, 8 * $3, $5, $1, $2 }' >heart.csv
-        run sections heart.csv -o straight.ply --blend linear --json
-        near "heart $frame: volume" "$(field volume)" "$(field prismoid_volume)" 0.003
         run sections heart.csv -o heart.ply --json
+        near "heart $frame: volume" "$(field volume)" "$(field prismoid_volume)" 0.01
         is "heart $frame: no window" "$(field euler) $(field components) $(field joined_slabs)" '0 1 0'
         run info heart.ply --crossings --json
         is "heart $frame: nothing crosses" "$(field crossings)" 0
@@ -248,7 +243,7 @@ sed '/^.,.,0,3,2,/s/,2,\([02]\)$/,2.2,\1/' touch.csv >over.csv
 gives 'bodies that overlap' 1 'on section 0 the labels 3 and 4 overlap near (2' sections over.csv -o over_%d.obj --label all --touching shared --cells 16
 gives 'bodies that overlap by less than they may' 0 'label 4: over_4.obj' sections over.csv -o over_%d.obj --label all --touching shared --cells 16 --agree 0.3
 gives 'touching without labels' 2 '--touching is for --label all' sections touch.csv -o b.ply --label 3 --touching shared
-gives 'touching by a grid' 2 '--layers is not used with --touching shared' sections touch.csv -o b_%d.ply --label all --touching shared --layers 2
+gives 'touching by a grid' 2 '--grid is not used with --touching shared' sections touch.csv -o b_%d.ply --label all --touching shared --grid 20x20
 gives 'touching and collapsed' 2 '--triangles would change faces' sections touch.csv -o b_%d.ply --label all --touching shared --triangles 50
 gives 'touching and open' 2 '--touching shared makes closed bodies' sections touch.csv -o b_%d.ply --label all --touching shared --caps open
 gives 'two numbers' 2 'b_%d_%d.ply: the name has two %d' sections two.csv -o b_%d_%d.ply --label all

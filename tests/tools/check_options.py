@@ -270,6 +270,7 @@ FILLED = {
     "render": ["render", "voxelize", "read_volume", "keep", "context"],
     "compare": ["context"],
     "info": ["measure", "read_volume", "context"],
+    "check": ["inspect", "context"],
 }
 # Rows whose name is not the field's.
 SYNONYMS = {

@@ -56,7 +56,7 @@ BY_INDEX = {
 # Defaults other than 0 that no row of the library holds, and rows whose 0 stands for what no number says.
 BY_HAND = {
     ("bvx_repair_options", "resolution"): "only where there is no lattice", ("bvx_boolean_options", "resolution"): "likewise",
-    ("bvx_hull_options", "resolution"): "likewise",
+    ("bvx_hull_options", "resolution"): "likewise", ("bvx_inspect_options", "resolution"): "likewise",
     ("bvx_levels_options", "resolution"): "from 256 to 320",
     ("bvx_repair_options", "samples"): "counts have no such row", ("bvx_lod_options", "threshold"): "both ends are excluded",
     ("bvx_read_volume_options", "spacing"): "an array", ("bvx_slice_options", "normal"): "an array", ("bvx_slice_options", "label"): "0 is BVX_LABEL_ZERO",

@@ -201,7 +201,11 @@ list_fuzz() { # as run_fuzz
     for source in tests/fuzz/fuzz_*.c; do
         if [ ! -f "$source" ]; then continue; fi
         inputs=$*
-        case $source in */fuzz_algebra.c | */fuzz_levels.c) inputs=${dear_inputs:-$*} ;; esac
+        case $source in
+        */fuzz_algebra.c | */fuzz_levels.c) inputs=${dear_inputs:-$*} ;;
+        */fuzz_volumes.c) if [ -n "${dear_inputs:-}" ]; then inputs=100; fi ;;
+        */fuzz_contours.c) if [ -n "${dear_inputs:-}" ]; then inputs=8000; fi ;;
+        esac
         list_command "$fuzz_row/fuzz/$(basename "$source" .c)" $runner "$folder/${source%.c}" $inputs
         for target in $(fuzz_targets "$source"); do
             if [ "fuzz_$target" = "$(basename "$source" .c)" ]; then format=; else format=$target; fi
@@ -372,6 +376,18 @@ count_checks() {
     add_script checks "$(log_of checks)" "$status"
 }
 
+# The larger builds of the tier run beside the others, so that no processor waits where one ends; build finds them made and says how they went.
+build_beside() {
+    for row in san clang plain; do
+        case $row in
+        san) goals="fuzz-programs $fault" ;;
+        *) goals=row-products ;;
+        esac
+        # shellcheck disable=SC2086
+        if [ $row != clang ] || has clang; then "row_$row" $goals; fi
+    done >"$logs/beside.log" 2>&1
+}
+
 build_other_compilers() { # sets $compilers
     compilers=
     for row in plain fast clang; do
@@ -387,17 +403,20 @@ build_other_compilers() { # sets $compilers
     done
 }
 
+# Without optimisation the long rows take a minute: another compiler and two machines have their bits, and make matrix does them all.
+brief_golden() { if [ "$1" = plain ]; then echo --brief; fi; } # ROW
+
 list_other_compilers() {
     for row in $compilers; do
         folder=$(row_$row print-folder)
-        list_golden $row ''
+        list_golden $row '' $(brief_golden $row)
         if [ $row = clang ]; then list_command clang/unit/test_threads "$folder/tests/unit/test_threads"; fi
     done
 }
 
 count_other_compilers() {
     for row in $compilers; do
-        count_log_of "$row/golden"
+        count_log_of "$row/golden$(brief_golden $row | sed 's/^/ /')"
         if [ $row = clang ]; then count_log_of clang/unit/test_threads; fi
     done
 }
@@ -418,12 +437,12 @@ build_machines() { # whole: no long test is left out on s390x
         if [ -n "$emulator" ] && ! has $emulator; then
             skip i686 "$emulator is missing and 32-bit programs do not run here"
         else
-            build i686 test-programs
-            i686_folder=$folder
             if [ "$1" != whole ]; then # golden rows hold their bits there
-                left_on_i686='test_oblique test_bodies test_reuse test_repair_thin test_repair_sharp'
+                left_on_i686='test_oblique test_bodies test_reuse test_repair_thin test_repair_sharp test_boolean test_simplify_parts test_labels'
                 skip i686 "$left_on_i686; make test-machines runs them"
             fi
+            build_units i686 "$left_on_i686"
+            i686_folder=$folder
         fi
     else
         skip i686 "no compiler for 32-bit x86"
@@ -438,13 +457,17 @@ build_machines() { # whole: no long test is left out on s390x
             left_on_s390x=$(echo $long_tests) brief_on_s390x=--brief
             skip s390x "$(echo $long_tests | wc -w) long tests; make test-machines runs them"
         fi
-        folder=$(row_s390x print-folder)
-        left_out=$left_on_s390x
-        # shellcheck disable=SC2046
-        build s390x golden-program $(for name in $(names_of_kind unit); do echo "$folder/tests/unit/$name"; done)
-        left_out=
+        build_units s390x "$left_on_s390x"
         s390x_folder=$folder
     fi
+}
+
+build_units() { # ROW, UNIT TESTS THAT ARE LEFT OUT: sets $folder
+    folder=$("row_$1" print-folder)
+    left_out=$2
+    # shellcheck disable=SC2046
+    build "$1" golden-program $(for name in $(names_of_kind unit); do echo "$folder/tests/unit/$name"; done)
+    left_out=
 }
 
 list_machines() {
@@ -529,7 +552,8 @@ windows_scripts() { # brief
 windows_lacks() { # TIER/SCRIPT: prints why the script is left out
     case $1 in
     */test_install.sh) echo "make install puts libraries of this system" ;;
-    brief/*/test_program.sh | brief/*/test_levels.sh | brief/*/test_level_meshes.sh | brief/*/test_voxels.sh | brief/*/test_commands.sh)
+    brief/*/test_program.sh | brief/*/test_levels.sh | brief/*/test_level_meshes.sh | brief/*/test_voxels.sh | brief/*/test_commands.sh | \
+        brief/*/test_repair.sh | brief/*/test_boolean.sh)
         echo "make test-windows runs it"
         ;;
     esac
@@ -549,6 +573,7 @@ count_windows() { # brief
     fi
 }
 
+if [ $tier = here ]; then sh tests/tools/deps.sh first; fi
 make_locale
 if [ -d "$BUILD/locale" ]; then
     LOCPATH=$(cd "$BUILD/locale" && pwd)
@@ -562,12 +587,17 @@ quick)
     count_checks
     ;;
 here)
-    # The package's tools are fetched and its wheel is compiled while the library is: one waits for the network, the other does not.
+    # The package's tools are fetched and its wheel is compiled while the library is: one waits for the network, the other does not. So
+    # are packages of the system, which are installed when nothing compiles.
     prepare_python &
     beside=$!
-    trap 'kill $beside 2>/dev/null; exit 130' INT TERM
+    sh tests/tools/deps.sh fetch &
+    fetching=$!
+    trap 'kill $beside $fetching 2>/dev/null; exit 130' INT TERM
     build_here
     wait $beside
+    wait $fetching
+    sh tests/tools/deps.sh
     if [ "$(cut -d ' ' -f 1 "$(log_of python).end")" != 77 ]; then python_parts='wheels pytest-1 pytest-2'; fi
     tests_here
     count_python
@@ -580,15 +610,19 @@ other)
     export BVX_QUICK
     allow 1800 # every allocation of the long stages, several times slower than without sanitizers; all golden rows under an emulator
     if has_cmocka; then fault=fault-programs; else fault=; fi
+    build_beside &
+    beside=$!
+    trap 'kill $beside 2>/dev/null; exit 130' INT TERM
     build_windows
     build_machines brief
+    wait $beside
     build san fuzz-programs $fault
     san=$folder
     build_other_compilers
     {
         folder=$san
         if [ -n "$fault" ]; then list_kind san fault ''; fi
-        dear_inputs=30 # of 300 where each runs whole chains of stages; make san runs all
+        dear_inputs=30 # of 300 where each runs whole chains of stages, 100 of volumes, 8,000 of 20,000 contours; make san runs all
         list_fuzz san ''
         list_machines
         list_other_compilers

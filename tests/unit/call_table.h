@@ -149,6 +149,14 @@ static bvx_status measure(const world *w)
     SPOIL(o);
     return bvx_measure(w->ctx, w->mesh, &o, (bvx_measure_report *)w->out);
 }
+static bvx_status inspect(const world *w)
+{
+    TAKE_OPTIONS(inspect, o);
+    o.fit.resolution = 8;
+    TAKE_RESERVED(o.fit.reserved);
+    SPOIL(o);
+    return bvx_inspect(w->ctx, w->mesh, &o, (bvx_inspect_report *)w->out);
+}
 static bvx_status mesh_crossings(const world *w)
 {
     return bvx_mesh_crossings(w->ctx, w->mesh, w->second, (uint32_t *)w->out, 8);
@@ -393,7 +401,6 @@ static bvx_status list_labels(const world *w)
 static bvx_status label_surfaces(const world *w)
 {
     TAKE_OPTIONS(labels, o);
-    TAKE_RESERVED(o.reserved);
     SPOIL(o);
     return bvx_label_surfaces(w->ctx, w->volume, &o, (bvx_complex *)w->out);
 }
@@ -617,6 +624,7 @@ static const call calls[] = {
     CALL(mesh_smooth, MESH | OPTIONS | RESERVED, PLAIN),
     CALL(mesh_distance, MESH, PLAIN),
     CALL(measure, MESH | OPTIONS | RESERVED, PLAIN),
+    CALL(inspect, MESH | OPTIONS | RESERVED, PLAIN),
     CALL(closest_create, MESH, TO_CLOSEST),
     CALL(mesh_crossings, MESH | SECOND | SLOT, PLAIN),
     CALL(mesh_drop_nonfinite, BODY, PLAIN),
@@ -664,7 +672,7 @@ static const call calls[] = {
     CALL(threshold_whole, VOLUME, TO_GRID),
     CALL(extract_scalar, VOLUME | OPTIONS | RESERVED, TO_MESH),
     CALL(list_labels, VOLUME | SECOND | SLOT, PLAIN),
-    CALL(label_surfaces, VOLUME | OPTIONS | RESERVED, TO_COMPLEX),
+    CALL(label_surfaces, VOLUME | OPTIONS, TO_COMPLEX),
     CALL(label_mesh, COMPLEX, TO_MESH),
     CALL(read_volume, BYTES | OPTIONS | RESERVED, TO_VOLUME),
     CALL(measure_field, INNER | MESH | LATTICE | OPTIONS | RESERVED, TO_FIELD),

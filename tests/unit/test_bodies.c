@@ -301,7 +301,7 @@ static void test_sectors_of_a_ball(void)
     int const most = quick ? 3 : 4;
 
     o.cells = 24;
-    for (uint64_t seed = 0; seed < 3; seed++) {
+    for (uint64_t seed = 0; seed < (long_run ? 3 : 2); seed++) {
         double whole = 0.0;
         for (int bodies = 1; bodies <= most; bodies++) {
             uint64_t shared;

@@ -1,6 +1,8 @@
 /* test_hull.c - what can be reached from outside: the outer of double walls, as the unsigned distance of a surface
  * makes them, also where holes weld both; inner parts go; openings close up to a width; walls seen from both sides
- * become shells; levels, refusals, threads. */
+ * become shells; levels that go around all triangles; refusals, threads. */
+#include "mesh/cross.h"
+#include "mesh/view.h"
 #include "tools/mesh_maker.h"
 #include "suite.h"
 
@@ -218,6 +220,154 @@ static void test_levels_and_threads(void)
                      made[2].triangle_count <= report.triangles / 4);
 }
 
+/* A small tetrahedron, at most half a unit wide. */
+static void put_bead(double x, double y, double z)
+{
+    uint32_t const first = (uint32_t)given.vertices;
+
+    maker_vertex(&given, x, y, z);
+    maker_vertex(&given, x + 0.03, y, z);
+    maker_vertex(&given, x, y + 0.03, z);
+    maker_vertex(&given, x, y, z + 0.03);
+    maker_triangle(&given, first, first + 2, first + 1);
+    maker_triangle(&given, first, first + 1, first + 3);
+}
+
+static void corners_of(const bvx_mesh_view *view, uint64_t t, double at[3][3], const double *corner[3])
+{
+    bvxi_view_corners(view, t, at);
+    for (int k = 0; k < 3; k++) corner[k] = at[k];
+}
+
+/* The level goes around every vertex once, no triangle meets one of it, and points of it are near. */
+static void assert_encloses(const bvx_mesh *mesh, const bvx_mesh_view *inner, double farthest)
+{
+    bvx_closest *own, *of_inner;
+    bvx_closest_point found;
+    bvx_mesh_view view;
+    int64_t turns;
+
+    bvx_mesh_view_of(mesh, &view);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_create(ctx, &view, &own));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_create(ctx, inner, &of_inner));
+    /* All of the beads, which come last. */
+    for (uint64_t t = 0;
+         t<inner->triangle_count; t += inner->triangle_count> 5000 && t + 100 < inner->triangle_count ? 7
+                                                                                                      : 1) {
+        const double *p[3], *q[3];
+        double a[3][3], b[3][3];
+
+        corners_of(inner, t, a, p);
+        for (int k = 0; k < 3; k++) {
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_winding(ctx, own, p[k], 1, &turns));
+            TEST_ASSERT_EQUAL_INT64(1, turns);
+        }
+        for (uint64_t s = 0; s < view.triangle_count; s++) {
+            corners_of(&view, s, b, q);
+            TEST_ASSERT_FALSE(bvxi_triangles_cross(p, q));
+        }
+    }
+    for (uint64_t s = 0; s < view.triangle_count; s++)
+        for (int i = 0; i <= 8; i++)
+            for (int k = 0; k + i <= 8; k++) {
+                const double *q[3];
+                double b[3][3], at[3];
+
+                corners_of(&view, s, b, q);
+                for (int a = 0; a < 3; a++) at[a] = (i * b[0][a] + k * b[1][a] + (8 - i - k) * b[2][a]) / 8;
+                TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_find(ctx, of_inner, at, 1, &found));
+                TEST_ASSERT_TRUE(found.distance > 0 && found.distance <= farthest);
+            }
+    bvx_closest_free(ctx, own);
+    bvx_closest_free(ctx, of_inner);
+}
+
+/* Double walls, flipped here and there; beads in a row that leads away, which a small level would leave outside;
+ * one far away; a triangle without an area. */
+static void test_levels_go_around_all_triangles(void)
+{
+    uint64_t targets[3] = {1200, 300, 60};
+    bvx_mesh_view view;
+
+    make_double_walls(6);
+    for (size_t t = 0; t < given.triangles; t++)
+        if (maker_below(&seed, 5) == 0) {
+            uint32_t const second = given.t[3 * t + 1];
+
+            given.t[3 * t + 1] = given.t[3 * t + 2];
+            given.t[3 * t + 2] = second;
+        }
+    for (int i = 0; i < 24; i++) put_bead(MIDDLE + RADIUS + 1.5 + 0.7 * i, MIDDLE + 0.02 * i * i, MIDDLE);
+    put_bead(-30, -20, 60);
+    maker_triangle(&given, 0, 1, 1);
+    view = maker_view(&given);
+    for (int n = 0; n < 3; n++) {
+        double const farthest = n == 0 ? 1.5 : n == 1 ? 3 : 8;
+        bvx_hull_options o = {.enclose = farthest, .targets = {.triangles = targets}};
+
+        hull_with(&o, 3);
+        for (int i = 0; i < 3; i++) assert_encloses(&made[i], &view, farthest);
+        TEST_ASSERT_TRUE(made[0].triangle_count <= 1200 && made[1].triangle_count <= made[0].triangle_count);
+        TEST_ASSERT_EQUAL_UINT64(given.triangles, report.outer_triangles);
+        bvx_context *const many = suite_context(4, BVX_CPU_PORTABLE);
+        bvx_mesh again[3] = {{0}};
+
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_hull(many, &view, &o, 3, again));
+        for (int i = 0; i < 3; i++) {
+            TEST_ASSERT_EQUAL_UINT64(made[i].triangle_count, again[i].triangle_count);
+            TEST_ASSERT_EQUAL_MEMORY(made[i].triangles, again[i].triangles, 12 * made[i].triangle_count);
+            TEST_ASSERT_EQUAL_MEMORY(made[i].positions, again[i].positions,
+                                     (made[i].position_type == BVX_F64 ? 24 : 12) * made[i].vertex_count);
+            bvx_mesh_free(many, &again[i]);
+        }
+        bvx_context_destroy(many);
+    }
+}
+
+/* Bumps between which edges that collapse one by one would cut. */
+static void test_levels_go_around_bumps(void)
+{
+    enum { AROUND = 48, UP = 24 };
+    uint64_t targets[2] = {400, 150};
+    bvx_hull_options o = {.enclose = 1, .targets = {.triangles = targets}};
+    bvx_mesh_view view;
+
+    for (int i = 0; i <= UP; i++)
+        for (int k = 0; k < AROUND; k++) {
+            double const up = 3.14159 * i / UP, around = 6.28318 * k / AROUND;
+            double const r = 10 + 2.5 * sin(5 * up) * sin(6 * around);
+
+            maker_vertex(&given, r * sin(up) * cos(around), r * sin(up) * sin(around), r * cos(up));
+        }
+    for (uint32_t i = 0; i < UP; i++)
+        for (uint32_t k = 0; k < AROUND; k++)
+            maker_quad(&given, AROUND * i + k, AROUND * (i + 1) + k, AROUND * (i + 1) + (k + 1) % AROUND,
+                       AROUND * i + (k + 1) % AROUND, 0);
+    view = maker_view(&given);
+    hull_with(&o, 2);
+    for (int i = 0; i < 2; i++) assert_encloses(&made[i], &view, o.enclose);
+}
+
+static void test_refusals_of_enclose(void)
+{
+    bvx_hull_options o = {.struct_size = sizeof o, .enclose = -1};
+    bvx_mesh_view view;
+
+    make_double_walls(0);
+    view = maker_view(&given);
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_hull(ctx, &view, &o, 1, made));
+    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "enclose"));
+    o.enclose = 1;
+    o.close_gaps = 2;
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_hull(ctx, &view, &o, 1, made));
+    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "close_gaps"));
+    o.close_gaps = 0;
+    o.enclose = 1e-5;
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_hull(ctx, &view, &o, 1, made));
+    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "too small"));
+    TEST_ASSERT_NULL(made[0].positions);
+}
+
 static void test_refusals(void)
 {
     bvx_hull_options o = {.struct_size = sizeof o, .close_gaps = -1};
@@ -247,6 +397,9 @@ int main(void)
     RUN_TEST(test_welded_flipped_and_with_parts_inside);
     RUN_TEST(test_openings_close_up_to_a_width);
     RUN_TEST(test_levels_and_threads);
+    RUN_TEST(test_levels_go_around_all_triangles);
+    RUN_TEST(test_levels_go_around_bumps);
+    RUN_TEST(test_refusals_of_enclose);
     RUN_TEST(test_refusals);
     return UNITY_END();
 }

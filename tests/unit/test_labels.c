@@ -600,6 +600,168 @@ static void test_labels_with_a_tenth_of_the_triangles_leave_no_gap(void)
     bvx_grid_free(ctx, &outer);
 }
 
+/* ---- Open windows ---- */
+
+/* Up to eight windows of a volume, joined: faces as single triangles, labels as the whole has them; the seam's bytes
+ * of each vertex. */
+enum { JOIN_VERTICES = 1 << 18, JOIN_FACES = 1 << 19, JOIN_LABELS = 64, IN_CELL = 12 };
+static bvx_complex joined;
+static float join_position[3 * JOIN_VERTICES];
+static uint8_t join_junction[JOIN_VERTICES], join_seam[JOIN_VERTICES];
+static uint32_t join_triangle[3 * JOIN_FACES], join_side[2 * JOIN_FACES], join_list[2 * JOIN_FACES];
+static uint64_t join_first[JOIN_LABELS + 2];
+static uint32_t join_at[(SIDE + 1) * (SIDE + 1) * (SIDE + 1) * IN_CELL];
+
+/* The vertex of the whole for one of a window: by its cell and place in it, when simplified by its position. */
+static uint32_t join_vertex(const bvx_complex *c, const int32_t n[3], uint64_t v)
+{
+    const float *const p = (const float *)c->mesh.positions + 3 * v;
+    uint32_t to = (uint32_t)joined.mesh.vertex_count, *known = &to;
+
+    if (c->single) {
+        for (uint32_t i = 0; i < to && (c->junctions[v] & BVX_ON_SEAM) != 0; i++)
+            if (join_seam[i] == c->junctions[v] && memcmp(join_position + 3 * (size_t)i, p, 12) == 0)
+                return i;
+    } else {
+        uint64_t const row = (uint64_t)c->size[0] + 1, slice = row * ((uint64_t)c->size[1] + 1),
+                       cell = c->cells[v];
+        uint64_t const x = cell % row + (uint64_t)c->low[0], y = cell % slice / row + (uint64_t)c->low[1],
+                       z = cell / slice + (uint64_t)c->low[2];
+        uint64_t place = 0;
+        while (place < v && c->cells[v - place - 1] == cell) place++;
+        TEST_ASSERT_TRUE(place < IN_CELL);
+        known = &join_at[((z * (uint64_t)(n[1] + 1) + y) * (uint64_t)(n[0] + 1) + x) * IN_CELL + place];
+    }
+    if (*known < to) {
+        /* Every window has the same bits. */
+        TEST_ASSERT_TRUE((c->junctions[v] & join_seam[*known] & BVX_AT_SEAM) != 0);
+        TEST_ASSERT_EQUAL_HEX8(join_seam[*known], c->junctions[v]);
+        TEST_ASSERT_EQUAL_MEMORY(join_position + 3 * (size_t)*known, p, 12);
+        return *known;
+    }
+    TEST_ASSERT_TRUE(to < JOIN_VERTICES);
+    memcpy(join_position + 3 * (size_t)to, p, 12);
+    join_junction[to] = 1;
+    join_seam[to] = c->junctions[v];
+    joined.mesh.vertex_count++;
+    return *known = to;
+}
+
+static void join_window(const bvx_complex *c, const int32_t n[3])
+{
+    uint64_t const each = c->single ? 1 : 2;
+    uint32_t rank[JOIN_LABELS + 1];
+
+    for (uint32_t i = 0; i <= c->label_count; i++) {
+        rank[i] = 0;
+        while (rank[i] < joined.label_count &&
+               (i == c->label_count || joined.labels[rank[i]].value != c->labels[i].value))
+            rank[i]++;
+    }
+    uint32_t *const to = malloc(c->mesh.vertex_count * 4 + 4);
+    for (uint64_t v = 0; v < c->mesh.vertex_count; v++) to[v] = join_vertex(c, n, v);
+    for (uint64_t t = 0; t < c->mesh.triangle_count; t++) {
+        uint64_t const f = joined.face_count++;
+        TEST_ASSERT_TRUE(f < JOIN_FACES);
+        for (uint64_t k = 0; k < 3; k++) join_triangle[3 * f + k] = to[c->mesh.triangles[3 * t + k]];
+        for (uint64_t k = 0; k < 2; k++) join_side[2 * f + k] = rank[c->sides[t / each * 2 + k]];
+    }
+    free(to);
+}
+
+/* Bodies of the whole from windows that are parted at cut, 0: not along this axis; wanted: how well they keep their
+ * volumes, 0: not looked at. */
+static void check_joined(const uint8_t *samples, const int32_t n[3], const int32_t cut[3],
+                         bvx_labels_options o, double wanted)
+{
+    bvx_volume_view v = view_of(samples, BVX_SAMPLE_U8, n[0], n[1], n[2]);
+    uint64_t kept = 0;
+
+    make(&v, o.staircase, 0);
+    joined = (bvx_complex){.labels = complex_.labels, .label_count = complex_.label_count, .single = 1};
+    memset(join_at, 0xff, sizeof join_at);
+    o.open = 1;
+    for (int32_t window = 0; window < 8; window++) {
+        bvx_volume_view w = v;
+        int32_t low[3], high[3], any = 1;
+        for (int a = 0; a < 3; a++) {
+            int const upper = window >> a & 1;
+            if (upper && cut[a] == 0) any = 0;
+            low[a] = upper ? cut[a] - 1 : 0;
+            high[a] = upper || cut[a] == 0 ? n[a] : cut[a] + 1;
+            w.low[a] = low[a];
+            w.size[a] = high[a] - low[a];
+        }
+        if (!any) continue;
+        w.strides[0] = 1;
+        w.strides[1] = n[0];
+        w.strides[2] = (int64_t)n[0] * n[1];
+        w.samples = samples + low[2] * w.strides[2] + low[1] * w.strides[1] + low[0];
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_label_surfaces(ctx, &w, &o, &twin),
+                                        bvx_last_message(ctx));
+        join_window(&twin, n);
+        for (uint64_t i = 0; i < twin.label_count; i++)
+            TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_label_mesh(ctx, &twin, i, &mesh),
+                                            bvx_last_message(ctx));
+    }
+    joined.mesh.positions = join_position;
+    joined.mesh.triangles = join_triangle;
+    joined.mesh.triangle_count = joined.face_count;
+    joined.mesh.position_type = BVX_F32;
+    joined.sides = join_side;
+    joined.junctions = join_junction;
+    joined.first = join_first;
+    joined.faces = join_list;
+    if (o.triangles == 0) TEST_ASSERT_EQUAL_UINT64(2 * complex_.face_count, joined.face_count);
+    for (uint64_t i = 0; i < joined.label_count; i++) {
+        join_first[i] = kept;
+        for (uint64_t f = 0; f < joined.face_count; f++)
+            if (join_side[2 * f] == i || join_side[2 * f + 1] == i) join_list[kept++] = (uint32_t)f;
+    }
+    join_first[joined.label_count] = kept;
+
+    /* The joined complex stands in for the whole. */
+    bvx_complex const whole = complex_;
+    complex_ = joined;
+    for (uint64_t i = 0; i < joined.label_count; i++) {
+        bvx_certificate c;
+        bvx_mesh_view view;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_label_mesh(ctx, &joined, i, &mesh));
+        bvx_mesh_view_of(&mesh, &view);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &c));
+        TEST_ASSERT_TRUE(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented);
+        double const voxels = (double)joined.labels[i].voxels;
+        if (wanted > 0) TEST_ASSERT_DOUBLE_WITHIN(wanted * voxels, voxels, c.volume);
+    }
+    TEST_ASSERT_EQUAL_UINT64(0, crossings());
+    complex_ = whole;
+}
+
+static void test_labels_of_open_windows_join(void)
+{
+    static int32_t const wide[3] = {SIDE, SIDE, SIDE}, small[3] = {12, 11, 10};
+    static int32_t const cuts[4][3] = {{17, 0, 0}, {0, 0, 24}, {20, 31, 24}, {0, 2, 46}};
+    bvx_labels_options o = {.struct_size = sizeof o};
+
+    for (int trial = 0; trial < 12; trial++) {
+        static int32_t const noise_cuts[4][3] = {{5, 0, 0}, {0, 6, 0}, {0, 0, 4}, {4, 7, 5}};
+        for (int32_t i = 0; i < 12 * 11 * 10; i++) cells[i] = (uint8_t)below(trial % 3 == 0 ? 2 : 5);
+        o.triangles = trial % 2 == 0 ? 0 : 1;
+        check_joined(cells, small, noise_cuts[trial / 3], o, 0);
+    }
+    o.triangles = 0;
+    fill_cells();
+    for (int i = 0; i < 4; i++) check_joined(cells, wide, cuts[i], o, 0);
+    for (int32_t n = 0; n < SIDE * SIDE * SIDE; n++)
+        if (n % SIDE + n / SIDE % SIDE + n / SIDE / SIDE < 24) cells[n] = 0;
+    for (uint64_t i = 0; i < 3; i++) {
+        o.triangles = 0;
+        check_joined(cells, wide, cuts[i], o, 0.001);
+        o.triangles = 4000 + 1000 * i;
+        check_joined(cells, wide, cuts[i], o, 0.01);
+    }
+}
+
 /* ---- Refusals ---- */
 
 static void test_labels_refuse(void)
@@ -650,6 +812,7 @@ int main(void)
     RUN_TEST(test_blocks_of_noise_become_fewer_triangles);
     RUN_TEST(test_labels_with_fewer_triangles_are_bodies);
     RUN_TEST(test_labels_with_a_tenth_of_the_triangles_leave_no_gap);
+    RUN_TEST(test_labels_of_open_windows_join);
     RUN_TEST(test_labels_refuse);
     return UNITY_END();
 }

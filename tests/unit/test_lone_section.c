@@ -58,7 +58,6 @@ static void test_a_lens_ends_at_half_its_thickness(void)
     o.thickness = 1.0;
     o.caps = BVX_CAPS_TAPER;
     o.slabs.grid[0] = o.slabs.grid[1] = 64;
-    o.slabs.layers = 16;
     build_good();
     assert_points_kept();
     TEST_ASSERT_EQUAL_UINT64(1, certificate.components);

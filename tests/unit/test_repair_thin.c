@@ -170,7 +170,7 @@ static void test_slats_hold_to_what_they_stand_on(void)
 {
     static const double turned[2][2] = {{1, 0}, {0.8, 0.6}};
 
-    for (int slat = 3; slat <= 13; slat += quick ? 4 : 2)
+    for (int slat = 3; slat <= 13; slat += long_run ? 2 : 5)
         for (int into = 0; into < 2; into++)
             for (int turn = 0; turn < 2; turn++) {
                 int32_t const resolution = 64;

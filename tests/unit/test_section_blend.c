@@ -1,6 +1,6 @@
 /* test_section_blend.c - the cubic blend: what it is between four values, held against the textbook's form; and
- * bodies made with it: contour points kept, straight sides straight, a ball nearer than by the linear one, no
- * kinks, sound whatever the sections are. */
+ * bodies made with it: contour points kept, straight sides straight, a ball nearer than by straight lines, sound
+ * whatever the sections are. */
 #include "layers/section_field.h"
 #include "section_support.h"
 
@@ -118,12 +118,6 @@ static void test_zero_is_where_the_value_is(void)
 
 /* ---- bodies ---- */
 
-static void build_blend(int32_t blend)
-{
-    o.slabs.blend = blend;
-    build_good();
-}
-
 static uint64_t body_hash(void)
 {
     uint64_t mark = 0;
@@ -169,21 +163,21 @@ static double ball_error(void)
     return sum / (double)n;
 }
 
+/* The paper's way is straight from section to section. */
 static void test_ball_is_nearer(void)
 {
-    for (int uneven = 0; uneven < 2; uneven++)
-        for (int32_t layers = 1; layers <= 8; layers *= 2) {
-            double linear;
-            make_ball(9, 0.3 * uneven);
-            o.spacing = 0.2;
-            o.slabs.layers = layers;
-            build_blend(BVX_BLEND_LINEAR);
-            linear = ball_error();
-            build_blend(BVX_BLEND_CUBIC);
-            assert_points_kept();
-            TEST_ASSERT_EQUAL_UINT64(0, crossing_pairs());
-            TEST_ASSERT_TRUE(ball_error() < 0.5 * linear);
-        }
+    for (int uneven = 0; uneven < 2; uneven++) {
+        make_ball(9, 0.3 * uneven);
+        o.spacing = 0.2;
+        o.slabs.crossings = BVX_CROSSINGS_PAPER;
+        build_good();
+        double const straight = ball_error();
+        o.slabs.crossings = BVX_CROSSINGS_EXACT;
+        build_good();
+        assert_points_kept();
+        TEST_ASSERT_EQUAL_UINT64(0, crossing_pairs());
+        TEST_ASSERT_TRUE(ball_error() < 0.5 * straight);
+    }
 }
 
 /* A box with one leaning side: signed distances are linear from section to section there, and stay so. */
@@ -200,8 +194,7 @@ static void test_straight_sides_stay_straight(void)
     }
     o.slabs.grid[0] = 83;
     o.slabs.grid[1] = 40;
-    o.slabs.layers = 5;
-    build_blend(BVX_BLEND_CUBIC);
+    build_good();
     assert_points_kept();
     for (uint64_t i = 0; i < mesh.vertex_count; i++) {
         const double *const v = (const double *)mesh.positions + 3 * i;
@@ -210,43 +203,21 @@ static void test_straight_sides_stay_straight(void)
     }
 }
 
-static void test_two_sections_are_as_ever(void)
+/* Cubic from five sections on, and straight in the paper's way and by marching cubes. */
+static void test_the_number_of_sections_decides(void)
 {
-    uint64_t linear;
+    for (int sections = 3; sections <= 7; sections++)
+        for (int32_t crossings = BVX_CROSSINGS_EXACT; crossings <= BVX_CROSSINGS_CLASSIC; crossings++) {
+            bvx_sections_options taken = {.struct_size = sizeof taken, .label = BVX_LABEL_ZERO};
+            bvxi_stack s;
 
-    make_ball(2, 0.0);
-    o.slabs.layers = 3;
-    build_blend(BVX_BLEND_LINEAR);
-    linear = body_hash();
-    build_blend(BVX_BLEND_CUBIC);
-    TEST_ASSERT_EQUAL_HEX64(linear, body_hash());
-}
-
-/* Auto, the default, is cubic from five sections on. */
-static void test_auto_goes_by_the_number_of_sections(void)
-{
-    for (int sections = 3; sections <= 7; sections++) {
-        uint64_t body[3];
-
-        make_ball(sections, 0.0);
-        o = (bvx_sections_options){.struct_size = sizeof o};
-        o.slabs.layers = 3;
-        TEST_ASSERT_EQUAL_INT32(BVX_BLEND_AUTO, o.slabs.blend);
-        for (int32_t blend = BVX_BLEND_AUTO; blend <= BVX_BLEND_CUBIC; blend++) {
-            build_blend(blend);
-            body[blend] = body_hash();
+            uint64_t const mark = bvxi_scratch_begin(ctx);
+            make_ball(sections, 0.0);
+            taken.slabs.crossings = crossings;
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_stack_open(ctx, "test", &stack.s, &taken, &s));
+            TEST_ASSERT_EQUAL_INT(sections >= 5 && crossings == BVX_CROSSINGS_EXACT, s.cubic);
+            (void)bvxi_scratch_end(ctx, mark, BVX_OK);
         }
-        TEST_ASSERT_TRUE(body[BVX_BLEND_LINEAR] != body[BVX_BLEND_CUBIC]);
-        TEST_ASSERT_EQUAL_HEX64(body[sections < 5 ? BVX_BLEND_LINEAR : BVX_BLEND_CUBIC],
-                                body[BVX_BLEND_AUTO]);
-
-        /* The paper's way is straight. */
-        o.slabs.crossings = BVX_CROSSINGS_PAPER;
-        build_blend(BVX_BLEND_LINEAR);
-        body[BVX_BLEND_LINEAR] = body_hash();
-        build_blend(BVX_BLEND_AUTO);
-        TEST_ASSERT_EQUAL_HEX64(body[BVX_BLEND_LINEAR], body_hash());
-    }
 }
 
 static void test_turning_a_stack_over_turns_the_body(void)
@@ -254,31 +225,26 @@ static void test_turning_a_stack_over_turns_the_body(void)
     double first;
 
     make_ball(6, 0.25);
-    o.slabs.layers = 4;
-    build_blend(BVX_BLEND_CUBIC);
+    build_good();
     first = certificate.volume;
     for (uint64_t i = 0; i < stack.s.section_count; i++) stack.position[i] = -stack.position[i];
     for (uint64_t i = 0; i < stack.s.point_count; i++) stack.point[3 * i + 2] = -stack.point[3 * i + 2];
-    build_blend(BVX_BLEND_CUBIC);
+    build_good();
     TEST_ASSERT_DOUBLE_WITHIN(1e-9 * first, first, certificate.volume);
 }
 
 /* A wall that leans by more than its thickness keeps no window and crosses nothing. */
 static void test_walls_keep_no_windows(void)
 {
-    for (int32_t layers = 1; layers <= 4; layers += 3) {
-        stack_clear(&stack);
-        for (int k = 0; k < 6; k++) {
-            uint32_t const s = stack_section(&stack, k);
-            stack_round(&stack, s, 0.1 * k * k, 0, 4, 4, 64, 0, 0, 0);
-            stack_round(&stack, s, 0.1 * k * k, 0, 3.7, 3.7, 64, 0, 0, 0);
-        }
-        o.slabs.layers = layers;
-        build_blend(BVX_BLEND_CUBIC);
-        TEST_ASSERT_EQUAL_INT64(0, certificate.euler);
-        TEST_ASSERT_EQUAL_UINT64(0, report.joined_slabs + crossing_pairs());
-        assert_points_kept();
+    for (int k = 0; k < 6; k++) {
+        uint32_t const s = stack_section(&stack, k);
+        stack_round(&stack, s, 0.1 * k * k, 0, 4, 4, 64, 0, 0, 0);
+        stack_round(&stack, s, 0.1 * k * k, 0, 3.7, 3.7, 64, 0, 0, 0);
     }
+    build_good();
+    TEST_ASSERT_EQUAL_INT64(0, certificate.euler);
+    TEST_ASSERT_EQUAL_UINT64(0, report.joined_slabs + crossing_pairs());
+    assert_points_kept();
 }
 
 /* Levels that a cubic blend would make cross are blended linearly, and at once where these cross too. */
@@ -292,7 +258,7 @@ static void test_thin_walls_do_not_cross(void)
     }
     o.slabs.grid[0] = 7;
     o.slabs.grid[1] = 5;
-    build_blend(BVX_BLEND_CUBIC);
+    build_good();
     assert_points_kept();
     TEST_ASSERT_EQUAL_UINT64(0, crossing_pairs());
 }
@@ -304,10 +270,8 @@ static void test_random_stacks_are_sound(void)
     for (int round = 0; round < 300; round++) {
         uint64_t one;
         stack_random(&stack, &seed);
-        o.slabs.layers = 1 + round % 4;
         o.caps = round % 2 == 0 ? BVX_CAPS_FLAT : BVX_CAPS_TAPER;
         o.slabs.crossings = round % 5 == 4 ? BVX_CROSSINGS_PAPER : BVX_CROSSINGS_EXACT;
-        o.slabs.blend = BVX_BLEND_CUBIC;
         o.slabs.depth = round % 3 == 0 ? BVX_NONE : 5;
         if (build() == BVX_ERR_FORMAT || build() == BVX_ERR_EMPTY) continue;
         build_good();
@@ -325,28 +289,23 @@ static void test_threads_change_nothing(void)
     uint64_t one;
 
     make_ball(40, 0.02);
-    o.slabs.layers = 2;
     o.slabs.grid[0] = o.slabs.grid[1] = 300;
-    build_blend(BVX_BLEND_CUBIC);
+    build_good();
     one = body_hash();
     bvx_mesh_free(ctx, &mesh);
     c.threads = 4;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &ctx));
-    build_blend(BVX_BLEND_CUBIC);
+    build_good();
     TEST_ASSERT_EQUAL_HEX64(one, body_hash());
     bvx_mesh_free(ctx, &mesh);
     bvx_context_destroy(ctx);
     ctx = first;
 }
 
-static void test_blend_is_one_of_three(void)
+static void test_few_cells_are_refused(void)
 {
     make_ball(3, 0.0);
-    o.slabs.blend = 3;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, build());
-    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "blend 3 is unknown"));
-    o.slabs.blend = BVX_BLEND_CUBIC;
-    o.cells = 1; /* a few are too few */
+    o.cells = 1;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, build());
     o.cells = 0;
 }
@@ -359,13 +318,12 @@ int main(void)
     RUN_TEST(test_zero_is_where_the_value_is);
     RUN_TEST(test_ball_is_nearer);
     RUN_TEST(test_straight_sides_stay_straight);
-    RUN_TEST(test_two_sections_are_as_ever);
-    RUN_TEST(test_auto_goes_by_the_number_of_sections);
+    RUN_TEST(test_the_number_of_sections_decides);
     RUN_TEST(test_turning_a_stack_over_turns_the_body);
     RUN_TEST(test_walls_keep_no_windows);
     RUN_TEST(test_thin_walls_do_not_cross);
     RUN_TEST(test_random_stacks_are_sound);
     RUN_TEST(test_threads_change_nothing);
-    RUN_TEST(test_blend_is_one_of_three);
+    RUN_TEST(test_few_cells_are_refused);
     return UNITY_END();
 }

@@ -33,7 +33,6 @@ static int random_body(uint64_t *seed, int32_t crossings, int32_t caps, int cell
     o.caps = caps;
     o.slabs.grid[0] = cells + maker_below(seed, cells);
     o.slabs.grid[1] = cells + maker_below(seed, cells);
-    o.slabs.layers = 1 + maker_below(seed, 2);
     if (bvx_build_sections(ctx, &stack.s, &o, mesh) != BVX_OK) return 0;
     if (mesh->triangle_count < 6000) return 1;
     bvx_mesh_free(ctx, mesh);

@@ -106,19 +106,17 @@ static void test_a_tube_that_branches(void)
     assert_sound(-2, 1, 0.05);
 }
 
-static void test_ends_and_layers(void)
+static void test_ends_of_a_tube(void)
 {
     make_tube(4, 3, 0.5, 0.9);
-    for (int32_t caps = BVX_CAPS_FLAT; caps <= BVX_CAPS_TAPER; caps++)
-        for (int32_t layers = 1; layers < 4; layers += 2) {
-            o.caps = caps;
-            o.slabs.layers = layers;
-            build_good();
-            TEST_ASSERT_EQUAL_UINT64(0, crossings());
-            TEST_ASSERT_EQUAL_UINT64(2, certificate.components);
-            TEST_ASSERT_EQUAL_INT64(2, certificate.euler); /* a wall and a rod in it */
-            assert_points_kept();
-        }
+    for (int32_t caps = BVX_CAPS_FLAT; caps <= BVX_CAPS_TAPER; caps++) {
+        o.caps = caps;
+        build_good();
+        TEST_ASSERT_EQUAL_UINT64(0, crossings());
+        TEST_ASSERT_EQUAL_UINT64(2, certificate.components);
+        TEST_ASSERT_EQUAL_INT64(2, certificate.euler); /* a wall and a rod in it */
+        assert_points_kept();
+    }
 }
 
 /* ---- where levels change nothing ---- */
@@ -248,7 +246,7 @@ static void random_walls(uint64_t *seed)
 
 static void test_random_walls(void)
 {
-    uint64_t seed = 3, joined = 0, good = 0, crossed = 0;
+    uint64_t seed = 4, joined = 0, good = 0, crossed = 0;
     int const all = quick ? 15 : 300;
 
     for (int i = 0; i < all; i++) {
@@ -256,7 +254,6 @@ static void test_random_walls(void)
         o.slabs.grid[0] = 3 + maker_below(&seed, 40);
         o.slabs.grid[1] = 3 + maker_below(&seed, 40);
         o.caps = maker_below(&seed, 2);
-        o.slabs.layers = 1 + maker_below(&seed, 3) / 2;
         bvx_mesh_free(ctx, &mesh);
         if (bvx_build_sections(ctx, &stack.s, &o, &mesh) == BVX_ERR_FORMAT) continue; /* loops that cross */
         build_good();
@@ -297,7 +294,7 @@ int main(void)
     RUN_TEST(test_a_box_with_a_thin_wall);
     RUN_TEST(test_walls_in_each_other);
     RUN_TEST(test_a_tube_that_branches);
-    RUN_TEST(test_ends_and_layers);
+    RUN_TEST(test_ends_of_a_tube);
     RUN_TEST(test_a_hole_that_opens);
     RUN_TEST(test_holes_that_do_not_overlap);
     RUN_TEST(test_holes_that_cross);

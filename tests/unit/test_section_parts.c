@@ -15,10 +15,8 @@ void setUp(void)
 {
     suite_open(0);
     /* As the library takes them: rooms of it are called here. */
-    o = (bvx_sections_options){.struct_size = sizeof o,
-                               .slabs = {.layers = 1, .depth = 5},
-                               .position_type = BVX_F64,
-                               .label = BVX_LABEL_ZERO};
+    o = (bvx_sections_options){
+        .struct_size = sizeof o, .slabs = {.depth = 5}, .position_type = BVX_F64, .label = BVX_LABEL_ZERO};
     stack_clear(&made);
 }
 

@@ -177,9 +177,9 @@ static void test_rounds_of_small_triangles(void)
 static void test_rounds_of_large_triangles(void)
 {
     bvx_lattice const l = lattice_of(40, 35, 36);
-    make_random(SOUP, long_run ? 4000 : 1500, l.dims, 16);
+    make_random(SOUP, long_run ? 4000 : 600, l.dims, 16);
     assert_both_rules(&l);
-    make_random(SOUP, 1500, l.dims, 16);
+    make_random(SOUP, long_run ? 1500 : 600, l.dims, 16);
     assert_all_contexts_agree(&l);
 }
 
@@ -211,7 +211,14 @@ static void test_rounds_of_many_chunks(void)
     double const centre[3] = {64, 60, 60}, radius[3] = {60, 59, 58}, inner[3] = {40, 39, 38};
 
     maker_clear(&mesh);
-    maker_star(&mesh, &seed, centre, radius, 0.02, quick ? 60 : 300, quick ? 100 : 460, 65536);
+    maker_star(&mesh, &seed, centre, radius, 0.02,
+               quick      ? 60
+               : long_run ? 300
+                          : 180,
+               quick      ? 100
+               : long_run ? 460
+                          : 280,
+               65536);
     maker_star(&mesh, &seed, centre, inner, 0.02, quick ? 12 : 60, quick ? 20 : 91, 65536);
     assert_both_rules(&l);
     maker_remove(&mesh, mesh.triangles / 2);

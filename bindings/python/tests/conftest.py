@@ -18,6 +18,12 @@ if importlib.util.find_spec("hypothesis") and not os.environ.get("BITVOX_LARGE")
     settings.register_profile("same", derandomize=True, database=None, suppress_health_check=[HealthCheck.too_slow])
     settings.load_profile("same")
 
+# Dask's workers are copies of one process that has imported it, where systems have that, and nobody looks at their profiles: each start of one
+# took seconds of processor time.
+if hasattr(os, "fork"):
+    os.environ.setdefault("DASK_DISTRIBUTED__WORKER__MULTIPROCESSING_METHOD", "forkserver")
+os.environ.setdefault("DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED", "False")
+
 HERE = Path(__file__).resolve().parent
 REPOSITORY = HERE.parent.parent.parent
 SHARED = Path(os.environ.get("BITVOX_SHARED", REPOSITORY.parent / "shared"))

@@ -13,7 +13,7 @@ import bitvox
 dask = pytest.importorskip("dask")
 pytest.importorskip("zarr")
 from bitvox import big  # noqa: E402
-from bitvox.big.chunks import planes  # noqa: E402
+from bitvox.big.chunks import centers, planes  # noqa: E402
 
 KNOT = REPOSITORY / "fixtures" / "knot.ply"
 pytestmark = [pytest.mark.skipif(not KNOT.is_file(), reason="fixtures/knot.ply is not here"), pytest.mark.filterwarnings("ignore::bitvox.ResultWarning")]
@@ -51,7 +51,8 @@ def test_levels_close_where_pieces_meet(made):
         assert mesh.n_faces < 0.6 * pieces.n_faces(level - 1) and abs(mesh.volume / whole.volume - 1) < 1e-3
         assert bitvox.compare(whole, mesh, samples=2000).max <= 1.05 * pieces.error(level) < 4 * max(cut.spacing) * 2**level
         for index in pieces.records[level]:
-            low, high = planes(cut.chunks, level, index)
+            ends, sides = planes(cut.chunks, level, index), centers(cut.chunks)
+            low, high = np.maximum(ends[0], sides[0]), np.minimum(ends[1], sides[1])
             at = pieces.read(index, level).in_world()
             assert (at > np.subtract(low, 1e-6)).all() and (at < np.add(high, 1e-6)).all()
 
@@ -146,9 +147,41 @@ def test_new_vertices_stay_between_cuts(ball, monkeypatch):
     monkeypatch.setattr(big.coarser, "LEFT", 16)
     none, cut = [float("inf")] * 3, ball.bounds[1]  # coarse triangles of a ball reach beyond it
     free, far = big.coarser.collapsed(ball, [-n for n in none], none, [0.01] * 3)
-    assert (free.in_world() > cut).any() and far == bitvox.compare(ball, free, samples=big.coarser.SAMPLES).max
+    assert (free.in_world() > cut).any() and far == bitvox.compare(ball, free, samples=free.n_faces).max
     held, far = big.coarser.collapsed(ball, [-n for n in none], cut, [0.01] * 3)
     assert (held.in_world() <= cut).all() and held.check().closed and held.n_faces < ball.n_faces / 3 and far > 0
+    boxed, _ = big.coarser.collapsed(ball, [-n for n in none], none, [0.01] * 3, box=([-n for n in none], cut))
+    monkeypatch.setattr(big.coarser, "_put_inside", lambda mesh, *_: mesh)
+    kept, _ = big.coarser.collapsed(ball, [-n for n in none], none, [0.01] * 3, box=([-n for n in none], cut))
+    assert all((mesh.in_world() <= cut).all() and mesh.check().closed and not len(mesh.crossings()) for mesh in (boxed, kept))
+    assert boxed.n_faces == free.n_faces < ball.n_faces / 15 and kept.n_faces < ball.n_faces / 3
+
+
+def test_what_would_cross_is_not_put_inside(ball):
+    low, high = np.array(big.coarser.BOUNDLESS)
+    ends = ball.bounds
+    cap, most = ([*ends[1][:2], ends[0][2] + part * (ends[1][2] - ends[0][2])] for part in (0.9, 0.3))
+    flat = big.coarser._put_inside(ball, low, cap, None)
+    assert flat is not ball and flat.bounds[1] == pytest.approx(cap) and not len(flat.crossings())
+    assert big.coarser._put_inside(ball, low, most, None) is ball  # above and below its middle faces would lie in one plane
+    assert big.coarser._put_inside(ball, low, high, None) is ball
+    tips = big.disk.beside([ball, ball.transform(np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 100.0], [0, 0, 0, 1]]))])
+    assert big.coarser._put_inside(tips, low, [*high[:2], ends[1][2]], None) is tips  # the second ball would be a sheet
+
+
+@pytest.mark.parametrize("size, padding", [(40, 0), (13, 0), (40, 1)])
+def test_levels_stay_in_the_box_of_their_volume(tmp_path, size, padding):
+    rng, n = np.random.default_rng(7), 40 + 2 * padding
+    at = np.stack(np.meshgrid(*[np.arange(40) + 0.5] * 3, indexing="ij"), axis=-1)
+    solid = np.zeros((40, 40, 40), bool)
+    for middle, radius in zip(rng.uniform(0, 40, (12, 3)), rng.uniform(6, 12, 12)):  # balls that the sides cut off
+        solid |= ((at - middle) ** 2).sum(axis=-1) < radius**2
+    pieces = big.run(big.from_dask(np.pad(solid, padding), chunks=size), tmp_path / "balls", levels=4, show=None)
+    for level in range(4):
+        mesh = pieces.merge(level)
+        assert np.min(mesh.bounds) >= padding / 2 and np.max(mesh.bounds) <= n - padding / 2
+        assert mesh.check().closed and not len(mesh.crossings())
+    assert size < 40 or pieces.n_faces(3) < 0.02 * pieces.n_faces()  # flat sides do not keep their vertices
 
 
 def test_a_level_encloses_what_its_mesh_does(ball, monkeypatch):
@@ -158,7 +191,7 @@ def test_a_level_encloses_what_its_mesh_does(ball, monkeypatch):
         made, _ = big.coarser.collapsed(made, [-n for n in none], none, [0.1] * 3)
     assert made.volume == pytest.approx(ball.volume, rel=1e-3) and made.check().closed and not len(made.crossings())
     double = bitvox.surface(bitvox.Grid.from_numpy(np.pad(np.ones((9, 9, 1), bool), 1)))  # a sheet: steps inwards would let its sides cross
-    thin = big.coarser._as_large(double.transform(np.diag([1, 1, 1e-3])), double, [-n for n in none], none, [9.0] * 3)
+    thin = big.coarser._as_large(double.transform(np.diag([1, 1, 1e-3])), double, *big.coarser.BOUNDLESS, 36.0)
     assert not len(thin.crossings()) and thin.volume > 0
 
 

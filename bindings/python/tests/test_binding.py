@@ -173,7 +173,7 @@ def test_wrong_names_are_refused_with_the_nearest():
     for call, wrong, meant in ((bitvox.repair, "shel", "shell"), (bitvox.repair, "mesure", "measure"), (bitvox.lod, "edge_sample", "edge_samples"),
                                (bitvox.simplify, "attribute_weigth", "attribute_weight"), (bitvox.voxelize, "closegaps", "close_gaps"),
                                (bitvox.field, "halfwidth", "half_width"), (bitvox.render, "backgroud", "background"),
-                               (bitvox.from_sections, "blent", "blend"), (bitvox.Mesh(*body).simplify, "tringles", "triangles")):
+                               (bitvox.from_sections, "crosings", "crossings"), (bitvox.Mesh(*body).simplify, "tringles", "triangles")):
         with pytest.raises(TypeError, match=rf"unexpected keyword argument '{wrong}'. Did you mean '{meant}'\?"):
             call(*(() if hasattr(call, "__self__") else (body,)), **{wrong: 1})
     with pytest.raises(TypeError, match="unexpected keyword argument 'zzz'$"):

@@ -297,6 +297,27 @@ def test_measure(tetrahedron, knot):
         bitvox.Mesh(v, f[:0]).measure()
 
 
+def test_inspect(knot):
+    v = np.array([[x, y, z] for x in (0, 4) for y in (0, 3) for z in (0, 0.5)], float)
+    f = np.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]])
+    found = bitvox.inspect((v, f), walls=0.6, density=2, thickness=True, resolution=40)
+    assert found.sound and found.needs == "nothing" and np.isclose(found.report.volume, 6) and np.isclose(found.report.mass, 12)
+    assert np.allclose(found.thickness, 0.5) and np.isclose(found.report.least_thickness, 0.5) and found.report.least_gap == np.inf
+    assert len(found.walls) == found.report.found[0] == 1 and np.isclose(found.walls[0].size, 0.5) and abs(found.walls[0].position[2] - 0.25) < 0.1
+    assert found.gaps == found.cavities == found.islands == () and np.isclose(found.report.thin_area, 24)
+    # A second plate above: a gap, and an island along z, none along x.
+    two = bitvox.inspect((np.concatenate([v, v + (0, 0, 1)]), np.concatenate([f, f + 8])), gaps=0.7, resolution=40)
+    assert two.sound and np.isclose(two.gaps[0].size, 0.5) and len(two.islands) == 1 and np.isclose(two.islands[0].size, 12, rtol=0.1)
+    assert bitvox.inspect((np.concatenate([v, v + (0, 0, 1)]), np.concatenate([f, f + 8])), up="x", resolution=40).islands == ()
+    torn = bitvox.inspect((knot.vertices, np.asarray(knot.faces)[9:]), resolution=24, most=1)
+    assert not torn.sound and torn.needs == "lids" and torn.report.least_thickness > 0.5 and torn.thickness is None
+    for wrong in ({"walls": -1}, {"gaps": float("nan")}, {"density": 0}, {"up": "w"}, {"most": 0}, {"resolution": 0}):
+        with pytest.raises(bitvox.ArgumentError):
+            bitvox.inspect(knot, **wrong)
+    with pytest.raises(bitvox.EmptyError):
+        bitvox.inspect((v, f[:0]))
+
+
 def test_crossings(tetrahedron):
     v, f = np.asarray(tetrahedron[0], float), np.asarray(tetrahedron[1])
     assert bitvox.Mesh(v, f).crossings().shape == (0, 2)

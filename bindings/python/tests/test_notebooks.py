@@ -7,7 +7,7 @@ from conftest import HERE
 
 FOLDER = HERE.parent / "docs" / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
-NEEDS = {"07_orientation": ["SimpleITK", "pydicom", "highdicom"], "10_larger_than_memory": ["dask", "zarr"]}
+NEEDS = {"07_orientation": ["SimpleITK", "pydicom", "highdicom"], "10_larger_than_memory": ["dask", "zarr", "DracoPy"]}
 
 
 def test_there_are_ten():

@@ -137,6 +137,7 @@ def _with_progress():
         "compare grids": lambda **p: bitvox.compare(grid, shell, **p),
         "crossings": lambda **p: mesh.crossings(**p),
         "measure": lambda **p: mesh.measure(resolution=16, **p),
+        "inspect": lambda **p: bitvox.inspect(mesh, resolution=16, **p),
         "Closest": lambda **p: bitvox.Closest(mesh, **p),
         "Closest.find": lambda **p: finder.find(points, **p),
         "repair": lambda **p: bitvox.repair(mesh, resolution=16, **p),

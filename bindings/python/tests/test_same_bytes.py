@@ -37,9 +37,9 @@ class Folder:
     def __truediv__(self, name):
         return self.path / name
 
-    def run(self, *words, json_too=False):
+    def run(self, *words, json_too=False, status=0):
         found = subprocess.run([PROGRAM, *map(str, words), "--json" if json_too else "--quiet"], capture_output=True, text=True, check=False)
-        assert found.returncode == 0, found.stderr
+        assert found.returncode == status, found.stderr
         return json.loads(found.stdout) if json_too else None
 
     def same(self, thing, name, format=None, **options):
@@ -177,6 +177,15 @@ def info(at):
     at.compared += 1
 
 
+def check(at):
+    found = at.run("check", KNOT, "--resolution", 40, "--walls", 0.8, "--gaps", 0.5, "--up", "x", json_too=True, status=1)["check"]
+    mine = bitvox.inspect(KNOT, resolution=40, walls=0.8, gaps=0.5, up="x")
+    assert found["sound"] is mine.sound and found["volume"] == mine.report.volume and found["least_thickness"] == mine.report.least_thickness
+    assert [found[kind]["count"] for kind in ("wall", "gap", "cavity", "island")] == list(mine.report.found)
+    assert [tuple(one["position"]) for one in found["wall"]["places"]] == [one.position for one in mine.walls]
+    at.compared += 1
+
+
 def render(at):
     at.run("render", KNOT, "-o", at / "p.png", "--size", "120x90", "--wireframe")
     at.same(bitvox.render(KNOT, size=(120, 90), wireframe=True).png(), "p.png")
@@ -186,7 +195,7 @@ def render(at):
 
 COMMANDS = {"voxelize": voxelize, "lod": lod, "simplify": simplify, "repair": repair, "hull": hull, "labels": labels, "refine": refine, "sections": sections, "slice": slices,
             "faces": faces, "fill": fill, "components": components, "compare": compare, "morph": morph, "boolean": boolean,
-            "convert": convert, "info": info, "render": render}
+            "convert": convert, "info": info, "check": check, "render": render}
 
 
 @needs_program

@@ -31,6 +31,7 @@ REPORTS = {
     "repair": {"--measure"},
     "lod": {"--samples"}, "simplify": {"--samples"},
     "sections": {"--parts", "--genus", "--block-model", "--block"}, "compare": {"--samples", "--seed"}, "info": {"--crossings", "--measure", "--density", "--resolution"},
+    "check": {"--walls", "--gaps", "--density", "--up", "--resolution", "--most"},
 }
 
 
@@ -205,8 +206,8 @@ ROWS = {
         ("small.ply --base 5 --halvings 3 --output-origin 1,2,3", "ply", lambda at: only(at.tree.surface(), origin=(1, 2, 3))),
     ),
     "sections": (
-        ("c.csl --spacing 0.2 --layers 2 --blend cubic --caps open --subdivide 3 --output-origin 1,2,3", "ply",
-         lambda at: only(bitvox.from_sections(at / "c.csl", spacing=0.2, layers=2, blend="cubic", caps="open", subdivide=3), origin=(1, 2, 3))),
+        ("c.csl --spacing 0.2 --caps open --subdivide 3 --output-origin 1,2,3", "ply",
+         lambda at: only(bitvox.from_sections(at / "c.csl", spacing=0.2, caps="open", subdivide=3), origin=(1, 2, 3))),
         ("one.csl --grid 20x30 --thickness 0.5 --caps taper", "ply", lambda at: bitvox.from_sections(at / "one.csl", grid=(20, 30), thickness=0.5, caps="taper")),
         ("c.csl --grid 20x30 --mend --crossings paper --label 1", "ply",
          lambda at: bitvox.from_sections(at / "c.csl", grid=(20, 30), mend=True, crossings="paper", label=1)),
@@ -243,7 +244,7 @@ ROWS = {
         ("solid.bvx --triangles 300 --output-origin 1,2,3", "ply", lambda at: only(at.solid.surface().simplify(triangles=300), origin=(1, 2, 3))),
         ("solid.bvx --error 1% --error-kind max", "ply", lambda at: at.solid.surface().simplify(error="1%", error_kind="max")),
     ),
-    "compare": (),
+    "compare": (), "check": (),
     "morph": (
         ("dilate small.ply --resolution 24 --padding 3 --fill flood --close-gaps 1 --steps 2 --neighbourhood 18", "bvx",
          lambda at: bitvox.voxelize(at.small, resolution=24, padding=3, fill="flood", close_gaps=1).dilate(2, connectivity=18)),

@@ -27,7 +27,7 @@ def test_prism():
     hole = Sections(stack() + stack(points=SQUARE / 2 + [1, 1, 0]))
     assert hole.surface(grid=(20, 20)).check().volume == pytest.approx(12 * 4.5, rel=1e-3)
     assert not bitvox.from_sections(stack(), caps="open").check().closed
-    assert bitvox.from_sections(stack(), caps="taper", dtype="float32", layers=2, spacing=0.5).check().closed
+    assert bitvox.from_sections(stack(), caps="taper", dtype="float32", spacing=0.5).check().closed
     turned = Sections([loop[:, [2, 0, 1]] for loop in stack()], (1, 0, 0))
     assert turned.surface().check().volume == pytest.approx(72)
 
@@ -45,8 +45,7 @@ def test_labels_and_refusals():
     crossed = SQUARE[[0, 2, 1, 3]]
     with pytest.raises(bitvox.FormatError):
         bitvox.from_sections(stack(points=crossed))
-    for options in ({"grid": (3, 3), "spacing": 1.0}, {"grid": (1, 9)}, {"layers": 0}, {"caps": "round"}, {"subdivide": 9}, {"blend": "x"},
-                    {"crossings": "x"}):
+    for options in ({"grid": (3, 3), "spacing": 1.0}, {"grid": (1, 9)}, {"caps": "round"}, {"subdivide": 9}, {"crossings": "x"}):
         with pytest.raises(bitvox.Error):
             bitvox.from_sections(stack(), **options)
 
@@ -62,15 +61,15 @@ def test_walls_keep_no_windows():
     assert levels.check().euler == 0 and levels.check().volume == pytest.approx(levels.report.prismoid_volume, rel=0.02)
 
 
-def test_cubic_blend_is_nearer():
+def test_a_ball_is_nearer_from_five_sections_on():
     turn = np.arange(120) * (2 * np.pi / 120)
     ball = Sections([np.stack([r * np.cos(turn), r * np.sin(turn), np.full(120, z)], axis=1)
                      for z in np.linspace(-0.9, 0.9, 7) for r in [(1 - z * z) ** 0.5]])
     error = {}
-    for blend in ("linear", "cubic"):
-        at = ball.surface(blend=blend, layers=4).vertices
-        error[blend] = np.abs(np.sqrt((at * at).sum(axis=1)) - 1)[np.abs(at[:, 2]) < 0.89].mean()
-    assert error["cubic"] < 0.5 * error["linear"]
+    for crossings in ("paper", "exact"):  # the paper's way is straight from section to section
+        at = ball.surface(crossings=crossings).vertices
+        error[crossings] = np.abs(np.sqrt((at * at).sum(axis=1)) - 1)[np.abs(at[:, 2]) < 0.89].mean()
+    assert error["exact"] < 0.5 * error["paper"]
 
 
 def test_loops_that_meet_are_mended():
@@ -287,8 +286,8 @@ def test_bodies_that_touch_share_their_faces():
         assert (len(both) > 20) == shared
         assert all(faces[one][face] != faces[two][face] for face in both)
         assert all(place[0] == pytest.approx(2 if one == "a" else 4, abs=0.1) for face in both for place in face)
-    with pytest.raises(bitvox.ArgumentError, match="layers is not used with touching='shared'"):
-        bitvox.Sections(loops).bodies(touching="shared", layers=2)
+    with pytest.raises(bitvox.ArgumentError, match="grid is not used with touching='shared'"):
+        bitvox.Sections(loops).bodies(touching="shared", grid=(5, 5))
     with pytest.raises(bitvox.ArgumentError, match="touching is 'glued'"):
         bitvox.Sections(loops).bodies(touching="glued")
     with pytest.raises(bitvox.FormatError, match="labels 1 and 2 overlap"):
@@ -298,8 +297,8 @@ def test_bodies_that_touch_share_their_faces():
 def test_sections_without_loops_have_no_bodies():
     none = bitvox.Sections([])
     assert none.bodies() == none.bodies(touching="shared") == {}
-    with pytest.raises(bitvox.ArgumentError, match="layers is not used"):
-        none.bodies(touching="shared", layers=2)
+    with pytest.raises(bitvox.ArgumentError, match="grid is not used"):
+        none.bodies(touching="shared", grid=(5, 5))
 
 
 def test_one_section_alone_is_a_slab_or_a_lens():
@@ -308,7 +307,7 @@ def test_one_section_alone_is_a_slab_or_a_lens():
         bitvox.from_sections([square])
     slab = bitvox.from_sections([square], thickness=0.5).check()
     assert slab.closed and slab.volume == pytest.approx(2.0) and (slab.low[2], slab.high[2]) == (4.75, 5.25)
-    lens = bitvox.from_sections([square], thickness=0.5, caps="taper", layers=8).check()
+    lens = bitvox.from_sections([square], thickness=0.5, caps="taper").check()
     assert lens.closed and lens.volume == pytest.approx(2.0 / 3, rel=0.05)
     with pytest.raises(bitvox.ArgumentError):
         bitvox.from_sections([square], thickness=-1)

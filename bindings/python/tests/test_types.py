@@ -18,7 +18,7 @@ LISTS = {
     "Fill": _run.FILLS, "Sign": _run.SIGN_RULES, "RepairSign": _run.REPAIR_SIGNS, "Interpolation": _field.EDGES, "FaceRule": ("separate", "join"),
     "Mode": _stages.MODES, "Operation": _stages.OPERATIONS, "Method": _levels.METHODS, "SmoothMethod": ("sinc", "taubin"), "Vertices": _levels.VERTICES, "Topology": _levels.TOPOLOGY,
     "ErrorKind": _levels.ERROR_KINDS, "Thin": ("shell", "keep", "drop"), "ThinCheck": _stages.THIN_CHECKS,
-    "Caps": _sections.CAPS, "Blend": _sections.BLENDS, "Touching": _sections.TOUCHING, "Crossings": _sections.CROSSINGS, "Reduce": _grid.RULES,
+    "Caps": _sections.CAPS, "Touching": _sections.TOUCHING, "Crossings": _sections.CROSSINGS, "Reduce": _grid.RULES,
     "DistanceSide": _grid.DISTANCE_SIDES,
     "Beyond": _grid.BEYONDS, "Side": _stages.SIDES, "Far": ("constant", "propagated"), "Axis": ("x", "y", "z"), "Order": ("xyz", "zyx"),
     "Frame": _volume.FRAMES, "Direction": _octree._DIRECTIONS, "Resampling": ("linear", "nearest"), "FloatName": ("float32", "float64"),

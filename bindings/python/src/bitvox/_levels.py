@@ -73,7 +73,7 @@ def _listed(value: Any, name: str) -> list[Any]:
     return values
 
 
-def _error_of(mesh: Mesh, value: Any) -> float:
+def _error_of(mesh: Mesh, value: Any, name: str = "error") -> float:
     """A distance in the mesh's units; "0.1%" is of the diagonal of its bounds."""
     text = value.strip() if isinstance(value, str) else value
     share = isinstance(text, str) and text.endswith("%")
@@ -82,9 +82,9 @@ def _error_of(mesh: Mesh, value: Any) -> float:
             raise TypeError
         number = float(text[:-1] if share else text)
     except (TypeError, ValueError):
-        raise ArgumentError(f'error is {value!r}; it must be a distance, or a part of the diagonal as "0.1%"') from None
+        raise ArgumentError(f'{name} is {value!r}; it must be a distance, or a part of the diagonal as "0.1%"') from None
     if not 0.0 < number < float("inf"):
-        raise ArgumentError(f"error is {value!r}; it must be above 0 and finite")
+        raise ArgumentError(f"{name} is {value!r}; it must be above 0 and finite")
     return number * (_diagonal(mesh) / 100.0) if share else number
 
 
@@ -308,6 +308,7 @@ def hull(
     resolution: int | None = None,
     close_gaps: int = 0,
     shell: float | None = None,
+    enclose: Distance | None = None,
     triangles: int | Sequence[int] | None = None,
     error: Distance | Sequence[Distance] | None = None,
     count: int | None = None,
@@ -333,6 +334,10 @@ def hull(
         openings of up to this many voxels are closed, larger ones stay; 0: those that no empty voxel leads through.
     shell
         thickness of walls that no center lies in, with outside on both sides [largest spacings]; 0: they are lost. Default 2.
+    enclose
+        go around every triangle, touching none and nowhere further than this from the mesh, as proven by exact tests: a number
+        [world], or a part of the diagonal as ``"1%"``. For collisions and planning. ``resolution``, ``lattice``, ``close_gaps``,
+        ``least_part`` and ``keep_largest`` are not taken with it, ``shell``, ``interpolation`` and ``sharp`` not used.
     triangles, error, count
         levels as for `simplify`, a part of the diagonal being that of the mesh; none: the hull with all its triangles, and with
         ``count`` each further level has half of them.
@@ -377,6 +382,8 @@ def hull(
     options.close_gaps = in_range("close_gaps", close_gaps, 0, 65535)
     if shell is not None:
         options.shell = or_none(float(shell), "shell")
+    if enclose is not None:
+        options.enclose = _error_of(source, enclose, "enclose")
     reports, report = ffi.new("bvx_level_report[]", targets.count), ffi.new("bvx_hull_report *")
     options.reports, options.report = reports, report
     array = ffi.new("bvx_mesh[]", targets.count)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Sequence, TypedDict
 
 if TYPE_CHECKING:
-    from ._words import (Axis, Blend, Crossings, ErrorKind, FaceRule, Fill, Interpolation, RepairSign, Thin, ThinCheck, Topology, Vertices)
+    from ._words import (Axis, Crossings, ErrorKind, FaceRule, Fill, Interpolation, RepairSign, Thin, ThinCheck, Topology, Vertices)
 
 
 class VoxelizeOptions(TypedDict, total=False):
@@ -292,9 +292,6 @@ class SectionsOptions(TypedDict, total=False):
     agree
         planes that are not parallel: contours at most so far apart where two planes cross are moved to agree [world].
         Default: a hundredth of that longest side.
-    blend
-        from section to section: "linear", or "cubic" over four of them, as exact on the sections and smooth across them;
-        "auto" (the default) is cubic from five sections on.
     crossings
         on the planes: "exact" (the default: by the contours themselves, all of whose points become vertices), "paper" (by
         interpolated distances with the contours' points put in) or "classic" (marching cubes).
@@ -310,14 +307,13 @@ class SectionsOptions(TypedDict, total=False):
 
     Examples
     --------
-    >>> more: bitvox.SectionsOptions = {'blend': 'cubic'}
+    >>> more: bitvox.SectionsOptions = {'crossings': 'paper'}
     >>> bitvox.from_sections(bitvox.slice_mesh('knot.ply', spacing=0.5), mend=True, **more).check().closed
     True
     """
 
     cells: int | None
     agree: float | None
-    blend: Blend
     crossings: Crossings
     subdivide: int | None
     parts: int | None

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 CAPS = names_of("BVX_CAPS_")
-BLENDS = names_of("BVX_BLEND_")
 CROSSINGS = names_of("BVX_CROSSINGS_")
 TOUCHING = ("apart", "shared")
 SECTION_FORMATS = formats_in(lib.BVX_SECTIONS_READ)
@@ -424,7 +423,6 @@ def from_sections(
     *,
     grid: Sequence[int] | None = None,
     spacing: float | None = None,
-    layers: int = 1,
     caps: Caps = "flat",
     thickness: float | None = None,
     mend: bool | None = None,
@@ -446,8 +444,6 @@ def from_sections(
     grid
         cells along the planes' two axes, or ``spacing``: the side of a square cell [world]. Default: twice the mean length
         of the contours' segments.
-    layers
-        cells from section to section.
     caps
         how the body ends: "flat" on the first and the last section, "taper" to a ridge half a spacing beyond, or "open".
     thickness
@@ -462,7 +458,7 @@ def from_sections(
         most triangles, or the distance to the body's whole surface, by edges that collapse: as for `repair`.
         Contour points are then no longer vertices; ``caps="open"`` cannot be collapsed.
     advanced
-        `SectionsOptions`: ``cells``, ``agree``, ``blend``, ``crossings``, ``subdivide``, ``parts``, ``genus``,
+        `SectionsOptions`: ``cells``, ``agree``, ``crossings``, ``subdivide``, ``parts``, ``genus``,
         ``error_kind``, ``dtype``.
 
     Returns
@@ -508,11 +504,9 @@ def from_sections(
             raise ArgumentError("grid must be two numbers of cells")
         options.slabs.grid = [in_range("grid", n, 2, 8192) for n in grid]
     _set_cells(options, advanced.get("cells"), spacing, advanced.get("agree"))
-    options.slabs.layers = in_range("layers", layers, 1, 64)
     options.caps = choice("caps", caps, "BVX_CAPS_", CAPS)
     if thickness is not None:
         options.thickness = float(thickness)
-    options.slabs.blend = choice("blend", advanced.get("blend", "auto"), "BVX_BLEND_", BLENDS)
     mend = getattr(given, "_sliced", False) if mend is None else mend
     options.mend = int(bool(mend))
     options.slabs.crossings = choice("crossings", advanced.get("crossings", "exact"), "BVX_CROSSINGS_", CROSSINGS)

@@ -24,7 +24,7 @@ from ._words import Array, BooleanFill, ErrorKind, FaceRule, Fill, Mode, Operati
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from .reports import Certificate, Difference, Distances, Seed
+    from .reports import Certificate, Difference, Distances, Finding, InspectReport, Seed
 
 OPERATIONS = names_of("BVX_BOOLEAN_")
 MODES = ("solid", "conservative", "thin", "sampled")
@@ -473,6 +473,120 @@ def check(mesh: Any, *, weld: bool = False, threads: int | None = None, memory_l
     0
     """
     return Mesh.of(mesh).check(weld=weld, threads=threads, memory_limit=memory_limit, progress=progress)
+
+
+FINDINGS = names_of("BVX_FINDING_")
+NEEDS = names_of("BVX_NEEDS_")
+
+
+class Inspection(NamedTuple):
+    """What `inspect` finds.
+
+    Attributes
+    ----------
+    sound
+        closed, manifold, oriented, outwards and free of crossings.
+    needs
+        the first thing that is wrong: "nothing", "lids", "manifold", "turns", "area", "outside-in" or "uncrossing".
+    walls, gaps, cavities, islands
+        the worst of what was found, each a `bitvox.reports.Finding`: ``size`` (thickness, width, volume, area), ``position``, the box
+        from ``low`` to ``high``, ``voxels``.
+    thickness
+        at each vertex the least beside it, a float64 array; infinity where there is none. None unless asked for.
+    report
+        a `bitvox.reports.InspectReport`: ``least_thickness`` and ``least_gap`` with both ends, shares of ``thickness``, ``volume``, ``mass``,
+        ``crossings``, the ``certificate``, and in ``found`` how many walls, gaps, cavities and islands there are.
+
+    Examples
+    --------
+    >>> bitvox.inspect('knot.ply', resolution=64).sound
+    True
+    """
+
+    sound: bool
+    needs: str
+    walls: tuple[Finding, ...]
+    gaps: tuple[Finding, ...]
+    cavities: tuple[Finding, ...]
+    islands: tuple[Finding, ...]
+    thickness: Array | None
+    report: InspectReport
+
+
+def inspect(
+    mesh: Any,
+    *,
+    walls: float = 0.0,
+    gaps: float = 0.0,
+    density: float = 1.0,
+    up: str = "z",
+    resolution: int | None = None,
+    lattice: Lattice | None = None,
+    most: int = 8,
+    thickness: bool = False,
+    threads: int | None = None,
+    memory_limit: int | None = None,
+    progress: Progress = None,
+) -> Inspection:
+    """Whether a mesh can be made: is it sound, how thick are its walls, how narrow its gaps, what is trapped, which parts of layers hang.
+
+    Thickness is the way straight inwards to the other side, from points of each triangle a voxel apart; a gap is the way outwards. Both
+    count where the other side faces the ray to 60 degrees.
+
+    Parameters
+    ----------
+    mesh
+        what `Mesh.of` takes.
+    walls, gaps
+        thinner walls and narrower gaps are findings; 0: none [world].
+    density
+        mass of a unit of volume.
+    up
+        the axis towards whose high end layers are built: "x", "y" or "z". They are a voxel high.
+    resolution
+        voxels along the longest axis. Default 256. Or a ``lattice`` to work on.
+    most
+        findings of each kind that are listed, the worst first.
+    thickness
+        give it for each vertex.
+
+    Returns
+    -------
+    Inspection
+        What is wrong where, and a `bitvox.reports.InspectReport`.
+
+    Raises
+    ------
+    ArgumentError
+        a number out of its range.
+    EmptyError
+        no triangle of area.
+    RangeError
+        see `voxelize`.
+    MemoryLimitError
+
+    Examples
+    --------
+    >>> found = bitvox.inspect('knot.ply', walls=0.8, resolution=64)
+    >>> found.report.found[0] > 0, found.walls[0].size < 0.8, len(found.cavities)
+    (True, True, 0)
+    """
+    source, options, out = Mesh.of(mesh), options_of("inspect_options"), ffi.new("bvx_inspect_report *")
+    if not density > 0:
+        raise ArgumentError(f"density is {density}; it must be above 0 and finite")
+    set_fit(options, resolution, lattice)
+    options.walls, options.gaps, options.density = float(walls), float(gaps), float(density)
+    options.up, options.most = choice("up", up, "BVX_UP_", ("x", "y", "z")), in_range("most", most, 1, 2**20)
+    places = ffi.new("bvx_finding[]", len(FINDINGS) * most)
+    options.findings = places
+    values = None
+    if thickness:
+        values = arrays.numpy("thickness").empty(source.n_vertices)
+        options.thickness = ffi.cast("double *", arrays.address(values))
+    with Run(threads, memory_limit, progress) as run:
+        run.check(lib.bvx_inspect(run.context, source._view(run), options, out))
+    listed = (tuple(record(places[kind * most + i]) for i in range(min(out.found[kind], most))) for kind in range(len(FINDINGS)))
+    return Inspection(out.needs == lib.BVX_NEEDS_NOTHING, NEEDS[out.needs], *listed, values, record(out))
 
 
 def compare(a: Any, b: Any, *, samples: int | None = None, seed: int | None = None, threads: int | None = None,

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
         resolution: int | None
         close_gaps: int
         shell: float | None
+        enclose: float | str | None
         keep_largest: int | None
         carry: bool
 
@@ -69,7 +70,6 @@ ErrorKind = Literal["mean", "max"]
 Thin = Literal["shell", "keep", "drop"]
 ThinCheck = Literal["auto", "never", "always"]
 Caps = Literal["flat", "taper", "open"]
-Blend = Literal["linear", "cubic", "auto"]
 Touching = Literal["apart", "shared"]
 Crossings = Literal["exact", "paper", "classic"]
 Reduce = Literal["any", "all", "majority"]

@@ -175,6 +175,12 @@ def planes(cut: Chunks, level: int, index: Index) -> tuple[list[float], list[flo
     return low, high
 
 
+def centers(cut: Chunks) -> tuple[list[float], list[float]]:
+    """The box between the centers of the outermost voxels: where fragments of viewers begin, and what no level leaves by itself."""
+    places = list(zip(cut.lattice.corner, cut.lattice.spacing, *cut.box))
+    return [corner + (a + 0.5) * edge for corner, edge, a, _ in places], [corner + (a + n - 0.5) * edge for corner, edge, a, n in places]
+
+
 # ---- windows ----
 
 

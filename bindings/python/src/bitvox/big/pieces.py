@@ -23,7 +23,7 @@ from .._run import in_range, version
 from .._stages import merge
 from .._words import FaceRule
 from . import written
-from .chunks import Chunks, Index, indices, joins, planes
+from .chunks import Chunks, Index, centers, indices, joins, planes
 from .coarser import collapsed
 from .disk import PART, Record, beside, compute, files, index_of, listed, name_of, put, read_bodies, read_piece, write_piece
 from .labels import Labels
@@ -418,7 +418,7 @@ def _joined(place: str, cut: Chunks, level: int, index: Index, parts: Sequence[t
         for label, mesh in read_bodies(place, level - 1, i)[0].items() if record.triangles else ():
             fine.setdefault(label, []).append(mesh)
     near, ends = [edge / 8 for edge in cut.lattice.spacing], planes(cut, level, index)
-    made = {label: collapsed(beside(fine.pop(label)), *ends, near, limit) for label in sorted(fine)}
+    made = {label: collapsed(beside(fine.pop(label)), *ends, near, limit, centers(cut)) for label in sorted(fine)}
     error = max((record.error for _, record in parts), default=0.0) + max((far for _, far in made.values()), default=0.0)
     return write_piece(place, level, index, {label: mesh for label, (mesh, _) in made.items()}, error)
 

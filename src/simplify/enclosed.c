@@ -1,0 +1,222 @@
+/* enclosed.c - a level that stays around a mesh: no triangle meets one of the mesh or lies far from it, and no piece of
+ * the mesh gets out.
+ *
+ * What meets the mesh is found by exact signs, touching included. How far a triangle lies is bounded from above:
+ * no point of it is further from the mesh than its middle's distance and the way from there to a corner; where that says
+ * too little, its quarters are asked. As nothing meets, a piece is inside with all of it or with nothing. */
+#include "nearest/closest.h"
+#include "core/vec3.h"
+#include "mesh/mesh.h"
+#include "simplify/collapse_state.h"
+
+#include <math.h>
+
+enum { LEAVING_GRAIN = 256 }; /* triangles of a task */
+
+/* Rounding of a distance, and more. */
+#define ENCLOSED_SLACK 1e-12
+/* Quarters that reach less far than this part of what is allowed count as far. */
+#define ENCLOSED_FINEST 0.1
+
+/* ---- The mesh ---- */
+
+/* Corners of all triangles in an order of space, three vertices each. */
+static bvx_status open_tree_of_corners(bvx_context *ctx, bvxi_enclosed *e)
+{
+    const bvxi_closest_tree *const from = &e->closest.tree;
+    uint64_t const n = from->triangle_count;
+    double *at, t[3][3];
+    uint32_t *vertex;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 72, "the corners of what is enclosed", &at));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, "the triangles of what is enclosed", &vertex));
+    for (uint64_t i = 0; i < n; i++) {
+        bvxi_closest_corners(from, i, t);
+        for (uint64_t k = 0; k < 9; k++) at[9 * i + k] = t[k / 3][k % 3] / from->scale;
+        for (uint64_t k = 0; k < 3; k++) vertex[3 * i + k] = (uint32_t)(3 * i + k);
+    }
+    e->tree.at = at;
+    e->tree.vertex = vertex;
+    e->tree.at_step = e->tree.vertex_step = 3;
+    e->tree.triangles = n;
+    e->tree.slanted = e->tree.touching = 1;
+    return bvxi_crossing_tree_open(ctx, &e->tree);
+}
+
+/* A vertex of each piece that triangles join. */
+static bvx_status list_pieces(bvx_context *ctx, const bvx_mesh_view *mesh, bvxi_enclosed *e)
+{
+    uint32_t *same, *piece;
+    uint8_t *used;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, mesh->vertex_count * 9, "the pieces of what is enclosed", &same));
+    piece = same + mesh->vertex_count;
+    used = (uint8_t *)(piece + mesh->vertex_count);
+    memset(used, 0, (size_t)mesh->vertex_count);
+    for (uint64_t v = 0; v < mesh->vertex_count; v++) same[v] = (uint32_t)v;
+    bvxi_pieces(mesh, same, piece);
+    for (uint64_t t = 0; t < mesh->triangle_count; t++) {
+        uint32_t v[3];
+
+        bvxi_view_triangle(mesh, t, v);
+        used[piece[v[0]]] = 1;
+    }
+    for (uint64_t v = 0; v < mesh->vertex_count; v++) e->pieces += used[v];
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * e->pieces, "a point of each piece", e->point));
+    e->pieces = 0;
+    for (uint64_t v = 0; v < mesh->vertex_count; v++)
+        if (used[v]) bvxi_view_position(mesh, v, e->point + 3 * e->pieces++);
+    bvxi_drop(ctx, same);
+    return BVX_OK;
+}
+
+bvx_status bvxi_enclosed_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                              double farthest, bvxi_enclosed *e)
+{
+    double high[3], size = 0;
+
+    e->farthest = farthest * (1 - ENCLOSED_SLACK);
+    BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, e->tree.low, high));
+    for (int a = 0; a < 3; a++)
+        if (high[a] - e->tree.low[a] > size) size = high[a] - e->tree.low[a];
+    e->tree.scale = size > 0 ? 1 / size : 1;
+    BVXI_TRY(bvxi_closest_open(bvxi_call_of(ctx, function, "search tree", 0.0, 0.5), mesh, &e->closest));
+    BVXI_TRY(open_tree_of_corners(ctx, e));
+    return list_pieces(ctx, mesh, e);
+}
+
+/* ---- Triangles of the level ---- */
+
+static int is_far(const bvxi_enclosed *e, const double *const p[3], uint32_t *hint)
+{
+    double middle[3], reach = 0, half[3][3];
+    bvx_closest_point found;
+
+    for (int a = 0; a < 3; a++) middle[a] = (p[0][a] + p[1][a] + p[2][a]) / 3;
+    for (int k = 0; k < 3; k++) {
+        double const way = sqrt(bvxi_vec_distance2(p[k], middle));
+
+        reach = way > reach ? way : reach;
+        for (int a = 0; a < 3; a++) half[k][a] = 0.5 * (p[k][a] + p[(k + 1) % 3][a]);
+    }
+    bvxi_closest_ask(&e->closest, middle, hint, &found);
+    if (found.distance + reach <= e->farthest) return 0;
+    if (found.distance > e->farthest || reach < ENCLOSED_FINEST * e->farthest) return 1;
+    for (int k = 0; k < 3; k++) {
+        const double *const corner[3] = {p[k], half[k], half[(k + 2) % 3]};
+
+        if (is_far(e, corner, hint)) return 1;
+    }
+    const double *const inner[3] = {half[0], half[1], half[2]};
+    return is_far(e, inner, hint);
+}
+
+static int meets(const bvxi_enclosed *e, const double *const p[3])
+{
+    return bvxi_crossing_tree_visit(&e->tree, p, BVXI_VERTEX_NONE, BVXI_VERTEX_NONE, NULL, NULL, NULL, NULL);
+}
+
+int bvxi_collapse_leaves(const bvxi_collapse *c, uint32_t t, uint32_t *hint)
+{
+    const bvxi_enclosed *const e = c->options.enclosed;
+    const uint32_t *const v = c->mesh.triangle[t].vertex;
+    const double *const p[3] = {c->mesh.at[v[0]].p, c->mesh.at[v[1]].p, c->mesh.at[v[2]].p};
+
+    return e != NULL && (meets(e, p) || is_far(e, p, hint));
+}
+
+/* Corners of the triangle from p to an edge of a link; 0: there is none. */
+static int corners_at(const bvxi_collapse *c, const double *p, const uint32_t *edge, const double *corner[3])
+{
+    if (edge[0] == BVXI_VERTEX_GHOST || edge[1] == BVXI_VERTEX_GHOST) return 0;
+    corner[0] = p;
+    for (int k = 0; k < 2; k++) corner[k + 1] = c->mesh.at[edge[k]].p;
+    return 1;
+}
+
+int bvxi_collapse_fan_leaves(const bvxi_collapse *c, const uint32_t *link, int32_t count, const double *p)
+{
+    const bvxi_enclosed *const e = c->options.enclosed;
+    const double *corner[3];
+    bvx_closest_point found;
+    uint32_t hint = 0;
+
+    if (e == NULL) return 0;
+    /* What is cheap first. */
+    bvxi_closest_ask(&e->closest, p, &hint, &found);
+    if (found.distance > e->farthest) return 1;
+    for (int32_t i = 0; i < count; i++)
+        if (corners_at(c, p, link + i, corner) && meets(e, corner)) return 1;
+    for (int32_t i = 0; i < count; i++)
+        if (corners_at(c, p, link + i, corner) && is_far(e, corner, &hint)) return 1;
+    return 0;
+}
+
+typedef struct leaving_marks {
+    const bvxi_collapse *c;
+    uint8_t *leaves;
+} leaving_marks;
+
+static void leaving_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
+{
+    const leaving_marks *const l = user;
+    uint32_t hint = 0;
+
+    (void)piece;
+    for (uint64_t t = begin; t < end; t++) {
+        const uint32_t *const v = l->c->mesh.triangle[t].vertex;
+        int const changed = !bvxi_triangle_gone(&l->c->mesh.triangle[t]) &&
+                            (l->c->fresh[v[0]] | l->c->fresh[v[1]] | l->c->fresh[v[2]]) != 0;
+
+        l->leaves[t] = (uint8_t)(changed && bvxi_collapse_leaves(l->c, (uint32_t)t, &hint));
+    }
+}
+
+bvx_status bvxi_collapse_mark_leaving(const bvxi_collapse *c, uint8_t **leaves)
+{
+    uint64_t const n = c->mesh.triangles;
+
+    BVXI_TRY(BVXI_ARRAY(c->ctx, n, "triangles that leave what they enclose", *leaves));
+    leaving_marks l = {c, *leaves};
+    bvxi_ranges(c->ctx, bvxi_piece_count(n, LEAVING_GRAIN), n, leaving_piece, &l);
+    return BVX_OK;
+}
+
+/* ---- Pieces of the mesh ---- */
+
+/* The level's triangles as a mesh. */
+static bvx_status view_of_level(const bvxi_collapse *c, bvx_mesh_view *view)
+{
+    uint32_t *indices;
+    uint64_t n = 0;
+
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.left * 12, "the level's triangles", &indices));
+    for (uint64_t t = 0; t < c->mesh.triangles; t++)
+        if (!bvxi_triangle_gone(&c->mesh.triangle[t]))
+            memcpy(indices + 3 * n++, c->mesh.triangle[t].vertex, 12);
+    *view = (bvx_mesh_view){.positions = c->mesh.at[0].p,
+                            .position_type = BVX_F64,
+                            .position_stride = sizeof *c->mesh.at,
+                            .vertex_count = c->mesh.vertices,
+                            .indices = indices,
+                            .index_type = BVX_U32,
+                            .triangle_count = n};
+    return BVX_OK;
+}
+
+bvx_status bvxi_collapse_escaped(const bvxi_collapse *c, uint64_t *escaped)
+{
+    const bvxi_enclosed *const e = c->options.enclosed;
+    bvx_mesh_view view;
+    bvx_closest *level = NULL;
+    int64_t *turns;
+
+    *escaped = 0;
+    BVXI_TRY(view_of_level(c, &view));
+    BVXI_TRY(BVXI_ARRAY(c->ctx, e->pieces, "how often the level goes around pieces", turns));
+    BVXI_TRY(bvx_closest_create(c->ctx, &view, &level));
+    bvx_status const status = bvx_closest_winding(c->ctx, level, e->point, e->pieces, turns);
+    bvx_closest_free(c->ctx, level);
+    for (uint64_t i = 0; i < e->pieces && status == BVX_OK; i++) *escaped += turns[i] != 1;
+    return status;
+}
