@@ -143,30 +143,9 @@ static bvx_status sum_mesh(bvx_context *ctx, const bvx_mesh_view *mesh, int flat
     return BVX_OK;
 }
 
-/* Four vertices of three floats at once, whose twelve numbers have four times the same ends. */
-static int are_floats_between(const unsigned char *places, uint64_t count, const double low[3],
-                              const double high[3])
-{
-    double least[12], most[12];
-    int64_t beyond[12] = {0}, any = 0;
-
-    for (int i = 0; i < 12; i++) {
-        least[i] = low[i % 3];
-        most[i] = high[i % 3];
-    }
-    for (uint64_t v = 0; v < count; v += 4) {
-        float f[12];
-        memcpy(f, places + (size_t)v * 12, sizeof f);
-        for (int i = 0; i < 12; i++) beyond[i] |= !(((double)f[i] >= least[i]) & ((double)f[i] <= most[i]));
-    }
-    for (int i = 0; i < 12; i++) any |= beyond[i];
-    return any == 0;
-}
-
 static int is_in_window(const bvx_mesh_view *mesh, const bvx_grid *g)
 {
     double low[3], high[3];
-    uint64_t v = 0;
 
     /* A hair beyond, as vertices may lie on the window's sides. */
     for (int a = 0; a < 3; a++) {
@@ -174,11 +153,7 @@ static int is_in_window(const bvx_mesh_view *mesh, const bvx_grid *g)
         high[a] = low[a] + ((double)g->size[a] + 1e-6) * g->lattice.spacing[a];
         low[a] -= 1e-6 * g->lattice.spacing[a];
     }
-    if (bvxi_view_packed_f32(mesh)) {
-        v = mesh->vertex_count & ~UINT64_C(3);
-        if (!are_floats_between(mesh->positions, v, low, high)) return 0;
-    }
-    for (; v < mesh->vertex_count; v++) {
+    for (uint64_t v = 0; v < mesh->vertex_count; v++) {
         double p[3];
         int in = 1;
 

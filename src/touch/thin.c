@@ -249,8 +249,8 @@ static inline void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *
 
 /* A triangle's lines are taken here when they are few, in blocks of two by two. Corners relative to a line's centre
  * are then below (THIN_MANY + 1) 2^16 < 2^21 across the axis and 2^31 along it, edge functions below 2^44, parts of
- * the normal below 2^53: integers, exact in doubles. */
-/* Arrays are a cache line longer than a power of two, so that they do not stand in each other's way. */
+ * the normal below 2^53: integers, exact in doubles.
+ * Arrays are a cache line longer than a power of two, so that they do not stand in each other's way. */
 enum {
     THIN_MANY = 16,
     THIN_BLOCKS = BVXI_TOUCH_BATCH * THIN_MANY / 2 + 16,
