@@ -174,12 +174,11 @@ $(units:.c=.o): %.o: %.c
 
 # They run once: what a slow build of them would save, it costs three times over.
 unity_defines := -DUNITY_INCLUDE_DOUBLE -DUNITY_SUPPORT_64
-brisk := $(if $(filter -O3,$(CFLAGS)),-O1)
-brisk_test := $(if $(filter -O2 -O3,$(CFLAGS)),-O1)
-$(folder)/tests/%: flags = -Itests $(brisk_test)
-$(folder)/tests/unit/%: flags = -Itests -isystem $(UNITY_DIR) $(unity_defines) $(brisk_test)
-$(folder)/tests/unit/test_threads.o: flags = -Itests -isystem $(UNITY_DIR) $(unity_defines) $(brisk_test) $(workers)
-$(folder)/tests/fuzz/%: flags = -Itests -DBVX_FUZZ_MAIN $(brisk_test)
+brisk := $(if $(filter -O2 -O3,$(CFLAGS)),-O1)
+$(folder)/tests/%: flags = -Itests $(brisk)
+$(folder)/tests/unit/%: flags = -Itests -isystem $(UNITY_DIR) $(unity_defines) $(brisk)
+$(folder)/tests/unit/test_threads.o: flags = -Itests -isystem $(UNITY_DIR) $(unity_defines) $(brisk) $(workers)
+$(folder)/tests/fuzz/%: flags = -Itests -DBVX_FUZZ_MAIN $(brisk)
 $(folder)/tests/bench/%: flags = -Itests
 $(folder)/tests/fault/%: test_libs = -lcmocka
 

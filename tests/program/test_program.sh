@@ -652,10 +652,10 @@ sections x.csl -o x_b.ply
 W
     run lod "$knot" -o x_%d.ply --quiet --progress=json --samples 100
     holds '--progress=json beside --quiet' sh -c 'test ! -s out && test -s err'
-    run lod "$knot" -o y.ply --samples 2000000 --threads 1 --levels 32 --progress=bar
+    run lod "$knot" -o y.ply --samples 1000000 --threads 1 --levels 32 --progress=bar
     holds '--progress=bar: a bar, taken away at the end' sh -c "tr '\r' '\n' <err | grep -q '% distance 0'"
     holds '--progress=bar: nothing of it stays' test "$(tr '\r' '\n' <err | tail -n 1)" = "$(printf '\033[K')"
-    run lod "$knot" -o y.ply --samples 2000000 --threads 1 --levels 32
+    run lod "$knot" -o y.ply --samples 1000000 --threads 1 --levels 32
     holds 'no bar where there is no terminal' test ! -s err
     if [ -n "$windows" ]; then skip 'a bar on a terminal' 'none is drawn there'; else
     python3 - "$program" "$knot" >shown 2>&1 <<'P'
@@ -663,7 +663,7 @@ import os, pty, sys
 pid, terminal = pty.fork()
 if pid == 0:
     os.environ['TERM'] = 'xterm'
-    os.execv(sys.argv[1], [sys.argv[1], 'lod', sys.argv[2], '-o', 'y.ply', '--levels', '32', '--samples', '16000000', '--threads', '1'])
+    os.execv(sys.argv[1], [sys.argv[1], 'lod', sys.argv[2], '-o', 'y.ply', '--levels', '32', '--samples', '5000000', '--threads', '1'])
 text = b''
 while True:
     try:
@@ -703,10 +703,10 @@ names = ['x_0.ply', 'x_1.ply', 'x.npy', 'x.png']
 jobs = [
     ['lod', knot, '-o', 'stop/x_%d.ply', '--levels', '300,100', '--resolution', '900', '--samples', '100000'],
     ['lod', knot, '-o', 'stop/x_%d.ply', '--triangles', '60000,9000', '--collapse', '3'],
-    ['lod', knot, '-o', 'stop/x_%d.ply', '--triangles', '16000,400', '--resolution', '400'],
+    ['lod', knot, '-o', 'stop/x_%d.ply', '--triangles', '16000,400', '--resolution', '250'],
     ['simplify', knot, '-o', 'stop/x_%d.ply', '--error', '0.05%,0.2%'],
     ['voxelize', knot, '-o', 'stop/x.npy', '--resolution', '700'],
-    ['render', knot, '-o', 'stop/x.png', '--size', '3000x3000'],
+    ['render', knot, '-o', 'stop/x.png', '--size', '2000x2000'],
     ['info', 'big.obj'],
     ['info', 'pipe.ply'],
     ['lod', 'pipe.ply', '-o', 'stop/x_%d.ply', '--levels', '9,5'],
@@ -747,7 +747,7 @@ for job in jobs:
         assert start(job).wait() == 0, open('err').read()
         life = time.monotonic() - before
         longest = max(longest, life)
-    for turn in range(5):
+    for turn in range(4):
         fresh(job)
         before = folder()
         p = start(job + (['--json'] if turn % 2 else []))

@@ -32,7 +32,7 @@ awk '/^f / { if (++n % 3 == 0) next } { print }' knot.obj >holes.obj
 awk '/^f / { if (++n % 5 == 0) { print "f", $3, $2, $4; next } } { print }' knot.obj >flipped.obj
 
 certified 'closed mesh' "$knot" --resolution 96
-certified 'holes' holes.obj --resolution 64
+certified 'holes' holes.obj --resolution 48
 certified 'flipped triangles' flipped.obj --resolution 64
 run repair "$terrain" -o result.ply --resolution 64
 [ $status = 0 ] && grep -q 'warning: [0-9]* triangles with \([0-9]*\) of the area of \1 enclose nothing and became hollow shells.*\[BVX_WARN_SHELLS\]$' err && [ "$(wc -l <err)" = 1 ]
@@ -41,7 +41,7 @@ certified 'sharp' "$knot" --resolution 48 --sharp
 for how in vector scalar middle paper tangent; do certified "interpolation $how" holes.obj --resolution 32 --interpolation $how; done
 for sign in parity winding vote; do certified "sign $sign" holes.obj --resolution 32 --sign $sign; done
 certified 'most triangles' "$knot" --resolution 64 --triangles 3000
-certified 'clean' holes.obj --resolution 48 --least-part 20 --least-cavity 20
+certified 'clean' holes.obj --resolution 32 --least-part 20 --least-cavity 20
 
 # A plate of a sixteenth of a voxel.
 awk 'BEGIN {
@@ -149,14 +149,14 @@ result 'and not where voxels hold them' $?
 run repair flipped.obj -o result.ply --resolution 48 --measure --json
 grep -q '"repair": {"sign": "winding", .*"holes": 0,' out && grep -q '"mean_output_to_input": ' out && grep -q '"volume_after": ' out
 result 'report for programs' $?
-run repair holes.obj -o result.ply --resolution 48 --measure
+run repair holes.obj -o result.ply --resolution 32 --measure
 grep -q '^  found       open' out && grep -q '^  holes  ' out && grep -q 'closed, manifold, oriented' out && grep -q '^  distance' out
 result 'text' $?
-for n in 1 3; do "$program" repair holes.obj -o t$n.ply --resolution 64 --threads $n --quiet; done
+for n in 1 3; do "$program" repair holes.obj -o t$n.ply --resolution 32 --threads $n --quiet; done
 cmp -s t1.ply t3.ply
 result 'threads do not show' $?
 
-run repair holes.obj -o result.obj --resolution 48 --normals
+run repair holes.obj -o result.obj --resolution 32 --normals
 test $status = 0 && test "$(grep -c '^vn ' result.obj)" = "$(grep -c '^v ' result.obj)"
 result 'normals' $?
 refuses 2 'normals of triangles' "$knot" -o result.stl --normals

@@ -46,7 +46,8 @@ long_tests='test_below test_cast test_collapse test_field test_field_dense test_
     test_simplify_cells test_repair_many test_repair_order test_repair_sharp test_repair_thin test_boolean_thin
     test_level_memory test_oblique test_distance test_progress test_sheets test_simplify_colours test_reuse test_crossings
     test_closest_query test_section_blend test_simplify_parts test_cross test_section_mend test_bodies test_solid_losses
-    test_section_nesting test_read_sections test_attributes test_fill_auto test_labels test_measure'
+    test_section_nesting test_read_sections test_attributes test_fill_auto test_labels test_measure test_sections test_surface
+    test_threshold test_close_small test_hull'
 left_out=
 
 # ---- Rows: each is make with its settings ----
