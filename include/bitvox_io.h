@@ -231,7 +231,7 @@ BVX_API bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *levels, 
 /** Write a grid. The low corner of its window and the spacing go where the format keeps them:
  *  BVX_FORMAT_NPY     bool, axes [x,y,z] (Fortran order); no lattice: see bvx_write_lattice
  *  BVX_FORMAT_BINVOX  translate is the low corner, scale the longest side; cubic voxels only
- *  BVX_FORMAT_VOX     MagicaVoxel: at most 256 voxels a side; no lattice
+ *  BVX_FORMAT_VOX     MagicaVoxel: more than 256 voxels a side are models of 256 in a scene; no lattice
  *  BVX_FORMAT_NRRD    uint8, raw, attached header; "space origin" is the centre of the first voxel
  *  BVX_FORMAT_VTI     VTK image, cell data uint8, raw appended; Origin is the low corner
  *  BVX_FORMAT_BVX     our own: lattice and window whole; slices packed by runs, each with a checksum

@@ -271,7 +271,7 @@ static int write_boolean(cli_run *run, void *work)
     boolean_run *const b = work;
 
     if (b->kind == CLI_GRID) {
-        CLI_TRY(cli_check_grid_format(run, run->options->output, &b->grid.lattice, b->grid.size));
+        CLI_TRY(cli_check_grid_format(run, run->options->output, &b->grid.lattice));
         return cli_write_grid(run, &b->grid);
     }
     /* An empty grid is an answer; a mesh without triangles is a file that few readers take. */

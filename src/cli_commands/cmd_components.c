@@ -198,7 +198,7 @@ static int make_components(cli_run *run, void *work, cli_made *made)
     CLI_TRY(cli_read_input(run, run->options->input[0], &job->in));
     /* Refused before parts are looked for, which takes longer. */
     if (output != NULL && !CLI_HOLDS(run, CLI_TO_MESH))
-        CLI_TRY(cli_check_grid_format(run, output, &job->in.grid.lattice, job->in.grid.size));
+        CLI_TRY(cli_check_grid_format(run, output, &job->in.grid.lattice));
     CLI_TRY(keep_components(run, job));
     CLI_TRY(list_components(run, job));
 

@@ -230,7 +230,7 @@ static int choose_lattice(cli_run *run, voxel_job *job)
     /* With a window only its own voxels take memory. */
     if (job->window.size[0] == 0) CLI_TRY(cli_check_far(run, o->input[0], &job->view, l));
     if (CLI_HOLDS(run, CLI_TO_MESH)) return CLI_DONE;
-    return cli_check_grid_format(run, o->output, l, job->window.size[0] != 0 ? job->window.size : l->dims);
+    return cli_check_grid_format(run, o->output, l);
 }
 
 static void choose_field_padding(cli_run *run)
@@ -500,9 +500,8 @@ const cli_command cli_voxelize = {
     .does = "a mesh, a cloud of points or a volume as a grid of voxels",
     .details =
         "Reads a mesh (" CLI_MESHES_READ ", also with .gz) and writes the voxels whose centres lie\n"
-        "inside, or with --mode those of its surface: .npy (NumPy, bool, axes x, y, z), .binvox, .vox (at most 256 "
-        "a\n"
-        "side), .nrrd, .vti, .bvx or .vdb (OpenVDB). .npy and .vox hold no lattice: it goes to OUT.json beside them.\n"
+        "inside, or with --mode those of its surface: .npy (NumPy, bool, axes x, y, z), .binvox, .vox,\n"
+        ".nrrd, .vti, .bvx or .vdb (OpenVDB). .npy and .vox hold no lattice: it goes to OUT.json beside them.\n"
         "--mode field writes the distances from the centres to the mesh: .npy, .nrrd, .vti, .vdb, f32 or f64.\n"
         "Where OUT is a mesh it is the voxels' closed surface: of a solid with its vertices on the mesh, of\n"
         "other modes half way between set and empty voxels.\n"

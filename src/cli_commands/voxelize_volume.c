@@ -82,8 +82,7 @@ static int copy_without(cli_run *run, const bvx_volume_view *view, const bvx_gri
 
 static int make_volume_grid(cli_run *run, volume_job *j, cli_made *made)
 {
-    int const result = cli_check_grid_format(run, run->options->output, &j->volume.view.lattice,
-                                             j->volume.view.size);
+    int const result = cli_check_grid_format(run, run->options->output, &j->volume.view.lattice);
 
     if (result != CLI_DONE) return result;
     cli_stage_begin(run, "threshold");

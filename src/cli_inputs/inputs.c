@@ -158,8 +158,7 @@ int cli_expand_tree(cli_run *run, const bvx_octree *tree, const bvx_window *fine
                         "--memory-limit",
                         path, level, words >> 17);
     if (o->output != NULL && cli_kind_of_format(bvx_format_of_name(o->output)) == CLI_GRID) {
-        CLI_TRY(cli_check_grid_format(run, o->output, &lattice,
-                                      window.size[0] != 0 ? window.size : lattice.dims));
+        CLI_TRY(cli_check_grid_format(run, o->output, &lattice));
     }
     return CLI_STAGE(run, "expand", bvx_octree_expand(run->context, tree, level, o->states, &window, grid),
                      path);

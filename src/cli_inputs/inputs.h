@@ -38,7 +38,7 @@ int cli_is_contours(const cli_run *run, const char *path);
 const char *cli_input_name(const char *path);
 const char *cli_first_name(const cli_run *run); /* of the first of all */
 /* Refuse a lattice that the format of a grid's file cannot hold. */
-int cli_check_grid_format(cli_run *run, const char *path, const bvx_lattice *lattice, const int32_t size[3]);
+int cli_check_grid_format(cli_run *run, const char *path, const bvx_lattice *lattice);
 
 /* ---- files.c: whole files in ---- */
 

@@ -6,8 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { VOX_SIDE = 256 };
-
 #define INPUT_ENDINGS CLI_MESHES_READ ", or " CLI_GRIDS " .nhdr .raw, also with .gz"
 
 int cli_kind_of_format(int32_t format)
@@ -173,19 +171,11 @@ int cli_is_contours(const cli_run *run, const char *path)
     return format == BVX_FORMAT_CSL || format == BVX_FORMAT_CSV;
 }
 
-int cli_check_grid_format(cli_run *run, const char *path, const bvx_lattice *l, const int32_t size[3])
+int cli_check_grid_format(cli_run *run, const char *path, const bvx_lattice *l)
 {
     int32_t const format = bvx_format_of_name(path);
 
-    /* MagicaVoxel stores an index in one byte. */
-    for (int a = 0; a < 3 && format == BVX_FORMAT_VOX; a++)
-        if (size[a] > VOX_SIDE)
-            return cli_fail(run,
-                            "%s: %" PRId32 " x %" PRId32 " x %" PRId32
-                            " voxels; .vox holds at most %d a side: take another format, "
-                            "fewer voxels or a --window",
-                            path, size[0], size[1], size[2], VOX_SIDE);
-    /* It stores one scale for all three axes. */
+    /* One scale is stored for all three axes. */
     if (format == BVX_FORMAT_BINVOX && (l->spacing[0] != l->spacing[1] || l->spacing[0] != l->spacing[2]))
         return cli_fail(
             run, "%s: voxels of %.9g x %.9g x %.9g; .binvox holds only cubic ones: take another format", path,

@@ -157,7 +157,7 @@ int cli_write_voxels(cli_run *run, cli_voxels *v)
         CLI_TRY(cli_check_mesh(run, &v->mesh, 0, run->options->output, "check"));
         return cli_write_mesh(run, &v->mesh);
     }
-    CLI_TRY(cli_check_grid_format(run, run->options->output, &v->grid->lattice, v->grid->size));
+    CLI_TRY(cli_check_grid_format(run, run->options->output, &v->grid->lattice));
     return cli_write_grid(run, v->grid);
 }
 

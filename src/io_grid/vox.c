@@ -1,54 +1,103 @@
-/* vox.c - MagicaVoxel's .vox of one model, to grids and from them.
+/* vox.c - MagicaVoxel's .vox, to grids and from them: one model, or several that a scene places.
  *
  * Source: https://github.com/ephtracy/voxel-model, file format and its extension. */
+#include "bits/bits.h"
 #include "io_grid/grid_formats.h"
 
 /* ---- Read ---- */
 
-/* Versions 150 and 200. Chunks lie one after the other in MAIN; those for models are PACK (how many there are), SIZE and XYZI. All others (colours,
- * materials, the nodes of a scene) are passed, as are a model's place and turn in a scene. Everything is
- * checked before there is a grid; a grid is at most 2 MiB. */
+/* Versions 150 and 200. Chunks lie one after the other in MAIN; those for models are PACK (how many there are), SIZE and
+ * XYZI, those of a scene nTRN (a place and a turn), nGRP (several nodes) and nSHP (a model). All others (colours,
+ * materials) are passed. A model alone begins at the origin, wherever a scene has it. A node has one parent, so no
+ * scene has more places than nodes. Everything is checked before there is a grid; a grid is at most 2 MiB, of a
+ * scene 16 MiB for each place of a model. */
 
-enum { VOX_HEAD = 12, VOX_BEGIN = 8, VOX_LONGEST_SIDE = 256 };
+enum { VOX_HEAD = 12, VOX_BEGIN = 8, VOX_LONGEST_SIDE = 256, VOX_WORDS_EACH = 1 << 21 };
+enum { VOX_NO_NODE, VOX_TRANSFORM, VOX_GROUP, VOX_SHAPE };
+#define VOX_FARTHEST 1e9 /* of a node's place from its parent's */
 
 typedef struct vox_model {
-    const uint8_t *size;   /* content of the first SIZE chunk */
-    const uint8_t *voxels; /* of the first XYZI chunk, after its count */
+    const uint8_t *size, *voxels; /* of a SIZE chunk, and of the XYZI chunk after it, after its count */
     uint64_t count;
-    uint64_t sizes, models; /* SIZE and XYZI chunks */
-    uint64_t said;          /* by PACK; 0: nothing was said */
 } vox_model;
 
+/* Axis a of the parent is axis[a] of the child, reversed where sign[a] is -1, and moved. */
+typedef struct vox_place {
+    int32_t axis[3], sign[3];
+    int64_t move[3];
+} vox_place;
+
+typedef struct vox_node {
+    const uint8_t *content, *end; /* after the node's own number */
+    int32_t kind, seen;
+    vox_place place; /* of its parent, once that was seen; of a shape in the scene */
+    uint64_t model;
+} vox_node;
+
+typedef struct vox_scene {
+    const bvxi_grid_source *source;
+    vox_model *model;       /* NULL: they are counted */
+    vox_node *node;         /* by their numbers */
+    uint64_t sizes, models; /* SIZE and XYZI chunks */
+    uint64_t nodes;
+    uint64_t said; /* by PACK; 0: nothing was said */
+} vox_scene;
+
+static bvx_status vox_take_node(vox_scene *scene, const uint8_t *chunk, uint32_t n)
+{
+    static const char *const names[] = {"nTRN", "nGRP", "nSHP"};
+    const uint8_t *const content = chunk + VOX_HEAD;
+    int32_t kind = VOX_NO_NODE;
+
+    for (int32_t k = 0; k < 3; k++)
+        if (memcmp(chunk, names[k], 4) == 0) kind = VOX_TRANSFORM + k;
+    /* No node has less than four numbers, so the file is as long as a third of what is kept of all. */
+    if (kind == VOX_NO_NODE || n < 16) return BVX_OK;
+    if (scene->node == NULL) {
+        scene->nodes++;
+        return BVX_OK;
+    }
+    /* Nodes have the numbers from 0. One of another is none: a child of that number is missing. */
+    uint64_t const number = bvxi_load_u32(content, 0);
+    if (number >= scene->nodes || scene->node[number].kind != VOX_NO_NODE) return BVX_OK;
+    scene->node[number].kind = kind;
+    scene->node[number].content = content + 4;
+    scene->node[number].end = content + n;
+    return BVX_OK;
+}
+
 static bvx_status vox_take_chunk(const bvxi_grid_source *source, const uint8_t *chunk, uint32_t n,
-                                 vox_model *model)
+                                 vox_scene *scene)
 {
     const uint8_t *const content = chunk + VOX_HEAD;
 
-    /* Of several models the first is kept and all are counted: more than one is refused with their number. */
     if (memcmp(chunk, "PACK", 4) == 0) {
         if (n != 4)
             return BVXI_BYTE_FAIL(source, chunk, BVX_ERR_FORMAT, "PACK has %u bytes, not 4", (uint64_t)n);
-        model->said = bvxi_load_u32(content, 0);
-        if (model->said == 0) return BVXI_BYTE_FAIL(source, content, BVX_ERR_FORMAT, "PACK says 0 models");
+        scene->said = bvxi_load_u32(content, 0);
+        if (scene->said == 0) return BVXI_BYTE_FAIL(source, content, BVX_ERR_FORMAT, "PACK says 0 models");
     } else if (memcmp(chunk, "SIZE", 4) == 0) {
         if (n != 12)
             return BVXI_BYTE_FAIL(source, chunk, BVX_ERR_FORMAT, "SIZE has %u bytes, not 12", (uint64_t)n);
-        if (model->sizes++ == 0) model->size = content;
+        if (scene->model != NULL && scene->sizes == scene->models) scene->model[scene->models].size = content;
+        scene->sizes++;
     } else if (memcmp(chunk, "XYZI", 4) == 0) {
         uint64_t const count = n < 4 ? 0 : bvxi_load_u32(content, 0);
         if (n < 4 || n - 4 != 4 * count)
             return BVXI_BYTE_FAIL(source, chunk, BVX_ERR_FORMAT, "XYZI has %u bytes; its %u voxels take %u",
                                   (uint64_t)n, count, 4 + 4 * count);
-        if (model->sizes == 0) return BVXI_BYTE_FAIL(source, chunk, BVX_ERR_FORMAT, "XYZI before any SIZE");
-        if (model->models++ == 0) {
-            model->count = count;
-            model->voxels = content + 4;
+        if (scene->sizes <= scene->models)
+            return BVXI_BYTE_FAIL(source, chunk, BVX_ERR_FORMAT, "XYZI before any SIZE");
+        if (scene->model != NULL) {
+            scene->model[scene->models].count = count;
+            scene->model[scene->models].voxels = content + 4;
         }
-    }
+        scene->models++;
+    } else return vox_take_node(scene, chunk, n);
     return BVX_OK;
 }
 
-static bvx_status vox_walk(const bvxi_grid_source *source, const uint8_t *p, vox_model *model)
+static bvx_status vox_walk(const bvxi_grid_source *source, const uint8_t *p, vox_scene *scene)
 {
     while (p != source->end) {
         uint64_t const left = (uint64_t)(source->end - p);
@@ -60,7 +109,7 @@ static bvx_status vox_walk(const bvxi_grid_source *source, const uint8_t *p, vox
         if ((uint64_t)content + children > left - VOX_HEAD)
             return BVXI_BYTE_FAIL(source, p, BVX_ERR_FORMAT, "a chunk of %u bytes, %u are left",
                                   (uint64_t)content + children, left - VOX_HEAD);
-        BVXI_TRY(vox_take_chunk(source, p, content, model));
+        BVXI_TRY(vox_take_chunk(source, p, content, scene));
         p += VOX_HEAD + (size_t)content + (size_t)children;
     }
     return BVX_OK;
@@ -91,17 +140,9 @@ static bvx_status vox_check_start(const bvxi_grid_source *source)
     return BVX_OK;
 }
 
-static bvx_status vox_check_model(const bvxi_grid_source *source, const vox_model *model, uint64_t dims[3])
+static bvx_status vox_check_model(const bvxi_grid_source *source, const vox_model *model)
 {
-    if (model->models > 1 || model->sizes > 1)
-        return BVXI_FILE_FAIL(source, BVX_ERR_UNSUPPORTED,
-                              "the file has %u models; save each in a file of its own",
-                              model->models > model->sizes ? model->models : model->sizes);
-    if (model->models == 0)
-        return BVXI_BYTE_FAIL(source, source->end, BVX_ERR_FORMAT,
-                              "the file ends without a model (SIZE and XYZI)");
-    if (model->said > 1)
-        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "PACK says %u models, the file has 1", model->said);
+    uint64_t dims[3];
 
     /* Coordinates are single bytes, so no side is longer than 256. */
     for (int32_t a = 0; a < 3; a++) {
@@ -123,98 +164,394 @@ static bvx_status vox_check_model(const bvxi_grid_source *source, const vox_mode
     return BVX_OK;
 }
 
+/* ---- A scene ---- */
+
+/* Content that is read number by number; p is NULL once it was too short. */
+typedef struct vox_text {
+    const uint8_t *p, *end;
+} vox_text;
+
+static const uint8_t *vox_skip(vox_text *t, uint64_t n)
+{
+    const uint8_t *const at = t->p;
+
+    if (at == NULL || (uint64_t)(t->end - at) < n) t->p = NULL;
+    else t->p = at + n;
+    return t->p == NULL ? NULL : at;
+}
+
+static uint32_t vox_number(vox_text *t)
+{
+    const uint8_t *const at = vox_skip(t, 4);
+    return at == NULL ? 0 : bvxi_load_u32(at, 0);
+}
+
+/* Pairs of names and values; those of a frame are its turn and its place. */
+static void vox_take_pairs(vox_text *t, vox_place *place)
+{
+    for (uint32_t pairs = vox_number(t); pairs > 0 && t->p != NULL; pairs--) {
+        uint32_t const name_size = vox_number(t);
+        const uint8_t *const name = vox_skip(t, name_size);
+        uint32_t const size = vox_number(t);
+        const char *value = (const char *)vox_skip(t, size), *const end = value + size;
+        double number[3] = {0, 0, 0};
+
+        if (value == NULL || name_size != 2 || place == NULL || name[0] != '_') continue;
+        for (int k = 0; k < (name[1] == 't' ? 3 : 1); k++) {
+            while (value != end && *value == ' ') value++;
+            size_t const used = bvxi_parse_double(value, end, &number[k]);
+            if (used == 0 || !(bvxi_absolute(number[k]) <= VOX_FARTHEST)) t->p = NULL;
+            value += used;
+        }
+        if (t->p == NULL) return;
+        for (int a = 0; a < 3 && name[1] == 't'; a++) place->move[a] = (int64_t)number[a];
+        if (name[1] != 'r') continue;
+        /* Rows of a matrix: where two of them have their 1, in two bits each, and three signs. */
+        uint32_t const bits = number[0] >= 0 ? (uint32_t)number[0] : 3, first = bits & 3,
+                       second = bits >> 2 & 3;
+        if (first == 3 || second == 3 || first == second) t->p = NULL;
+        place->axis[0] = (int32_t)first;
+        place->axis[1] = (int32_t)second;
+        place->axis[2] = 3 - place->axis[0] - place->axis[1];
+        for (int a = 0; a < 3; a++) place->sign[a] = (bits >> (4 + a) & 1) != 0 ? -1 : 1;
+    }
+}
+
+/* Where something is that lies so in what lies as `in`. */
+static vox_place vox_place_in(const vox_place *in, const vox_place *own)
+{
+    vox_place p;
+
+    for (int a = 0; a < 3; a++) {
+        p.axis[a] = own->axis[in->axis[a]];
+        p.sign[a] = in->sign[a] * own->sign[in->axis[a]];
+        p.move[a] = in->move[a] + in->sign[a] * own->move[in->axis[a]];
+    }
+    return p;
+}
+
+/* The children of a node get their places, and are put to the end of the queue. */
+static bvx_status vox_visit(vox_scene *scene, vox_node *node, uint32_t *queue, uint64_t *queued)
+{
+    static const vox_place here = {{0, 1, 2}, {1, 1, 1}, {0, 0, 0}};
+    vox_text t = {node->content, node->end};
+    vox_place place = node->place;
+    uint32_t children = 1;
+
+    vox_take_pairs(&t, NULL);
+    if (node->kind == VOX_TRANSFORM) {
+        vox_place own = here;
+        vox_text frames = t;
+
+        /* After the child something reserved, a layer, and frames, of which the first counts. */
+        vox_skip(&frames, 12);
+        if (vox_number(&frames) != 0) vox_take_pairs(&frames, &own);
+        if (frames.p == NULL) t.p = NULL;
+        place = vox_place_in(&node->place, &own);
+    } else children = vox_number(&t);
+    if (node->kind == VOX_SHAPE) {
+        node->model = children != 0 ? vox_number(&t) : 0;
+        if (t.p != NULL && children != 0 && node->model < scene->models) return BVX_OK;
+        return BVXI_BYTE_FAIL(scene->source, node->content, BVX_ERR_FORMAT, "a shape without a model");
+    }
+    for (; children > 0 && t.p != NULL; children--) {
+        uint32_t const child = vox_number(&t);
+
+        if (t.p == NULL) break;
+        if (child >= scene->nodes || scene->node[child].kind == VOX_NO_NODE || scene->node[child].seen)
+            return BVXI_BYTE_FAIL(scene->source, node->content, BVX_ERR_FORMAT,
+                                  "node %u is not there, or has a parent already", (uint64_t)child);
+        scene->node[child].seen = 1;
+        scene->node[child].place = place;
+        queue[(*queued)++] = child;
+    }
+    return t.p != NULL ? BVX_OK
+                       : BVXI_BYTE_FAIL(scene->source, node->content, BVX_ERR_FORMAT,
+                                        "a node of the scene is cut short, or its place or turn is none");
+}
+
+/* All nodes from the first one on: shapes get their places in the scene. */
+static bvx_status vox_place_nodes(vox_scene *scene)
+{
+    bvx_context *const ctx = scene->source->ctx;
+    uint64_t queued = 1;
+    uint32_t *queue;
+
+    BVXI_TRY(BVXI_ARRAY(ctx, scene->nodes, "the nodes of a scene", queue));
+    queue[0] = 0;
+    for (int a = 0; a < 3; a++) {
+        scene->node[0].place.axis[a] = a;
+        scene->node[0].place.sign[a] = 1;
+    }
+    scene->node[0].seen = 1;
+    for (uint64_t i = 0; i < queued; i++) BVXI_TRY(vox_visit(scene, &scene->node[queue[i]], queue, &queued));
+    return BVX_OK;
+}
+
+/* A voxel of a model in the scene: models turn around the voxel in their middle. */
+static void vox_in_scene(const vox_place *p, const uint8_t *size, const int32_t v[3], int64_t at[3])
+{
+    for (int a = 0; a < 3; a++) {
+        int32_t const k = p->axis[a], from_middle = v[k] - (int32_t)(bvxi_load_u32(size + 4 * k, 0) / 2);
+        at[a] = p->move[a] + (p->sign[a] > 0 ? from_middle : -from_middle - 1);
+    }
+}
+
+static int vox_is_placed(const vox_node *n)
+{
+    return n->kind == VOX_SHAPE && n->seen;
+}
+
+/* The box of all models of the scene. */
+static bvx_status vox_box(const vox_scene *scene, int64_t low[3], uint64_t dims[3])
+{
+    int64_t high[3] = {INT64_MIN, INT64_MIN, INT64_MIN};
+    uint64_t shapes = 0;
+    int ok = 1;
+
+    for (int a = 0; a < 3; a++) low[a] = INT64_MAX;
+    for (uint64_t i = 0; i < scene->nodes; i++) {
+        const vox_node *const n = &scene->node[i];
+        const uint8_t *const size = vox_is_placed(n) ? scene->model[n->model].size : NULL;
+
+        if (size == NULL) continue;
+        shapes++;
+        for (int end = 0; end < 2; end++) {
+            int32_t corner[3] = {0, 0, 0};
+            int64_t at[3];
+
+            for (int a = 0; a < 3 && end == 1; a++) corner[a] = (int32_t)bvxi_load_u32(size + 4 * a, 0) - 1;
+            vox_in_scene(&n->place, size, corner, at);
+            for (int a = 0; a < 3; a++) {
+                low[a] = at[a] < low[a] ? at[a] : low[a];
+                high[a] = at[a] > high[a] ? at[a] : high[a];
+            }
+        }
+    }
+    if (shapes == 0)
+        return BVXI_FILE_FAIL(
+            scene->source, BVX_ERR_UNSUPPORTED,
+            "the file has %u models and no scene that places them; save each in a file of its own",
+            scene->models);
+    for (int a = 0; a < 3; a++) dims[a] = (uint64_t)(high[a] - low[a]) + 1;
+    if (bvxi_mul(bvxi_mul(dims[0] / 64 + 1, dims[1], &ok), dims[2], &ok) > shapes * VOX_WORDS_EACH || !ok)
+        return BVXI_FILE_FAIL(scene->source, BVX_ERR_UNSUPPORTED,
+                              "the scene's %u models lie far apart, in %u x %u x %u voxels", shapes, dims[0],
+                              dims[1], dims[2]);
+    return BVX_OK;
+}
+
+static void vox_set_model(bvx_grid *grid, const bvx_window *part, const vox_model *model,
+                          const vox_place *place, const int64_t low[3])
+{
+    for (uint64_t i = 0; i < model->count; i++) {
+        const uint8_t *const p = model->voxels + 4 * i;
+        int32_t const v[3] = {p[0], p[1], p[2]};
+        int64_t at[3] = {v[0], v[1], v[2]};
+
+        if (place != NULL) vox_in_scene(place, model->size, v, at);
+        for (int a = 0; a < 3; a++) at[a] -= low[a];
+        bvxi_set_file_run(grid, part, at[0], at[0] + 1, at[1], at[2]);
+    }
+}
+
+/* Chunks are counted, then kept. */
+static bvx_status vox_open(const bvxi_grid_source *source, vox_scene *scene)
+{
+    /* The children of MAIN begin after its own content, which is empty in all known files. */
+    const uint8_t *const first = source->begin + VOX_BEGIN + VOX_HEAD +
+                                 bvxi_load_u32(source->begin + VOX_BEGIN + 4, 0);
+
+    BVXI_TRY(vox_walk(source, first, scene));
+    if (scene->models == 0)
+        return BVXI_BYTE_FAIL(source, source->end, BVX_ERR_FORMAT,
+                              "the file ends without a model (SIZE and XYZI)");
+    if (scene->sizes != scene->models)
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "%u SIZE chunks and %u XYZI chunks", scene->sizes,
+                              scene->models);
+    if (scene->said > scene->models)
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "PACK says %u models, the file has %u", scene->said,
+                              scene->models);
+    BVXI_TRY(BVXI_ZEROS(source->ctx, scene->models, "the models of the file", scene->model));
+    BVXI_TRY(BVXI_ZEROS(source->ctx, scene->nodes, "the nodes of a scene", scene->node));
+    scene->sizes = scene->models = 0;
+    BVXI_TRY(vox_walk(source, first, scene));
+    for (uint64_t i = 0; i < scene->models; i++) BVXI_TRY(vox_check_model(source, &scene->model[i]));
+    return BVX_OK;
+}
+
 bvx_status bvxi_read_vox(const bvxi_grid_source *source, bvx_grid *grid)
 {
-    static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
-    vox_model model = {0};
+    static const double spacing[3] = {1, 1, 1};
+    vox_scene scene = {.source = source};
+    int64_t low[3] = {0, 0, 0};
     uint64_t dims[3];
+    double origin[3];
     bvx_lattice box;
     bvx_window whole, part;
 
-    /* The children of MAIN begin after its own content, which is empty in all known files. */
     BVXI_TRY(vox_check_start(source));
-    BVXI_TRY(vox_walk(source,
-                      source->begin + VOX_BEGIN + VOX_HEAD + bvxi_load_u32(source->begin + VOX_BEGIN + 4, 0),
-                      &model));
-    BVXI_TRY(vox_check_model(source, &model, dims));
+    BVXI_TRY(vox_open(source, &scene));
+    int const alone = scene.models == 1;
+    for (int a = 0; a < 3; a++) dims[a] = bvxi_load_u32(scene.model[0].size + 4 * a, 0);
+    if (!alone && scene.nodes != 0) BVXI_TRY(vox_place_nodes(&scene));
+    if (!alone) BVXI_TRY(vox_box(&scene, low, dims));
     BVXI_TRY(bvxi_progress(source->ctx, "read", 0.0));
-    /* A model has no place of its own: it begins at the origin with voxels of side 1. */
+
+    for (int a = 0; a < 3; a++) origin[a] = (double)low[a];
     BVXI_TRY(bvxi_file_box(source, origin, spacing, dims, &box));
     memset(whole.low, 0, sizeof whole.low);
     memcpy(whole.size, box.dims, sizeof whole.size);
     BVXI_TRY(bvxi_open_file_grid(source, &box, &whole, &part, grid));
-    for (uint64_t i = 0; i < model.count; i++) {
-        const uint8_t *const p = model.voxels + 4 * i;
-        bvxi_set_file_run(grid, &part, p[0], (int64_t)p[0] + 1, p[1], p[2]);
+    if (alone) vox_set_model(grid, &part, &scene.model[0], NULL, low);
+    for (uint64_t i = 0; i < scene.nodes && !alone; i++) {
+        const vox_node *const n = &scene.node[i];
+        if (vox_is_placed(n)) vox_set_model(grid, &part, &scene.model[n->model], &n->place, low);
     }
     return BVX_OK;
 }
 
 /* ---- Written ---- */
 
-/* Version 150, at most 256 voxels a side. Chunks of a name, the bytes of their
- * content and of their children: MAIN around SIZE (three sides) and XYZI (a count, then x, y, z and a colour
- * number for each voxel). z is up there too. There is no place for a lattice. All voxels have colour 1, white
- * in the palette that holds when none is written. */
+/* Version 150. Chunks of a name, the bytes of their content and of their children: MAIN around SIZE (three sides) and
+ * XYZI (a count, then x, y, z and a colour number for each voxel). z is up there too. More than 256 voxels a side are
+ * models of 256, which a scene puts side by side. There is no place for a lattice. All voxels have colour 1,
+ * white in the palette that holds when none is written. The file is laid out twice, to count and to fill. */
 
-enum {
-    VOX_MAX_SIDE = 256,
-    VOX_VERSION = 150,
-    VOX_COLOUR = 1,
-    VOX_CHUNK = 12,
-    VOX_START = 8,
-    VOX_SIZE_BYTES = 12
-};
+enum { VOX_MAX_SIDE = 256, VOX_VERSION = 150, VOX_COLOUR = 1, VOX_MOST_MODELS = 1 << 20 };
 
-/* The head of a chunk; returns where its content goes. */
-static uint8_t *vox_put_chunk(uint8_t *p, const char *name, uint64_t content, uint64_t children)
+static void vox_put_number(bvxi_output *o, uint64_t v)
 {
-    memcpy(p, name, 4);
-    bvxi_store_u32(p + 4, (uint32_t)content);
-    bvxi_store_u32(p + 8, (uint32_t)children);
-    return p + VOX_CHUNK;
+    uint8_t b[4];
+    bvxi_store_u32(b, (uint32_t)v);
+    bvxi_output_add(o, b, 4);
 }
 
-static void vox_put_voxels(const bvx_grid *grid, uint8_t *p)
+static void vox_put_head(bvxi_output *o, const char *name, uint64_t content, uint64_t children)
 {
-    const uint64_t *word = grid->words;
-    for (int32_t z = 0; z < grid->size[2]; z++)
-        for (int32_t y = 0; y < grid->size[1]; y++)
-            for (int32_t k = 0; k < grid->words_per_row; k++)
-                for (uint64_t w = *word++; w != 0; w &= w - 1, p += 4) {
-                    p[0] = (uint8_t)(k * 64 + bvxi_lowest(w));
-                    p[1] = (uint8_t)y;
-                    p[2] = (uint8_t)z;
-                    p[3] = VOX_COLOUR;
-                }
+    bvxi_output_add(o, name, 4);
+    vox_put_number(o, content);
+    vox_put_number(o, children);
+}
+
+/* A box of voxels, whose first word of a row is whole, as a model. */
+static void vox_put_model(bvxi_output *o, const bvx_grid *grid, const int32_t low[3], const int32_t size[3])
+{
+    int32_t const first = low[0] / BVXI_WORD_BITS, last = (low[0] + size[0] - 1) / BVXI_WORD_BITS;
+    uint64_t count = 0;
+
+    for (int32_t pass = 0; pass < 2; pass++) {
+        if (pass == 1) {
+            vox_put_head(o, "SIZE", 12, 0);
+            for (int32_t a = 0; a < 3; a++) vox_put_number(o, (uint64_t)size[a]);
+            vox_put_head(o, "XYZI", 4 + 4 * count, 0);
+            vox_put_number(o, count);
+        }
+        for (int32_t z = 0; z < size[2]; z++)
+            for (int32_t y = 0; y < size[1]; y++)
+                for (int32_t k = first; k <= last; k++)
+                    for (uint64_t w = bvxi_grid_row(grid, low[1] + y, low[2] + z)[k]; w != 0; w &= w - 1) {
+                        uint8_t const voxel[4] = {(uint8_t)(k * BVXI_WORD_BITS + bvxi_lowest(w) - low[0]),
+                                                  (uint8_t)y, (uint8_t)z, VOX_COLOUR};
+                        if (pass == 1) bvxi_output_add(o, voxel, 4);
+                        else count++;
+                    }
+    }
+}
+
+/* A node that places another one, at the middle of what it is. */
+static void vox_put_place(bvxi_output *o, uint64_t number, const int32_t middle[3])
+{
+    bvxi_output text = {NULL, 0};
+
+    /* Once to know how long the text is. */
+    for (int pass = 0; pass < 2; pass++) {
+        bvxi_output *const to = pass == 0 ? &text : o;
+
+        if (pass == 1) {
+            vox_put_head(o, "nTRN", 38 + text.size, 0);
+            vox_put_number(o, number);
+            vox_put_number(o, 0);
+            vox_put_number(o, number + 1);
+            vox_put_number(o, UINT32_MAX);
+            vox_put_number(o, UINT32_MAX);
+            vox_put_number(o, 1);
+            vox_put_number(o, 1);
+            vox_put_number(o, 2);
+            bvxi_output_add(o, "_t", 2);
+            vox_put_number(o, text.size);
+        }
+        bvxi_output_print(to, "%d %d %d", (int64_t)middle[0], (int64_t)middle[1], (int64_t)middle[2]);
+    }
+}
+
+static void vox_put_file(bvxi_output *o, const bvx_grid *grid, const int32_t n[3], uint64_t children)
+{
+    int32_t const all = n[0] * n[1] * n[2];
+    static const int32_t here[3] = {0, 0, 0};
+    int32_t size[3], low[3], middle[3];
+
+    o->size = 0;
+    bvxi_output_add(o, "VOX ", 4);
+    vox_put_number(o, VOX_VERSION);
+    vox_put_head(o, "MAIN", 0, children);
+    for (int32_t scene = 0; scene < (all > 1 ? 2 : 1); scene++) {
+        /* Nodes: 0 and 1 hold all, then two for each model. */
+        if (scene == 1) {
+            vox_put_place(o, 0, here);
+            vox_put_head(o, "nGRP", 12 + 4 * (uint64_t)all, 0);
+            vox_put_number(o, 1);
+            vox_put_number(o, 0);
+            vox_put_number(o, (uint64_t)all);
+            for (int32_t i = 0; i < all; i++) vox_put_number(o, 2 + 2 * (uint64_t)i);
+        }
+        for (int32_t i = 0; i < all; i++) {
+            int32_t const at[3] = {i % n[0], i / n[0] % n[1], i / n[0] / n[1]};
+
+            for (int a = 0; a < 3; a++) {
+                low[a] = at[a] * VOX_MAX_SIDE;
+                size[a] = grid->size[a] - low[a] < VOX_MAX_SIDE ? grid->size[a] - low[a] : VOX_MAX_SIDE;
+                middle[a] = low[a] + size[a] / 2;
+            }
+            if (scene == 0) {
+                vox_put_model(o, grid, low, size);
+                continue;
+            }
+            vox_put_place(o, 2 + 2 * (uint64_t)i, middle);
+            vox_put_head(o, "nSHP", 20, 0);
+            vox_put_number(o, 3 + 2 * (uint64_t)i);
+            vox_put_number(o, 0);
+            vox_put_number(o, 1);
+            vox_put_number(o, (uint64_t)i);
+            vox_put_number(o, 0);
+        }
+    }
 }
 
 bvx_status bvxi_write_vox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file)
 {
-    uint64_t count = 0;
+    enum { VOX_START = 20 };
+    bvxi_output o = {NULL, 0};
     bvx_buffer made = {0};
+    int32_t n[3];
 
-    for (int32_t a = 0; a < 3; a++)
-        if (grid->size[a] > VOX_MAX_SIDE)
-            return bvxi_fail_for(
-                ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                "VOX: %d voxels along %s; the format holds %d a side: write windows of the grid, "
-                "or take another format",
-                (int64_t)grid->size[a], bvxi_axis_name[a], (int64_t)VOX_MAX_SIDE);
+    for (int a = 0; a < 3; a++) n[a] = (grid->size[a] - 1) / VOX_MAX_SIDE + 1;
+    /* Sides are below 2^26. */
+    if ((int64_t)n[0] * n[1] > VOX_MOST_MODELS || (int64_t)n[0] * n[1] * n[2] > VOX_MOST_MODELS)
+        return bvxi_fail_for(
+            ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+            "VOX: %d x %d x %d voxels are more than 2^20 models of 256 a side; write windows of the grid",
+            (int64_t)grid->size[0], (int64_t)grid->size[1], (int64_t)grid->size[2]);
     BVXI_TRY(bvxi_progress(ctx, "write", 0.0));
-    BVXI_TRY(bvx_grid_count(ctx, grid, &count)); /* at most 2^24 */
-
-    uint64_t const voxels = 4 + 4 * count, children = 2 * VOX_CHUNK + VOX_SIZE_BYTES + voxels;
-    BVXI_TRY(bvxi_make_buffer(ctx, VOX_START + VOX_CHUNK + children, "the VOX file", &made));
-    uint8_t *p = made.bytes;
-    memcpy(p, "VOX ", 4);
-    bvxi_store_u32(p + 4, VOX_VERSION);
-    p = vox_put_chunk(p + VOX_START, "MAIN", 0, children);
-    p = vox_put_chunk(p, "SIZE", VOX_SIZE_BYTES, 0);
-    for (int32_t a = 0; a < 3; a++, p += 4) bvxi_store_u32(p, (uint32_t)grid->size[a]);
-    p = vox_put_chunk(p, "XYZI", voxels, 0);
-    bvxi_store_u32(p, (uint32_t)count);
-    vox_put_voxels(grid, p + 4);
+    vox_put_file(&o, grid, n, 0);
+    if (o.size > UINT32_MAX)
+        return bvxi_fail_for(
+            ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+            "VOX: the file would have %u bytes, more than its lengths of 32 bits hold; write windows of the grid",
+            o.size);
+    BVXI_TRY(bvxi_make_buffer(ctx, o.size, "the VOX file", &made));
+    o.bytes = made.bytes;
+    vox_put_file(&o, grid, n, o.size - VOX_START);
     *file = made;
     return BVX_OK;
 }

@@ -215,14 +215,15 @@ static void fuzz_read_into_words(bvx_context *ctx, const uint8_t *file, size_t s
     g.word_capacity = FUZZ_WORDS;
     bvx_memory_reset_peak(ctx);
     status = bvx_read_grid(ctx, file, size, format, NULL, &g);
+    int32_t const limit = format == BVX_FORMAT_VOX ? READ_VOX : READ_GRID;
     fuzz_require(g.words == words && g.owned == 0, "words of the caller's that were changed for others");
     if (status == BVX_ERR_CAPACITY) {
-        fuzz_require(bvx_memory_peak(ctx) - before <= read_limit(READ_GRID, size),
+        fuzz_require(bvx_memory_peak(ctx) - before <= read_limit(limit, size),
                      "more memory than the file's size allows");
         fuzz_require(whole == NULL || fuzz_grid_words(whole) > FUZZ_WORDS, "a grid that fits and is refused");
         return;
     }
-    if (!fuzz_was_read(ctx, status, READ_GRID, size,
+    if (!fuzz_was_read(ctx, status, limit, size,
                        before + (format == BVX_FORMAT_BINVOX ? fuzz_layers(whole != NULL ? whole : &g) : 0)))
         return;
     fuzz_require(whole != NULL && memcmp(whole->words, words, 8 * fuzz_grid_words(whole)) == 0,
@@ -241,7 +242,7 @@ static int fuzz_read_grid(bvx_context *ctx, const uint8_t *file, size_t size, in
 
     if (status == BVX_OK) fuzz_check_grid(&g);
     if (status != BVX_ERR_BUDGET) /* a grid may be as large as the file says */
-        good = fuzz_was_read(ctx, status, READ_GRID, size,
+        good = fuzz_was_read(ctx, status, format == FUZZ_VOX ? READ_VOX : READ_GRID, size,
                              status != BVX_OK
                                  ? FUZZ_MEMORY
                                  : 8 * fuzz_grid_words(&g) + (format == FUZZ_BINVOX ? fuzz_layers(&g) : 0));
@@ -299,6 +300,24 @@ static void fuzz_seed_npy(fuzz_file *s)
     fuzz_put(s, "\n\0\1\0\0\1\0\0\0\0\0\0\3\0\0\200\0\0\0\0\0\0\1\0\2", 25);
 }
 
+/* Three models in a scene. */
+static void fuzz_seed_scene(bvx_context *ctx, fuzz_file *s)
+{
+    static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
+    static const int32_t dims[3] = {520, 1, 2};
+    bvx_lattice lattice;
+    bvx_buffer b = {0};
+    bvx_grid g = {0};
+
+    fuzz_must(ctx, bvx_lattice_make(ctx, origin, spacing, dims, &lattice));
+    fuzz_must(ctx, bvx_grid_create(ctx, &lattice, NULL, &g));
+    for (int32_t x = 0; x < 520; x += 30) bvx_grid_set(&g, x, 0, x & 1, 1);
+    fuzz_must(ctx, bvx_write_grid(ctx, &g, BVX_FORMAT_VOX, &b));
+    fuzz_put(s, b.bytes, (size_t)b.size);
+    bvx_buffer_free(ctx, &b);
+    bvx_grid_free(ctx, &g);
+}
+
 /* Text, and bytes after it. */
 static void fuzz_seed_with(fuzz_file *s, const char *text, const void *data, size_t n)
 {
@@ -326,6 +345,7 @@ static int fuzz_make_seeds(bvx_context *ctx, fuzz_file *seeds)
         "\310\0\0\0MAIN\0\0\0\0\133\0\0\0PACK\4\0\0\0\0\0\0\0\1\0\0\0SIZE\14\0\0\0\0\0\0\0\5\0\0\0\6\0\0\0\7\0\0\0"
         "XYZI\14\0\0\0\0\0\0\0\2\0\0\0\0\0\0\1\4\5\6\377nTRN\3\0\0\0\14\0\0\0abcLAYR\0\0\0\0\0\0\0\0",
         107);
+    fuzz_seed_scene(ctx, fuzz_begin_file(seeds, &n, "vox"));
     fuzz_seed_with(
         fuzz_begin_file(seeds, &n, "nrrd"),
         "NRRD0005\n# comment\ntype: float\ndimension: 3\nsizes: 2 3 2\nspacings: 1 2 0.5\nencoding: ascii\nkey:=value\n\n"

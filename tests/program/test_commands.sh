@@ -299,8 +299,11 @@ for format in binvox vox nrrd vti bvx; do holds "voxelize: $format holds what np
 holds '.vox has a side-car, the others have none' sh -c 'test -s v.vox.json && test ! -e v.bvx.json && test ! -e v.nrrd.json'
 rm -f v.*
 refuses 1 'cubic' voxelize "$knot" -o x.binvox --resolution 20,30,10
-refuses 1 'at most 256' voxelize "$knot" -o x.vox --resolution 300
-works 'a window of at most 256 fits' voxelize "$knot" -o x.vox --resolution 300 --window 0,0,0,200,200,90
+works '.vox of more than 256 a side' voxelize "$knot" -o x.vox --resolution 300
+works 'the same voxels as .bvx' voxelize "$knot" -o x.bvx --resolution 300
+works 'and back' convert x.vox -o y.bvx
+holds '.vox of more than 256 a side holds them' cmp x.bvx y.bvx
+works 'a window of it' voxelize "$knot" -o x.vox --resolution 300 --window 0,0,0,200,200,90
 rm -f x.*
 run voxelize "$knot" -o x.vox --resolution 3000 --json
 if has python3; then

@@ -19,6 +19,7 @@ enum {
     READ_OCTREE = 2,
     READ_VOLUME = 4,
     READ_GRID = 1,
+    READ_VOX = 4,          /* nodes of a scene with their places */
     READ_TABLES = 1 << 15, /* that are there for the smallest file too */
     /* 1032 to 1 is the most that deflate can do; and once more, twice as large, where samples are turned */
     READ_GZIP = 3300

@@ -2,6 +2,9 @@
  * damage. */
 #include "packed_support.h"
 
+#include <inttypes.h>
+#include <stdio.h>
+
 /* ---- files put together chunk by chunk ---- */
 
 typedef struct vox_file {
@@ -141,21 +144,214 @@ static void test_vox_of_a_window(void)
     bvx_grid_free(ctx, &g);
 }
 
+static uint32_t get_u32(const uint8_t *p)
+{
+    return (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
+}
+
+/* Models of 256 a side in a scene: read back alike, and by an oracle that takes each model's place from its node. */
+static void test_vox_of_more_than_256_a_side(void)
+{
+    static const int32_t sides[][3] = {{257, 2, 3}, {3, 600, 2}, {2, 1, 257}, {520, 258, 3}, {300, 257, 260}};
+
+    for (size_t i = 0; i < sizeof sides / sizeof sides[0]; i++)
+        for (int kind = 0; kind < KINDS; kind++) {
+            bvx_lattice const l = lattice_of(sides[i][0], sides[i][1], sides[i][2], 5, 0.5, 3, 2);
+            bvx_grid g, back;
+            bvx_buffer b = {0};
+            uint64_t set = 0, count = 0;
+            int64_t place[64][3];
+            int places = 0, model = 0;
+
+            if (i == 4 && kind != KIND_NOISE) continue;
+            grid_of(&g, &l, NULL, kind, 3);
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_grid(ctx, &g, BVX_FORMAT_VOX, &b));
+            TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK,
+                                            read_packed(b.bytes, (size_t)b.size, BVX_FORMAT_VOX, NULL, &back),
+                                            bvx_last_message(ctx));
+            TEST_ASSERT_EQUAL_MEMORY(g.size, back.size, sizeof g.size);
+            TEST_ASSERT_EQUAL_MEMORY(g.words, back.words, 8 * grid_words(&g));
+            for (int a = 0; a < 3; a++) TEST_ASSERT_TRUE(back.lattice.origin[a] == 0.0);
+            if (i < 4) check_windows(&b, BVX_FORMAT_VOX, &back, 8);
+
+            /* Places of nodes first, which come last in the file; that of the whole scene has no model. */
+            for (int pass = 0; pass < 2; pass++)
+                for (const uint8_t *p = b.bytes + 20; p < b.bytes + b.size; p += 12 + get_u32(p + 4)) {
+                    if (pass == 0 && memcmp(p, "nTRN", 4) == 0 && get_u32(p + 12) != 0) {
+                        char text[64] = "";
+                        memcpy(text, p + 12 + 38, get_u32(p + 12 + 34));
+                        TEST_ASSERT_EQUAL_INT(3, sscanf(text, "%" SCNd64 " %" SCNd64 " %" SCNd64,
+                                                        &place[places][0], &place[places][1],
+                                                        &place[places][2]));
+                        places++;
+                    }
+                    if (pass == 0 || memcmp(p, "XYZI", 4) != 0) continue;
+                    const uint8_t *const size = p - 12;
+                    for (uint32_t n = 0; n < get_u32(p + 12); n++) {
+                        const uint8_t *const v = p + 16 + 4 * n;
+                        int32_t at[3];
+                        for (int a = 0; a < 3; a++)
+                            at[a] = (int32_t)place[model][a] - (int32_t)(get_u32(size + 4 * a) / 2) + v[a];
+                        TEST_ASSERT_TRUE(bvx_grid_get(&g, at[0], at[1], at[2]));
+                        count++;
+                    }
+                    model++;
+                }
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_count(ctx, &g, &set));
+            TEST_ASSERT_EQUAL_UINT64(set, count);
+            TEST_ASSERT_EQUAL_INT(places, model);
+            bvx_grid_free(ctx, &back);
+            bvx_buffer_free(ctx, &b);
+            bvx_grid_free(ctx, &g);
+        }
+}
+
 static void test_vox_refuses_to_write(void)
 {
-    static const char *const words[3] = {"257 voxels along x", "257 voxels along y", "257 voxels along z"};
+    static const char *const words[2] = {"are more than 2^20 models of 256 a side",
+                                         "write windows of the grid"};
+    bvx_lattice const l = lattice_of(1 << 25, 256 * 9, 1, 0, 1, 1, 1);
+    bvx_grid g = {.lattice = l, .size = {1 << 25, 256 * 9, 1}, .words_per_row = 1 << 19};
+    uint64_t word = 0;
+    bvx_buffer b = {0};
 
-    for (int a = 0; a < 3; a++) {
-        bvx_lattice const l = lattice_of(a == 0 ? 257 : 1, a == 1 ? 257 : 1, a == 2 ? 257 : 1, 0, 1, 1, 1);
-        bvx_grid g;
-        bvx_buffer b = {0};
-        grid_of(&g, &l, NULL, KIND_EMPTY, 1);
-        TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_write_grid(ctx, &g, BVX_FORMAT_VOX, &b));
-        TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), words[a]));
-        TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx),
-                                    "holds 256 a side: write windows of the grid, or take another format"));
-        TEST_ASSERT_NULL(b.bytes);
+    /* Refused before a word is looked at. */
+    g.words = &word;
+    g.word_capacity = bvx_grid_bound(&l, NULL);
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_write_grid(ctx, &g, BVX_FORMAT_VOX, &b));
+    for (int i = 0; i < 2; i++) TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), words[i]));
+    TEST_ASSERT_NULL(b.bytes);
+}
+
+/* ---- scenes ---- */
+
+static void add_text(vox_file *f, const char *text)
+{
+    add_u32(f, (uint32_t)strlen(text));
+    add(f, text, strlen(text));
+}
+
+/* A node that places another; turn or place may be NULL. */
+static void add_place(vox_file *f, uint32_t number, uint32_t child, const char *turn, const char *place)
+{
+    size_t const head = f->size;
+
+    add(f, "nTRN\0\0\0\0\0\0\0\0", 12);
+    add_u32(f, number);
+    add_u32(f, 1); /* a pair that is passed */
+    add_text(f, "_name");
+    add_text(f, "part");
+    add_u32(f, child);
+    add_u32(f, UINT32_MAX);
+    add_u32(f, 0);
+    add_u32(f, 1);
+    add_u32(f, (uint32_t)(turn != NULL) + (uint32_t)(place != NULL));
+    if (turn != NULL) add_text(f, "_r"), add_text(f, turn);
+    if (place != NULL) add_text(f, "_t"), add_text(f, place);
+    put_u32(f->bytes + head + 4, (uint32_t)(f->size - head - 12), 0);
+}
+
+static void add_group(vox_file *f, uint32_t number, uint32_t first, uint32_t second)
+{
+    uint32_t const words[5] = {number, 0, 2, first, second};
+    add(f, "nGRP\24\0\0\0\0\0\0\0", 12);
+    for (int i = 0; i < 5; i++) add_u32(f, words[i]);
+}
+
+static void add_shape(vox_file *f, uint32_t number, uint32_t model)
+{
+    uint32_t const words[5] = {number, 0, 1, model, 0};
+    add(f, "nSHP\24\0\0\0\0\0\0\0", 12);
+    for (int i = 0; i < 5; i++) add_u32(f, words[i]);
+}
+
+/* A row of three along x, and a voxel; group 1 holds both, the row turned to run down z. */
+static void start_scene(vox_file *f, const char *turn, const char *place)
+{
+    start(f, 200);
+    add_size(f, 3, 1, 1);
+    add_voxels(f, "\0\0\0\1\2\0\0\1", 2);
+    add_size(f, 1, 1, 1);
+    add_voxels(f, "\0\0\0\1", 1);
+    add_place(f, 0, 1, NULL, "0 0 5");
+    add_group(f, 1, 2, 4);
+    add_place(f, 2, 3, turn, place);
+    add_shape(f, 3, 0);
+    add_place(f, 4, 5, NULL, NULL);
+    add_shape(f, 5, 1);
+}
+
+static void test_vox_scenes(void)
+{
+    /* Where the ends of the row are, from the scene's low corner, and its box. */
+    static const struct {
+        const char *turn, *place;
+        int32_t size[3], end[2][3], origin[3];
+    } cases[] = {
+        {NULL, "4 0 0", {6, 1, 1}, {{3, 0, 0}, {5, 0, 0}}, {0, 0, 5}},
+        {"4", "-4 -1 0", {6, 2, 1}, {{0, 0, 0}, {2, 0, 0}}, {-5, -1, 5}},
+        /* rows: x from y, y from z, z from x: the row runs up */
+        {"9", "1 0 0", {2, 1, 3}, {{1, 0, 0}, {1, 0, 2}}, {0, 0, 4}},
+        /* the same, z reversed: a voxel's middle is half of one from its corner */
+        {"73", "1 0 1", {2, 1, 3}, {{1, 0, 2}, {1, 0, 0}}, {0, 0, 4}},
+    };
+    vox_file f;
+    bvx_grid g;
+    uint64_t count;
+
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        start_scene(&f, cases[i].turn, cases[i].place);
+        finish(&f);
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_packed(f.bytes, f.size, BVX_FORMAT_VOX, NULL, &g),
+                                        bvx_last_message(ctx));
+        TEST_ASSERT_EQUAL_INT32_ARRAY(cases[i].size, g.size, 3);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_count(ctx, &g, &count));
+        TEST_ASSERT_EQUAL_UINT64(3, count);
+        for (int end = 0; end < 2; end++)
+            TEST_ASSERT_TRUE(
+                bvx_grid_get(&g, cases[i].end[end][0], cases[i].end[end][1], cases[i].end[end][2]));
+        for (int a = 0; a < 3; a++) TEST_ASSERT_TRUE(g.lattice.origin[a] == cases[i].origin[a]);
         bvx_grid_free(ctx, &g);
+    }
+}
+
+static void test_vox_scenes_refused(void)
+{
+    static const struct {
+        const char *turn, *place, *words;
+    } cases[] = {
+        {"5", "0 0 0", "its place or turn is none"},    {"3", NULL, "its place or turn is none"},
+        {"x", NULL, "its place or turn is none"},       {NULL, "1 2", "its place or turn is none"},
+        {NULL, "1 2 nan", "its place or turn is none"}, {NULL, "1 2 3e9", "its place or turn is none"},
+        {NULL, "900000000 0 0", "models lie far apart"}};
+    vox_file f;
+
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        start_scene(&f, cases[i].turn, cases[i].place);
+        check_vox_refused(&f, i < 6 ? BVX_ERR_FORMAT : BVX_ERR_UNSUPPORTED, cases[i].words);
+    }
+    /* A node with two parents, and one in itself; a child and a model that are not there. */
+    for (uint32_t child = 0; child < 7; child++) {
+        start_scene(&f, NULL, NULL);
+        f.size -= 32; /* the last shape */
+        add_shape(&f, 5, child == 6 ? 2 : 1);
+        if (child == 6) check_vox_refused(&f, BVX_ERR_FORMAT, "a shape without a model");
+        start_scene(&f, NULL, NULL);
+        for (size_t at = 0; at + 12 < f.size; at++)
+            if (memcmp(f.bytes + at, "nGRP", 4) == 0)
+                put_u32(f.bytes + at + 12 + 16, child < 4 ? child : 99, 0);
+        if (child < 4 ? child < 3 : child == 4)
+            check_vox_refused(&f, BVX_ERR_FORMAT, "is not there, or has a parent already");
+    }
+    /* Cut at every byte of the scene: refused, or the models that are still there. */
+    start_scene(&f, "9", "1 0 0");
+    for (size_t size = 100; size < f.size; size++) {
+        vox_file cut = f;
+        bvx_grid g = {0};
+        cut.size = size;
+        finish(&cut);
+        bvx_status const status = read_packed(cut.bytes, cut.size, BVX_FORMAT_VOX, NULL, &g);
+        TEST_ASSERT_TRUE(status == BVX_ERR_FORMAT || status == BVX_ERR_UNSUPPORTED);
     }
 }
 
@@ -260,7 +456,8 @@ static void test_vox_refuses(void)
     add_voxels(&f, three, 3);
     add_size(&f, 4, 5, 6);
     add_voxels(&f, three, 3);
-    check_vox_refused(&f, BVX_ERR_UNSUPPORTED, "the file has 2 models; save each in a file of its own");
+    check_vox_refused(&f, BVX_ERR_UNSUPPORTED,
+                      "the file has 2 models and no scene that places them; save each in a file of its own");
     add_size(&f, 4, 5, 6);
     add_voxels(&f, three, 3);
     check_vox_refused(&f, BVX_ERR_UNSUPPORTED, "3 models");
@@ -349,6 +546,9 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_vox_of_many_shapes);
     RUN_TEST(test_vox_of_a_window);
+    RUN_TEST(test_vox_of_more_than_256_a_side);
+    RUN_TEST(test_vox_scenes);
+    RUN_TEST(test_vox_scenes_refused);
     RUN_TEST(test_vox_refuses_to_write);
     RUN_TEST(test_vox_limits_and_cancel);
     RUN_TEST(test_vox_files_of_others);
