@@ -1731,7 +1731,8 @@ typedef struct bvx_labels_options {
  *  but where most faces are at junctions; more: docs/rules.md. complex brings no arrays. Empty without labels.
  *  Open windows part a lattice by planes along voxels' sides, two voxels from its own sides and more, and each takes one
  *  voxel more beyond such planes. Each face is then in one of them, bodies of one end where the next one's begin, no
- *  triangles of two cross, and vertices ON_SEAM have the same bits in all. Vertices on their planes stay there.
+ *  triangles of two cross, and vertices ON_SEAM have the same bits in all; labels may be without faces. On the staircase
+ *  bodies of one window may touch themselves in a seam's edges.
  *  Returns BVX_ERR_UNSUPPORTED (samples that are floats), BVX_ERR_ARGUMENT (also a background that samples cannot
  *  have), BVX_ERR_RANGE (2^32 - 1 vertices or 2^30 faces; positions too coarse). */
 BVX_API bvx_status bvx_label_surfaces(bvx_context *context, const bvx_volume_view *volume,

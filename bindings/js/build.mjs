@@ -1,5 +1,5 @@
 // build.mjs FOLDER - the npm package bitvox in FOLDER/package: modules of JavaScript, WebAssembly inside, each at most 250 kB gzipped.
-// bitvox.js; scalar.js, the same without 128-bit instructions; files.js, the formats, without these instructions as well.
+// bitvox.js; scalar.js, the same without 128-bit instructions; files.js, the formats, and labels.js without these instructions as well.
 // Called by `make js`, from the repository root. EMCC: the compiler [emcc].
 import { execFile, execFileSync } from 'node:child_process';
 import { copyFileSync, mkdirSync, readFileSync, readdirSync, rmSync, statSync, writeFileSync } from 'node:fs';
@@ -26,10 +26,14 @@ function moduleOf(name, last, simd) {
     const structs = Object.keys(header.structs).filter(struct => source.includes(`'${struct.slice(4)}'`));
     const calls = new Set(source.match(/\bbvx_[a-z_]+\b/g).filter(call => !call.endsWith('_')));
     for (const struct of structs)
-        if (['bvx_mesh', 'bvx_grid', 'bvx_buffer', 'bvx_image'].includes(struct)) calls.add(`${struct}_free`);
+        if (['bvx_mesh', 'bvx_grid', 'bvx_buffer', 'bvx_image', 'bvx_complex'].includes(struct)) calls.add(`${struct}_free`);
     return { name, simd, source, structs, calls };
 }
-const modules = [moduleOf('bitvox', 'bitvox', true), moduleOf('scalar', 'bitvox', false), moduleOf('files', 'files', false)];
+const modules = [
+    moduleOf('bitvox', 'bitvox', true),
+    moduleOf('scalar', 'bitvox', false),
+    ...['files', 'labels'].map(name => moduleOf(name, name, false)),
+];
 
 // ---- The modules ----
 
@@ -134,7 +138,7 @@ for (const { name, simd, source, structs } of modules) {
         `${process.argv[2]}/package/${name}.js: ${text.length} bytes, ${gzipSync(text, { level: 9 }).length} gzipped`,
     );
 }
-for (const file of ['index.d.ts', 'files.d.ts', 'README.md']) copyFileSync(`${here}/${file}`, `${folder}/package/${file}`);
+for (const file of ['index.d.ts', 'files.d.ts', 'labels.d.ts', 'README.md']) copyFileSync(`${here}/${file}`, `${folder}/package/${file}`);
 copyFileSync('LICENSE', `${folder}/package/LICENSE`);
 const description = { ...JSON.parse(readFileSync(`${here}/package.json`, 'utf8')), version };
 delete description.private;

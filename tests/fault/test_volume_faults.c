@@ -135,7 +135,7 @@ static bvx_status do_surfaces(void *user, bvx_context *ctx)
     part.strides[0] = 2;
     part.strides[1] = 2 * VOLUME_X;
     part.strides[2] = 2 * VOLUME_X * VOLUME_Y;
-    bvx_labels_options const o = {.struct_size = sizeof o, .triangles = fewer};
+    bvx_labels_options const o = {.struct_size = sizeof o, .triangles = fewer, .open = fewer != 0};
     status = bvx_label_surfaces(ctx, &part, &o, &complex_);
     left_behind |= status != BVX_OK && complex_.mesh.positions != NULL;
     if (status == BVX_OK) status = bvx_label_mesh(ctx, &complex_, 1, &mesh);

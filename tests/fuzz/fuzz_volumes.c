@@ -262,7 +262,7 @@ static void fuzz_labels(bvx_context *ctx, const fuzz_volume *v)
     fuzz_require(all + zeros == fuzz_sample_count(v), "a label that is not listed");
 }
 
-/* Every body is closed and manifold, and has the volume of its voxels on the staircase; smoothed, nothing crosses. */
+/* Every body is manifold, and closed but in open windows, and has the volume of its voxels on the staircase; smoothed, nothing crosses. */
 static void fuzz_label_surfaces(bvx_context *ctx, bvx_context *other, fuzz_input *in, const fuzz_volume *v)
 {
     bvx_labels_options o = {.struct_size = sizeof o};
@@ -276,6 +276,7 @@ static void fuzz_label_surfaces(bvx_context *ctx, bvx_context *other, fuzz_input
     o.staircase = fuzz_range(in, 0, 1);
     o.local_frame = 1;
     if (!o.staircase && fuzz_range(in, 0, 1)) o.triangles = (uint64_t)fuzz_range(in, 1, 500);
+    o.open = fuzz_range(in, 0, 1);
     fuzz_must(ctx, bvx_label_surfaces(ctx, &v->view, &o, &complex_));
     fuzz_must(other, bvx_label_surfaces(other, &v->view, &o, &twin));
     fuzz_good_calls += 2;
@@ -289,7 +290,10 @@ static void fuzz_label_surfaces(bvx_context *ctx, bvx_context *other, fuzz_input
         fuzz_must(ctx, bvx_label_mesh(ctx, &complex_, n, &mesh));
         bvx_mesh_view_of(&mesh, &view);
         fuzz_must(ctx, bvx_mesh_check(ctx, &view, 0, &c));
-        fuzz_require(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented && c.duplicates == 0,
+        /* Labels inside of open windows have no faces there, and bodies of the staircase touch themselves in seams. */
+        if (o.open && (o.staircase || c.triangles == 0)) continue;
+        fuzz_require((c.closed || o.open) && c.edge_manifold && c.vertex_manifold && c.oriented &&
+                         c.duplicates == 0,
                      "a label's body that is not certified");
     }
     bvx_mesh_free(ctx, &mesh);

@@ -247,20 +247,54 @@ static void label_surface_values(golden *g, uint8_t *memory)
 }
 
 /* Slabs that are askew to each other: junctions of three labels and points of four. */
-static void label_fewer_values(golden *g, uint8_t *memory)
+enum { SLABS = 24 };
+static int make_slabs(golden *g, uint8_t *memory, bvx_volume_view *view)
 {
-    enum { SLABS = 24 };
     static double const origin[3] = {-7, 0.5, 100}, spacing[3] = {1, 0.75, 1.5};
     static int32_t const dims[3] = {SLABS, SLABS, SLABS};
-    bvx_volume_view view = {.samples = memory, .sample_type = BVX_SAMPLE_U8, .size = {SLABS, SLABS, SLABS}};
 
-    if (golden_skips(g, "label_surfaces_fewer")) return;
-    golden_begin(g, "label_surfaces_fewer");
+    *view = (bvx_volume_view){.samples = memory, .sample_type = BVX_SAMPLE_U8, .size = {SLABS, SLABS, SLABS}};
     for (int32_t n = 0; n < SLABS * SLABS * SLABS; n++) {
         int32_t const x = n % SLABS, y = n / SLABS % SLABS, z = n / SLABS / SLABS;
         memory[n] = (uint8_t)((x + 2 * y) / 13 + (3 * z + y) / 17 * 3) % 7;
     }
-    if (!golden_good(g, bvx_lattice_make(g->context, origin, spacing, dims, &view.lattice))) return;
+    return golden_good(g, bvx_lattice_make(g->context, origin, spacing, dims, &view->lattice));
+}
+
+/* Both halves as open windows. */
+static void label_open_values(golden *g, uint8_t *memory)
+{
+    bvx_volume_view view;
+
+    if (golden_skips(g, "label_surfaces_open")) return;
+    golden_begin(g, "label_surfaces_open");
+    if (!make_slabs(g, memory, &view)) return;
+    view.size[2] = SLABS / 2 + 1;
+    for (int32_t n = 0; n < 4; n++) {
+        bvx_labels_options o = {.struct_size = sizeof o, .open = 1};
+        bvx_complex complex_ = {0};
+        uint64_t whole = 0;
+
+        o.triangles = n < 2 ? 0 : 1500;
+        view.low[2] = n % 2 == 0 ? 0 : SLABS / 2 - 1;
+        view.samples = memory + SLABS * SLABS * view.low[2];
+        if (!golden_good(g, bvx_label_surfaces(g->context, &view, &o, &complex_)) ||
+            !golden_good(g, bvx_mesh_hash(g->context, &complex_.mesh, &whole)))
+            continue;
+        golden_u64(g, n % 2 == 0 ? "low" : "high", complex_.face_count);
+        golden_hex(g, "whole", whole);
+        bvx_complex_free(g->context, &complex_);
+    }
+    golden_end(g);
+}
+
+static void label_fewer_values(golden *g, uint8_t *memory)
+{
+    bvx_volume_view view;
+
+    if (golden_skips(g, "label_surfaces_fewer")) return;
+    golden_begin(g, "label_surfaces_fewer");
+    if (!make_slabs(g, memory, &view)) return;
     for (int32_t by_error = 0; by_error < 2; by_error++) {
         bvx_labels_options o = {.struct_size = sizeof o, .position_type = by_error ? BVX_F64 : BVX_F32};
         bvx_complex complex_ = {0};
@@ -440,6 +474,7 @@ static void volume_cases(golden *g)
     label_values(g, memory);
     label_surface_values(g, memory);
     label_fewer_values(g, memory);
+    label_open_values(g, memory);
     read_values(g);
 }
 

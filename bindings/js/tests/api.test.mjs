@@ -13,6 +13,8 @@ const { BitvoxError, gridGet, load } = await import(
 const bitvox = await load();
 const { load: loadFiles } = await import(pathToFileURL(resolve(process.env.BITVOX_JS, 'files.js')));
 const files = await loadFiles();
+const { load: loadLabels } = await import(pathToFileURL(resolve(process.env.BITVOX_JS, 'labels.js')));
+const labels = await loadLabels();
 const tetrahedron = {
     positions: new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1]),
     triangles: new Uint32Array([0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3]),
@@ -43,6 +45,30 @@ test('the count of the README', () => {
             .map(x => x.split(' ')[1])
             .join('.'),
     );
+});
+
+test('bodies of labels share their faces', () => {
+    const size = [12, 9, 8];
+    const label = n => (n % 12 < 6 ? 3n : n % 108 < 48 ? 5n : 0n);
+    for (const Type of [BigInt64Array, BigUint64Array, Uint16Array]) {
+        const samples = Type.from({ length: 12 * 9 * 8 }, (_, n) => (Type === Uint16Array ? Number(label(n)) : label(n)));
+        const { labels: bodies, complex } = labels.labelSurfaces({ samples, size });
+        assert.deepEqual(bodies.map(body => body.value), Type === Uint16Array ? [3, 5] : [3n, 5n]);
+        assert.deepEqual(bodies.map(body => body.voxels), [6 * 9 * 8, 6 * 4 * 8]);
+        const corners = mesh => new Set(Array.from({ length: mesh.positions.length / 3 }, (_, v) => mesh.positions.slice(3 * v, 3 * v + 3).join()));
+        const all = corners(complex);
+        for (const { mesh, voxels } of bodies) {
+            const found = bitvox.check(mesh);
+            assert.ok(found.closed && found.edgeManifold && found.vertexManifold && found.oriented);
+            assert.ok(Math.abs(found.volume / voxels - 1) < 0.001);
+            assert.ok([...corners(mesh)].every(corner => all.has(corner)));
+        }
+        const inner = complex.sides.filter((_, i) => i % 2 === 1 && complex.sides[i] === 1).length;
+        assert.equal(bodies[0].mesh.triangles.length + bodies[1].mesh.triangles.length, complex.triangles.length + 3 * inner);
+        assert.equal(labels.labelSurfaces({ samples, size }, { background: 3 }).labels.length, 2);
+    }
+    const made = labels.labelSurfaces({ samples: new Uint8Array(8), size: [2, 2, 2] });
+    assert.deepEqual([made.labels.length, made.complex.triangles.length], [0, 0]);
 });
 
 test('all kinds of arrays are one mesh', () => {
@@ -268,6 +294,10 @@ test('wrong arguments are refused before the library sees them', () => {
     );
     refused(() => files.readMesh('text', 'stl'), /must be an ArrayBuffer/);
     refused(() => files.readMesh(new Uint8Array(1), 'xls'), /format is "xls"/);
+    refused(() => labels.labelSurfaces({ samples: new Float32Array(1), size: [1, 1, 1] }), /typed array of whole numbers/);
+    refused(() => labels.labelSurfaces({ samples: new Uint8Array(3), size: [1, 1, 1] }), /samples of the volume are 3 numbers/);
+    refused(() => labels.labelSurfaces({ samples: new Uint8Array(1), size: [1, 1] }), /size of the volume has 2 numbers/);
+    refused(() => labels.labelSurfaces({ samples: new Uint8Array(1), size: [1, 1, 1] }, { smooth: 1 }), /there is no option smooth/);
     refused(() => bitvox.buildLevels(tetrahedron, { count: 2, targetTriangles: [1] }), /count is 2/);
     refused(() => bitvox.simplify(tetrahedron, { locked: [1] }), /locked has 1 values, the mesh 4 vertices/);
     refused(() => bitvox.repair(tetrahedron, { progress: 1 }), /progress is number/);
@@ -422,4 +452,9 @@ test('index.d.ts names all that is there, and no more', () => {
     assert.deepEqual([...own(Object.getPrototypeOf(bitvox)), 'version'].sort(), fieldsOf('Library'));
     types = readFileSync('bindings/js/files.d.ts', 'utf8');
     assert.deepEqual(own(files).sort(), [...new Set(fieldsOf('Files'))].sort());
+    types = readFileSync('bindings/js/labels.d.ts', 'utf8');
+    const blocks = labels.labelSurfaces({ samples: Uint8Array.of(1, 2), size: [2, 1, 1] });
+    same(blocks, 'LabelSurfaces');
+    same(blocks.labels[1], 'LabelBody');
+    assert.deepEqual(own(labels).sort(), [...new Set(fieldsOf('Labels'))].sort());
 });

@@ -11,6 +11,7 @@ const { gridGet, gridSet, load, makeGrid } = await import(
     pathToFileURL(resolve(process.env.BITVOX_JS, process.env.BITVOX_ENTRY ?? 'bitvox.js'))
 );
 const bitvox = await load();
+const { load: loadLabels } = await import(pathToFileURL(resolve(process.env.BITVOX_JS, 'labels.js')));
 const { load: loadFiles } = await import(pathToFileURL(resolve(process.env.BITVOX_JS, 'files.js')));
 
 /** A stored row: [key, value] in order; keys may come twice. */
@@ -309,6 +310,29 @@ test('levels.txt built', () => {
     );
     compare('levels', 'torus_by_error', built(mesh, { targetErrors: [0.02, 0.08] }));
     compare('levels', 'soup', built(soup(60, 11), { resolution: 40 }));
+});
+
+test('volumes.txt, surfaces of labels', async () => {
+    const side = 24,
+        labels = await loadLabels();
+    const samples = Uint8Array.from({ length: side ** 3 }, (_, n) => {
+        const x = n % side,
+            y = Math.floor(n / side) % side,
+            z = Math.floor(n / side / side);
+        return (Math.floor((x + 2 * y) / 13) + Math.floor((3 * z + y) / 17) * 3) % 7;
+    });
+    const volume = { samples, size: [side, side, side], lattice: { origin: [-7, 0.5, 100], spacing: [1, 0.75, 1.5], dims: [side, side, side] } };
+    const found = [
+        ['count', { positionType: 'f32', triangles: 2000 }],
+        ['error', { positionType: 'f64', error: 0.05 }],
+    ].flatMap(([key, options]) => {
+        const { complex } = labels.labelSurfaces(volume, options);
+        return [
+            [key, complex.sides.length / 2],
+            ['whole', hash(complex)],
+        ];
+    });
+    compare('volumes', 'label_surfaces_fewer', found);
 });
 
 test('levels.txt knot, read from its file', async () => {

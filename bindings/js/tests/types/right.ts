@@ -1,10 +1,15 @@
 // right.ts - uses that the types must allow; compiled by tsc --strict, never run.
 import { BitvoxError, gridGet, load } from 'bitvox';
 import { load as loadFiles, type Files } from 'bitvox/files';
+import { load as loadLabels, type Labels } from 'bitvox/labels';
 import type { Bitvox, Certificate, Grid, Lattice, LevelsOptions, Mesh, MeshIn } from 'bitvox';
 
 const bitvox: Bitvox = await load({ memoryLimit: 1e9 });
 const files: Files = await loadFiles();
+const labels: Labels = await loadLabels();
+const { labels: bodies, complex } = labels.labelSurfaces({ samples: new Uint8Array(8), size: [2, 2, 2] }, { triangles: 9 });
+const body: Mesh | undefined = bodies[0]?.mesh;
+const sides: Uint32Array = complex.sides;
 const triangle: MeshIn = { positions: [0, 0, 0, 1, 0, 0, 0, 1, 0], triangles: [0, 1, 2] };
 const bytes: ArrayBuffer = await (await fetch('scan.ply')).arrayBuffer();
 

@@ -1,10 +1,12 @@
 // wrong.ts - uses that the types must refuse: each line says so, and tsc fails where one is allowed.
 import { BitvoxError, load } from 'bitvox';
 import { load as loadFiles } from 'bitvox/files';
+import { load as loadLabels } from 'bitvox/labels';
 import type { Grid, Mesh } from 'bitvox';
 
 const bitvox = await load();
 const files = await loadFiles();
+const labels = await loadLabels();
 declare const mesh: Mesh;
 declare const grid: Grid;
 
@@ -18,6 +20,8 @@ bitvox.voxelize(mesh, { resolution: '64' });
 bitvox.voxelize([0, 0, 0]);
 // @ts-expect-error bytes
 files.readMesh('scan.ply', 'ply');
+// @ts-expect-error whole numbers
+labels.labelSurfaces({ samples: new Float32Array(8), size: [2, 2, 2] });
 // @ts-expect-error glTF text is read, not written
 files.writeMesh(mesh, 'gltf');
 // @ts-expect-error one level a file
