@@ -50,8 +50,9 @@ def numbers(block_info=None):
 def label_stages(stage, folder, formula):
     """Labels in Zarr to pieces, levels and a shard; then a few bodies are joined."""
     at = [os.path.join(folder, name) for name in ("labels.zarr", "bodies", "precomputed")]
-    stage("formula to Zarr", lambda: dask.array.to_zarr(formula.transpose(2, 1, 0), at[0]), at[0])
-    labels = big.Labels(big.samples_from_zarr(at[0]))
+    chunk = formula.chunksize[0]
+    stage("formula to Zarr", lambda: dask.array.to_zarr(formula.transpose(2, 1, 0).rechunk(min(64, chunk)), at[0]), at[0])
+    labels = big.Labels(big.samples_from_zarr(at[0]), chunks=chunk)
     counts = stage("voxels of each label", labels.counts)
     pieces = stage("bodies and 3 levels in pieces", lambda: big.run(labels, at[1], levels=4, show=None), at[1])
     stage("sharded Draco", lambda: pieces.to_neuroglancer(at[2], sharded=True), at[2])

@@ -122,3 +122,64 @@ def test_a_worker_that_is_killed(tmp_path, monkeypatch):
                                   local_directory=str(tmp_path)) as cluster, distributed.Client(cluster) as client:
         made = big.run(labels, tmp_path / "two", levels=3, client=client, show=None)
     assert (tmp_path / "killed").exists() and made.records == alone.records
+
+
+def faces_of(mesh):
+    """Corners of faces by position, whatever they begin with."""
+    at = np.asarray(mesh.vertices)[mesh.faces]
+    first = np.lexsort(at.transpose(2, 0, 1)[::-1], axis=1)[:, 0]
+    return {tuple(map(tuple, np.roll(corners, -k, axis=0).tolist())) for corners, k in zip(at, first)}
+
+
+@pytest.mark.parametrize("chunks", [14, (25, 9, 36), 64])
+def test_bodies_share_their_faces(chunks, tmp_path):
+    values = cells(count=7)
+    labels = big.Labels(da.from_array(values, chunks=(20, 44, 17)), PLACE, chunks=chunks, shared=True)
+    counts = labels.counts()
+    pieces = big.run(labels, tmp_path / "bodies", levels=3, show=None)
+    assert pieces.labels == sorted(counts) and big.Pieces(tmp_path / "bodies").records == pieces.records
+    if chunks == 64:
+        whole = bitvox.Volume(values, lattice=PLACE).surfaces()
+        assert all(faces_of(whole[label]) == faces_of(pieces.merge(label=label)) for label in counts)
+    voxel = float(np.prod(PLACE.spacing))
+    for level in range(3):
+        bodies = {label: pieces.merge(level, label=label) for label in counts}
+        assert all(mesh.check().closed and mesh.check().oriented and mesh.check().vertex_manifold for mesh in bodies.values())
+        for label, count in counts.items():  # small chunks have much of their faces in seams, which are smoothed less
+            assert count < 1000 or bodies[label].volume == pytest.approx(count * voxel, rel=0.03 if level else 0.005), (level, label)
+        assert sum(mesh.volume for mesh in bodies.values()) == pytest.approx(sum(counts.values()) * voxel, rel=0.01 if level else 0.001)
+        every = [faces_of(mesh) for mesh in bodies.values()]
+        turned = [{(a, c, b) for a, b, c in faces} for faces in every]
+        shared = sum(len(faces & other) for faces in every for other in turned)
+        assert shared > 0.2 * sum(map(len, every)) and not any(len(bodies[label].crossings()) for label in counts)
+        alone = np.array([face for k, faces in enumerate(every) for face in faces if not any(face in other for other in turned[:k])], "f4")
+        number = big.pieces._welded([bitvox.Mesh(alone.reshape(-1, 3), np.arange(3 * len(alone)).reshape(-1, 3))])
+        assert not len(number.crossings())  # of all bodies together
+    assert pieces.n_faces(2) < (0.8 if chunks == 14 else 0.5) * pieces.n_faces() and 0 < pieces.error(1) < 2
+    part = pieces.read(next(iter(pieces.records[0])), level=1)
+    again = big.run(labels, tmp_path / "bodies", levels=4, show=None)
+    assert again.records[:3] == pieces.records and part == again.read(next(iter(pieces.records[0])), level=1)
+
+
+def test_shared_faces_need_two_voxels():
+    with pytest.raises(bitvox.ArgumentError, match="one voxel"):
+        big.Labels(cells(), PLACE, chunks=7, shared=True)
+    assert big.Labels(cells(), PLACE, chunks=64, shared=True).rechunk(8).shared
+
+
+def test_neuroglancer_reads_bodies_with_shared_faces(tmp_path):
+    pytest.importorskip("DracoPy")
+    cloudvolume = pytest.importorskip("cloudvolume")
+    labels = big.Labels(np.pad(cells(count=6), 2), chunks=16, shared=True)
+    pieces, said = big.run(labels, tmp_path / "bodies", levels=3, show=None), []
+    assert big.run(labels, tmp_path / "bodies", levels=3, show=said.append).records == pieces.records and "of them there" in said[0]
+    pieces.to_neuroglancer(tmp_path / "mesh", sharded=True)
+    info = cloudvolume.CloudVolume.create_new_info(1, "segmentation", "uint64", "raw", [1, 1, 1], [0, 0, 0], labels.shape, mesh="mesh")
+    (tmp_path / "info").write_text(json.dumps(info))
+    store = cloudvolume.CloudVolume(f"file://{tmp_path}", progress=False)
+    for label in pieces.labels:
+        for level in range(3):
+            read = store.mesh.get(label, lod=level)
+            read = read[label] if isinstance(read, dict) else read
+            mesh, whole = big.pieces._welded([bitvox.Mesh(read.vertices, read.faces)]), pieces.merge(level, label=label)
+            assert mesh.check().closed and abs(mesh.volume / whole.volume - 1) < 0.02, (label, level)

@@ -36,6 +36,8 @@ class Chunks:
         voxels of a chunk along x, y, z, or one number for all.
     box
         the window of the lattice that is cut; None: all of it.
+    shared
+        surfaces of chunks meet at sides of voxels, as those of `Labels` with shared faces do, not at centers.
 
     Examples
     --------
@@ -44,14 +46,15 @@ class Chunks:
     ((2, 2, 2), Window(low=(64, 0, 0), size=(36, 64, 64)))
     """
 
-    __slots__ = ("lattice", "size", "counts", "box")
+    __slots__ = ("lattice", "size", "counts", "box", "shared")
     lattice: Lattice
     size: Index
     counts: Index
     box: Window
+    shared: bool
 
-    def __init__(self, lattice: Lattice, size: int | Sequence[int], box: Window | None = None) -> None:
-        self.lattice, self.box = lattice, box or Window((0, 0, 0), lattice.shape)
+    def __init__(self, lattice: Lattice, size: int | Sequence[int], box: Window | None = None, shared: bool = False) -> None:
+        self.lattice, self.box, self.shared = lattice, box or Window((0, 0, 0), lattice.shape), shared
         sides = [size] * 3 if not hasattr(size, "__len__") else list(size)  # type: ignore[arg-type]
         if len(sides) != 3:
             raise ArgumentError("chunks must be one number or three")
@@ -123,7 +126,7 @@ class Chunks:
         return [(x, y, z) for z, y, x in itertools.product(*spans[::-1])]
 
     def __reduce__(self) -> Any:
-        return Chunks, (self.lattice, self.size, self.box)
+        return Chunks, (self.lattice, self.size, self.box, self.shared)
 
     def __repr__(self) -> str:
         return f"Chunks({' x '.join(map(str, self.counts))} of {' x '.join(map(str, self.size))})"
@@ -144,15 +147,15 @@ def window_of(lattice: Lattice, window: WindowLike) -> Window:
 # ---- the tree of chunks ----
 
 
-def stride(level: int) -> int:
+def stride(cut: Chunks, level: int) -> int:
     """Chunks along the side of a piece. Level 1 collapses between the cuts of the finest one: so a piece with twice its side has no
-    triangle across its middle planes either, as viewers want it."""
-    return 1 << max(0, level - 1)
+    triangle across its middle planes either, as viewers want it. Levels with shared faces are all made from voxels of chunks."""
+    return 1 if cut.shared else 1 << max(0, level - 1)
 
 
 def indices(cut: Chunks, level: int) -> list[Index]:
     """All pieces of a level, x fastest."""
-    counts = [-(-n // stride(level)) for n in cut.counts]
+    counts = [-(-n // stride(cut, level)) for n in cut.counts]
     return [(x, y, z) for z, y, x in itertools.product(*map(range, counts[::-1]))]
 
 
@@ -160,7 +163,7 @@ def joins(cut: Chunks, level: int, index: Index) -> list[Index]:
     """The pieces of the level before that a piece is made of."""
     if level < 2:
         return [index]
-    ends = [-(-n // stride(level - 1)) for n in cut.counts]
+    ends = [-(-n // stride(cut, level - 1)) for n in cut.counts]
     return [(x, y, z) for z, y, x in itertools.product(*(range(2 * i, min(2 * i + 2, n)) for i, n in zip(index[::-1], ends[::-1])))]
 
 
@@ -168,8 +171,8 @@ def planes(cut: Chunks, level: int, index: Index) -> tuple[list[float], list[flo
     """The cuts around a piece; none at the sides of the whole."""
     low, high = [], []
     for i, n, m, a, corner, edge in zip(index, cut.size, cut.counts, cut.box.low, cut.lattice.corner, cut.lattice.spacing):
-        ends = [i * stride(level), (i + 1) * stride(level)]
-        found = [corner + (a + end * n + 0.5) * edge for end in ends]
+        ends = [i * stride(cut, level), (i + 1) * stride(cut, level)]
+        found = [corner + (a + end * n + (0 if cut.shared else 0.5)) * edge for end in ends]
         low.append(found[0] if i > 0 else float("-inf"))
         high.append(found[1] if ends[1] < m else float("inf"))
     return low, high

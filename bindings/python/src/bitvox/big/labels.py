@@ -8,10 +8,12 @@ from typing import Any, Sequence
 from .. import _arrays as arrays
 from .._errors import ArgumentError, need
 from .._grid import Grid
+from .._labels import label_surfaces
 from .._lattice import Lattice, Placed
 from .._mesh import Mesh
-from .._run import SIDES, in_range
+from .._run import SIDES, in_range, lib
 from .._stages import surface
+from .._volume import Volume as WholeVolume
 from .chunks import Chunks, Index
 from .samples import Samples
 from .volume import Volume, from_dask
@@ -30,6 +32,8 @@ class Labels(Placed):
         the number that is no body.
     chunks
         voxels of a task along each axis; None: the array's own.
+    shared
+        bodies that touch have the same faces there, smoothed, as those of `bitvox.Volume.surfaces`, on each level. Chunks have two voxels and more.
 
     Attributes
     ----------
@@ -37,7 +41,7 @@ class Labels(Placed):
         the Dask array.
     chunks
         the `Chunks` of its lattice.
-    background
+    background, shared
         as given.
 
     Examples
@@ -50,16 +54,22 @@ class Labels(Placed):
     True
     """
 
-    __slots__ = ("array", "chunks", "background")
+    __slots__ = ("array", "chunks", "background", "shared")
     array: Any
     chunks: Chunks
     background: int
+    shared: bool
 
-    def __init__(self, array: Any, lattice: Lattice | None = None, *, background: int = 0, chunks: int | Sequence[int] | None = None) -> None:
+    def __init__(self, array: Any, lattice: Lattice | None = None, *, background: int = 0, chunks: int | Sequence[int] | None = None,
+                 shared: bool = False) -> None:
         samples = array if isinstance(array, Samples) and lattice is None else Samples(getattr(array, "array", array), lattice)
         if samples.array.dtype.kind not in "iub":
             raise ArgumentError(f"array has samples of {samples.array.dtype}; labels are integers")
-        self.array, self.chunks, self.background = samples.array, samples._cut(chunks), in_range("background", background, -(2**63), 2**64 - 1)
+        cut = samples._cut(chunks)
+        if shared and any(count > 1 and min(size, n - size * (count - 1)) < 2 for size, count, n in zip(cut.size, cut.counts, cut.box.size)):
+            raise ArgumentError(f"{cut!r} leave a layer of one voxel, where shared faces cannot be joined; take other chunks")
+        self.array, self.shared, self.background = samples.array, shared, in_range("background", background, -(2**63), 2**64 - 1)
+        self.chunks = Chunks(cut.lattice, cut.size, cut.box, shared)
 
     @property
     def lattice(self) -> Lattice:
@@ -102,7 +112,11 @@ class Labels(Placed):
         >>> bitvox.big.Labels(np.ones((4, 4, 4), int), chunks=4).rechunk(2).chunks.counts
         (2, 2, 2)
         """
-        return Labels(self.array, self.lattice, background=self.background, chunks=chunks)
+        return Labels(self.array, self.lattice, background=self.background, chunks=chunks, shared=self.shared)
+
+    def _around(self) -> list[Any]:
+        """For each chunk its voxels and one more on each side where there are others."""
+        return [Samples(self.array, self.lattice)._window(*self.chunks.grown(i, (1, 1, 1))) for i in self.chunks]
 
     def _bodies(self, options: dict[str, Any]) -> list[Any]:
         """For each chunk its part of the surface of each label in it."""
@@ -111,7 +125,7 @@ class Labels(Placed):
         return [made(Samples(self.array, self.lattice)._window(*cut.cells(i)[0]), cut, i, self.background, options) for i in cut]
 
     def __dask_tokenize__(self) -> Any:
-        return type(self).__name__, self.array.name, self.lattice._key(), self.chunks.size, self.background
+        return type(self).__name__, self.array.name, self.lattice._key(), self.chunks.size, self.background, self.shared
 
     def __repr__(self) -> str:
         return f"Labels({self.array.dtype}, {self.chunks!r})"
@@ -138,6 +152,37 @@ def _boxes(array: Any, background: int) -> list[tuple[Any, Any, Any]]:
     low = np.stack([np.minimum.reduceat(values, group) for values in (first % nx, y, z)], axis=1)
     high = np.stack([np.maximum.reduceat(values, group) for values in (last % nx, y, z)], axis=1)
     return [one for one in zip(labels[group], low, high) if int(one[0]) != background]
+
+
+def shared_bodies(array: Any, cut: Chunks, index: Index, background: int, options: dict[str, Any], triangles: int = 0) -> tuple[Mesh, dict[Any, Mesh]]:
+    """All faces of a chunk, each once, at most so many triangles; and the bodies of its labels, which share them. Keys of their vertices are
+    equal where chunks meet in them, as positions are not alone: a cell may hold several vertices in one place. Others are 0."""
+    np = arrays.numpy("bitvox.big")
+    volume = WholeVolume(array.view("u1") if array.dtype == bool else array, lattice=cut.lattice, low=cut.grown(index, (1, 1, 1)).low)
+    found = label_surfaces(volume._c, background, True, {"triangles": triangles}, options["dtype"], volume._c.sample_type == lib.BVX_SAMPLE_U64,
+                           lambda mesh: mesh, {}, threads=1, memory_limit=options["memory_limit"], progress=None, piece=True)
+    c, whole, bodies = found._c, Mesh(found.complex.vertices, found.complex.faces), dict[Any, Mesh]()
+    junctions, begin = arrays.array_at(c.junctions, "uint8", (whole.n_vertices,), c), np.arange(whole.n_vertices)
+    if c.single:
+        place = junctions & 127
+    else:
+        cells = arrays.array_at(c.cells, "uint64", (whole.n_vertices,), c)
+        place = begin - np.maximum.accumulate(np.where(np.append(True, cells[1:] != cells[:-1])[: len(cells)], begin, 0))
+    key = np.where(junctions & lib.BVX_ON_SEAM, place.astype(np.uint64) + np.uint64(1), np.uint64(0))
+
+    first = arrays.array_at(c.first, "uint64", (c.label_count + 1,), c)
+    listed = arrays.array_at(c.faces, "uint32", (int(first[-1]),), c)
+    sides = arrays.array_at(c.sides, "uint32", (c.face_count, 2), c)
+    corners = np.asarray(whole.faces).reshape(len(sides), 1 if c.single else 2, 3)
+    for i, (value, mesh) in enumerate(found.items()):
+        own = listed[int(first[i]) : int(first[i + 1])]
+        behind = (sides[own, 0] == i)[:, None, None]
+        turned = np.where(behind, corners[own], corners[own][:, :, [0, 2, 1]]).reshape(-1, 3)  # a body's faces look away from it
+        of = np.zeros(mesh.n_vertices, np.int64)
+        of[np.asarray(mesh.faces)] = turned
+        mesh._keys = key[of], np.zeros(mesh.n_faces, np.uint64)
+        bodies[value] = mesh
+    return whole, bodies
 
 
 def _bodies_of(array: Any, cut: Chunks, index: Index, background: int, options: dict[str, Any]) -> list[tuple[int, Mesh]]:

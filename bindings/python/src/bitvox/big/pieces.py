@@ -20,13 +20,13 @@ from .._errors import ArgumentError, FormatError, ResultWarning, need
 from .._lattice import Lattice, Placed, Window, _lattice_from
 from .._mesh import Mesh
 from .._run import in_range, version
-from .._stages import merge
+from .._stages import compare, merge
 from .._words import FaceRule
 from . import written
 from .chunks import Chunks, Index, centers, indices, joins, planes
-from .coarser import collapsed
+from .coarser import LEFT, SAMPLES, collapsed
 from .disk import PART, Record, beside, compute, files, index_of, listed, name_of, put, read_bodies, read_piece, write_piece
-from .labels import Labels
+from .labels import Labels, shared_bodies
 from .plan import one_type
 from .store import path_of
 from .volume import Volume, surface_parts
@@ -39,7 +39,7 @@ SMALL = 32  # voxels along the side of a chunk that is not halved
 
 class Pieces(Placed):
     """A surface in pieces that `run` wrote, read one at a time. Level 0 is the finest: a piece a chunk. A piece of level 1 is one
-    of a chunk too; on each level after it they have twice the side.
+    of a chunk too; on each level after it they have twice the side, unless labels share faces.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ class Pieces(Placed):
         if known is None or "pieces" not in known:
             raise FormatError(f"{self.path} holds no finished pieces of bitvox.big.run")
         self._own = _folder(self.path, known)
-        self.chunks = Chunks(_lattice_from(*known["lattice"]), known["size"], Window(*map(tuple, known["box"])))
+        self.chunks = Chunks(_lattice_from(*known["lattice"]), known["size"], Window(*map(tuple, known["box"])), known.get("shared", False))
         self.records = [{tuple(map(int, name.split("_"))): Record(*record) for name, record in level.items()} for level in known["pieces"]]  # type: ignore[misc]
 
     @property
@@ -138,7 +138,10 @@ class Pieces(Placed):
         """
         if tuple(index) not in self._of(level):
             raise ArgumentError(f"level {level} has no triangles in piece {tuple(index)}")
-        return read_piece(self._own, level, index, label)
+        mesh = read_piece(self._own, level, index, label)
+        if self.chunks.shared:
+            mesh._keys = None  # not those of surfaces
+        return mesh
 
     def meshes(self, level: int = 0, box: Sequence[Any] | None = None, label: int | None = None) -> Iterator[Mesh]:
         """The pieces of a level, one after another.
@@ -158,14 +161,13 @@ class Pieces(Placed):
         >>> sum(mesh.n_faces for mesh in pieces.meshes()) == pieces.n_faces()
         True
         """
-        for index in self._held(level, label):
-            low, high = self.records[level][index][2:4]
-            if box is None or all(a <= q and p <= b for a, b, p, q in zip(low, high, *box)):
-                yield self.read(index, level, label)
+        for index in self._held(level, label, box):
+            yield self.read(index, level, label)
 
-    def _held(self, level: int, label: int | None) -> list[Index]:
-        """Pieces that have triangles of a label."""
-        return [index for index, record in self._of(level).items() if label is None or label in record.labels]
+    def _held(self, level: int, label: int | None, box: Sequence[Any] | None = None) -> list[Index]:
+        """Pieces that have triangles of a label, and bounds that meet a box."""
+        return [index for index, record in self._of(level).items() if (label is None or label in record.labels)
+                and (box is None or all(a <= q and p <= b for a, b, p, q in zip(record.low, record.high, *box)))]
 
     def _one(self, label: int | None) -> None:
         if (label is None) == bool(self.labels):
@@ -188,8 +190,8 @@ class Pieces(Placed):
         True
         """
         self._one(label)
-        found = list(self.meshes(level, box, label))
-        return _welded(found) if level or not found else merge(found)
+        found = [read_piece(self._own, level, index, label) for index in self._held(level, label, box)]
+        return _welded(found, self.chunks.shared) if level or self.chunks.shared or not found else merge(found)
 
     def save(self, path: str | os.PathLike[str], level: int = 0, label: int | None = None) -> None:
         """Write a level as one file, piece after piece.
@@ -284,7 +286,8 @@ def run(volume: Volume | Labels, path: str | os.PathLike[str], *, levels: int = 
     Parameters
     ----------
     volume
-        its surface, or of `Labels` that of each body: alone, so that where three meet, gaps of less than a voxel stay between them.
+        its surface, or of `Labels` that of each body: alone, so that where three meet, gaps of less than a voxel stay between them, unless
+        they have shared faces. Then levels are made from the voxels of each chunk, and vertices between chunks stay on all of them.
     path
         a folder or a URL that all workers reach.
     levels
@@ -321,7 +324,7 @@ def run(volume: Volume | Labels, path: str | os.PathLike[str], *, levels: int = 
     place, count = path_of(path), in_range("levels", levels, 1, 24)
     options = one_type(volume.lattice, {"face_rule": face_rule, "dtype": dtype})
     job = need("dask.base", "big").tokenize(version(), volume, options)
-    head = {"job": job, "lattice": volume.lattice._key(), "size": volume.chunks.size, "box": volume.chunks.box, "halved": 0}
+    head = {"job": job, "lattice": volume.lattice._key(), "size": volume.chunks.size, "box": volume.chunks.box, "shared": volume.chunks.shared, "halved": 0}
     head["halved"] = _begin(place, head, overwrite)
     for halved in itertools.count(head["halved"]):
         size = [max(min(n, SMALL), n >> halved) for n in volume.chunks.size]
@@ -352,7 +355,13 @@ def _run(volume: Volume | Labels, place: str, head: dict[str, Any], count: int, 
     there = [at for at in wanted if name_of(*at) in files_there]
     made: dict[Any, Any] = {at: record for at, record in zip(there, compute([look(place, *at) for at in there], client)) if record}
     old = len(made)
-    for index, part in zip(cut, volume._bodies(options) if isinstance(volume, Labels) else surface_parts(volume, **options)):
+    if cut.shared and isinstance(volume, Labels):
+        make = dask.delayed(_shared, pure=False, nout=count)
+        for index, part in zip(cut, volume._around()):
+            if any((level, index) not in made for level in range(count)):
+                records = make(place, cut, index, part, volume.background, count, options)
+                made.update({(level, index): records[level] for level in range(count)})
+    for index, part in () if cut.shared else zip(cut, volume._bodies(options) if isinstance(volume, Labels) else surface_parts(volume, **options)):
         if (0, index) not in made:
             made[0, index] = make(place, index, part)
     if show:
@@ -396,12 +405,16 @@ def _sample(cut: Chunks, made: dict[Any, Any], client: Any, show: Callable[[str]
          f"{disk / 2**30:.2g} GiB on the disk, about {seconds * len(left):.0f} s for the finest level")
 
 
-def _welded(meshes: Sequence[Mesh]) -> Mesh:
-    """One mesh, its vertices at equal positions one."""
+def _welded(meshes: Sequence[Mesh], shared: bool = False) -> Mesh:
+    """One mesh, its vertices at equal positions one; with keys of shared faces those of equal positions and keys, but of 0."""
     mesh = beside(meshes)
     np = arrays.numpy("bitvox.big")
     at = np.ascontiguousarray(mesh.vertices)
-    _, first, number = np.unique(at.view(f"V{at.itemsize * 3}").ravel(), return_index=True, return_inverse=True)
+    rows = at.view(np.uint8).reshape(len(at), 3 * at.itemsize)
+    if shared and mesh.keys:
+        key = np.where(mesh.keys[0], mesh.keys[0], np.arange(len(at), dtype=np.uint64) + np.uint64(256))
+        rows = np.concatenate([rows, key.view(np.uint8).reshape(len(at), 8)], axis=1)
+    _, first, number = np.unique(rows.view(f"V{rows.shape[1]}").ravel(), return_index=True, return_inverse=True)
     return Mesh(at[first], number.astype(np.uint32)[mesh.faces])
 
 
@@ -410,6 +423,24 @@ def _welded(meshes: Sequence[Mesh]) -> Mesh:
 
 def _made(place: str, index: Index, part: Mesh | Sequence[tuple[int, Mesh]]) -> Record:
     return write_piece(place, 0, index, {None: part} if isinstance(part, Mesh) else dict(part), 0.0)  # type: ignore[arg-type]
+
+
+def _shared(place: str, cut: Chunks, index: Index, array: Any, background: int, count: int, options: dict[str, Any]) -> list[Record]:
+    """All levels of a chunk of labels with shared faces, unless a sample has made them."""
+    found, there = [_known(place, level, index) for level in range(count)], list[Record]()
+    if all(found):
+        return found  # type: ignore[return-value]
+    fine, error = None, 0.0
+    for level in range(count):
+        triangles = max(1, fine.n_faces // LEFT**level) if fine else 0
+        mesh, bodies = shared_bodies(array, cut, index, background, options, triangles)
+        if fine is None:
+            fine = mesh
+        elif mesh.n_faces:
+            gap: Any = compare(fine, mesh, samples=min(SAMPLES, mesh.n_faces), threads=1, memory_limit=options["memory_limit"])
+            error = max(error, gap.max)
+        there.append(write_piece(place, level, index, bodies, error))
+    return there
 
 
 def _joined(place: str, cut: Chunks, level: int, index: Index, parts: Sequence[tuple[Index, Record]], limit: int | None) -> Record:

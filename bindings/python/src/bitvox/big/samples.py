@@ -61,9 +61,9 @@ class Samples(Placed):
         return Chunks(self.lattice, [sides[0] for sides in self.array.chunks] if chunks is None else chunks)
 
     def _window(self, low: Sequence[int], size: Sequence[int]) -> Any:
-        """A part of the array as one delayed array."""
-        part = self.array[tuple(slice(a, a + n) for a, n in zip(low, size))].rechunk(tuple(size))
-        return part.to_delayed().ravel()[0]
+        """A part of the array as one delayed array, put together with x fastest, as files have it."""
+        part = self.array[tuple(slice(a, a + n) for a, n in zip(low, size))].transpose(2, 1, 0).rechunk(tuple(size)[::-1])
+        return part.transpose(2, 1, 0).to_delayed().ravel()[0]
 
     def threshold(self, low: float = float("-inf"), high: float = float("inf"), *, chunks: int | Sequence[int] | None = None) -> Volume:
         """The voxels of `bitvox.Volume.threshold` of the whole.

@@ -98,8 +98,9 @@ def region(place: str, level: int, index: Index, folder: str, format: str) -> No
 def fragments(pieces: Pieces, level: int) -> dict[Index, list[Index]]:
     """The fragments of a level in the order of a Z-curve, and the pieces that each holds."""
     found: dict[Index, list[Index]] = {}
+    halvings = level if pieces.chunks.shared else min(level, 1)
     for index in pieces.records[level]:
-        found.setdefault(tuple(i >> min(level, 1) for i in index), []).append(index)  # type: ignore[arg-type]
+        found.setdefault(tuple(i >> halvings for i in index), []).append(index)  # type: ignore[arg-type]
     return {index: found[index] for index in sorted(found, key=_morton)}
 
 
@@ -134,8 +135,8 @@ def encode(source: str, cut: Chunks, level: int, index: Index, held: Sequence[In
 
 
 def origin(cut: Chunks) -> Any:
-    """Where the first fragment begins: at centers of voxels, as all cuts."""
-    return arrays.numpy("bitvox.big").add(cut.box.low, 0.5)
+    """Where the first fragment begins: as all cuts at centers of voxels, or at their sides."""
+    return arrays.numpy("bitvox.big").add(cut.box.low, 0 if cut.shared else 0.5)
 
 
 def manifest(pieces: Pieces, sizes: Sequence[dict[Index, int]]) -> bytes:
