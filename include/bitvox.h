@@ -680,7 +680,9 @@ BVX_API bvx_status bvx_extract_surface(bvx_context *context, const bvx_grid *gri
 typedef struct bvx_faces_options {
     size_t struct_size;
     int32_t position_type, local_frame; /**< see Types */
-    int32_t merged, reserved; /**< 1: faces of one plane and side become rectangles */
+    int32_t merged; /**< 1: faces of one plane and side become rectangles */
+    int32_t open_sides; /**< BVX_OPEN_...: the outermost voxels at these sides are a neighbour's, whose faces are left
+                             to it: windows that overlap by two voxels have each face once [Limit: 0..63] */
 } bvx_faces_options;
 /** The voxels themselves as a mesh: two outward triangles for each face between a set and an empty voxel. Not manifold
  *  where voxels touch only along an edge or at a corner. merged: corners lie on edges of others, without a crack, so

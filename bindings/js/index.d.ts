@@ -220,6 +220,8 @@ export interface FacesOptions extends CallOptions {
     positionType?: PositionType | undefined;
     localFrame?: boolean | undefined;
     merged?: boolean | undefined;
+    /** 1, 2: x low and high, 4, 8: y, 16, 32: z; the outermost voxels there are a neighbour's, whose faces are left to it. */
+    openSides?: number | undefined;
 }
 
 /** [bvx_morph_options]; with a radius alone the neighbourhood is a ball. */

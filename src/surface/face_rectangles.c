@@ -116,12 +116,14 @@ static uint64_t cut_across(const face_merge *m, uint64_t *bits, int32_t axis, in
     /* The two sides apart: faces that look the other way never join a rectangle. */
     for (int32_t positive = 0; positive < 2; positive++) {
         for (int32_t r = 0; r < rows; r++) {
-            const uint64_t *const before = axis == 1 ? bvxi_face_voxels(f, i - 1, r)
-                                                     : bvxi_face_voxels(f, r, i - 1);
-            const uint64_t *const here = axis == 1 ? bvxi_face_voxels(f, i, r) : bvxi_face_voxels(f, r, i);
+            /* The set voxel lies before the corners where its face looks up. */
+            int32_t const set = i - positive, other = i - !positive;
+            const uint64_t *const own = axis == 1 ? bvxi_face_voxels(f, f->own, set, r)
+                                                  : bvxi_face_voxels(f, f->own, r, set);
+            const uint64_t *const beyond = axis == 1 ? bvxi_face_voxels(f, f->grid, other, r)
+                                                     : bvxi_face_voxels(f, f->grid, r, other);
             for (int32_t w = 0; w < words; w++)
-                bits[(size_t)r * (size_t)words + (size_t)w] = positive ? before[w] & ~here[w]
-                                                                       : here[w] & ~before[w];
+                bits[(size_t)r * (size_t)words + (size_t)w] = own[w] & ~beyond[w];
         }
         face_plane const plane = {bits, rows, words, axis, positive, i};
         at = cut_plane(m, &plane, at);
@@ -143,10 +145,11 @@ static uint64_t cut_across_x(const face_merge *m, uint64_t *bits, int32_t w, uin
             uint64_t block[2][64];
             for (int32_t n = 0; n < 64; n++) {
                 int32_t const j = v * 64 + n; /* beyond the window rows are empty */
-                uint64_t before;
-                uint64_t const here = bvxi_face_word(f, bvxi_face_voxels(f, j, k), w, &before);
-                block[0][n] = here & ~before;
-                block[1][n] = before & ~here;
+                uint64_t before, own_before;
+                uint64_t const here = bvxi_face_word(f, bvxi_face_voxels(f, f->grid, j, k), w, &before);
+                uint64_t const own = bvxi_face_word(f, bvxi_face_voxels(f, f->own, j, k), w, &own_before);
+                block[0][n] = own & ~before;
+                block[1][n] = own_before & ~here;
             }
             for (int s = 0; s < 2; s++) {
                 bvxi_transpose_64(block[s]);

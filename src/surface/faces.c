@@ -10,19 +10,48 @@
 
 /* The four rows of voxels about a row of corners: (j - 1, k - 1), (j, k - 1), (j - 1, k), (j, k). */
 typedef struct face_voxels {
-    const uint64_t *row[4];
+    const uint64_t *row[4], *own[4];
 } face_voxels;
 
 static face_voxels voxels_about(const bvxi_faces *f, int32_t j, int32_t k)
 {
     face_voxels v;
-    for (int32_t n = 0; n < 4; n++) v.row[n] = bvxi_face_voxels(f, j - 1 + (n & 1), k - 1 + (n >> 1));
+    for (int32_t n = 0; n < 4; n++) {
+        v.row[n] = bvxi_face_voxels(f, f->grid, j - 1 + (n & 1), k - 1 + (n >> 1));
+        v.own[n] = bvxi_face_voxels(f, f->own, j - 1 + (n & 1), k - 1 + (n >> 1));
+    }
     return v;
+}
+
+/* Faces between voxels a and b; own: of those that are set, whose faces are the window's. */
+static inline uint64_t exposed(uint64_t a, uint64_t own_a, uint64_t b, uint64_t own_b)
+{
+    return (own_a & ~b) | (own_b & ~a);
+}
+
+/* The same where some voxels are a neighbour's: corners of one of the twelve faces around them. */
+static uint64_t used_own_corners(const bvxi_faces *f, const face_voxels *v, int32_t w)
+{
+    static const uint8_t pair[4][2] = {{0, 1}, {2, 3}, {0, 2}, {1, 3}};
+    uint64_t at[2][4], own[2][4], used = 0;
+
+    for (int32_t n = 0; n < 4; n++) {
+        at[0][n] = bvxi_face_word(f, v->row[n], w, &at[1][n]);
+        own[0][n] = bvxi_face_word(f, v->own[n], w, &own[1][n]);
+        used |= exposed(at[0][n], own[0][n], at[1][n], own[1][n]);
+    }
+    for (int i = 0; i < 8; i++) {
+        int const s = i & 1, a = pair[i >> 1][0], b = pair[i >> 1][1];
+        used |= exposed(at[s][a], own[s][a], at[s][b], own[s][b]);
+    }
+    return used;
 }
 
 static inline uint64_t used_corners(const bvxi_faces *f, const face_voxels *v, int32_t w)
 {
     uint64_t any = 0, all = ~UINT64_C(0);
+
+    if (f->own != f->grid) return used_own_corners(f, v, w);
     /* A corner is used where its eight voxels are not alike. */
     for (int32_t n = 0; n < 4; n++) {
         uint64_t before, here = bvxi_face_word(f, v->row[n], w, &before);
@@ -40,10 +69,17 @@ static inline void faces_of_word(const bvxi_faces *f, const face_voxels *v, int3
     uint64_t const here = bvxi_face_word(f, v->row[3], w, &before);
     uint64_t const below_y = bvxi_face_word(f, v->row[2], w, &unused);
     uint64_t const below_z = bvxi_face_word(f, v->row[1], w, &unused);
-    /* A face is owned by its low corner; the last rows have none beyond the window. */
-    face[0] = j < f->grid->size[1] && k < f->grid->size[2] ? here ^ before : 0;
-    face[1] = k < f->grid->size[2] ? here ^ below_y : 0;
-    face[2] = j < f->grid->size[1] ? here ^ below_z : 0;
+    uint64_t own = here, own_before = before, own_y = below_y, own_z = below_z;
+
+    if (f->own != f->grid) {
+        own = bvxi_face_word(f, v->own[3], w, &own_before);
+        own_y = bvxi_face_word(f, v->own[2], w, &unused);
+        own_z = bvxi_face_word(f, v->own[1], w, &unused);
+    }
+    /* A face stands at its low corner; the last rows have none beyond the window. */
+    face[0] = j < f->grid->size[1] && k < f->grid->size[2] ? exposed(here, own, before, own_before) : 0;
+    face[1] = k < f->grid->size[2] ? exposed(here, own, below_y, own_y) : 0;
+    face[2] = j < f->grid->size[1] ? exposed(here, own, below_z, own_z) : 0;
     *behind = here;
 }
 
@@ -187,14 +223,42 @@ static const bvxi_option faces_rows[] = {
     BVXI_CHOICE(bvx_faces_options, position_type, BVX_POSITION_AUTO, BVX_F64),
     BVXI_SWITCH(bvx_faces_options, local_frame),
     BVXI_SWITCH(bvx_faces_options, merged),
-    BVXI_RESERVED(bvx_faces_options, reserved),
+    BVXI_WHOLE(bvx_faces_options, open_sides, 0, 63),
 };
+
+/* The grid without the outermost voxels at open sides. */
+static bvx_status open_own(bvx_context *ctx, bvxi_faces *f, bvx_grid *own)
+{
+    int32_t const open = f->options.open_sides, *const size = f->grid->size;
+    uint64_t const words = bvxi_grid_words(f->grid);
+    uint64_t *row;
+
+    f->own = f->grid;
+    if (open == 0) return BVX_OK;
+    *own = *f->grid;
+    f->own = own;
+    BVXI_TRY(BVXI_ARRAY(ctx, words, "the window's own voxels", own->words));
+    memcpy(own->words, f->grid->words, (size_t)words * 8);
+    row = own->words;
+    for (int32_t k = 0; k < size[2]; k++)
+        for (int32_t j = 0; j < size[1]; j++, row += own->words_per_row) {
+            if (((open & BVX_OPEN_Y_LOW) != 0 && j == 0) || ((open & BVX_OPEN_Z_LOW) != 0 && k == 0) ||
+                ((open & BVX_OPEN_Y_HIGH) != 0 && j + 1 == size[1]) ||
+                ((open & BVX_OPEN_Z_HIGH) != 0 && k + 1 == size[2]))
+                memset(row, 0, (size_t)own->words_per_row * 8);
+            if ((open & BVX_OPEN_X_LOW) != 0) row[0] &= ~UINT64_C(1);
+            if ((open & BVX_OPEN_X_HIGH) != 0)
+                row[(size[0] - 1) / BVXI_WORD_BITS] &= ~(UINT64_C(1) << (size[0] - 1) % BVXI_WORD_BITS);
+        }
+    return BVX_OK;
+}
 
 static bvx_status run_extract_faces(bvx_context *ctx, const bvx_grid *grid, const bvx_faces_options *options,
                                     bvx_mesh *mesh)
 {
     bvxi_faces faces = {.function = "bvx_extract_faces", .grid = grid}, *const f = &faces;
     bvx_faces_options *const o = &f->options;
+    bvx_grid own;
     uint64_t *empty;
 
     if (mesh == NULL) return bvxi_fail_null(ctx, f->function, "mesh");
@@ -215,6 +279,7 @@ static bvx_status run_extract_faces(bvx_context *ctx, const bvx_grid *grid, cons
     uint64_t const empty_bytes = (uint64_t)grid->words_per_row * 8;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, empty_bytes, "an empty row", &empty));
     f->empty_row = empty;
+    BVXI_TRY(open_own(ctx, f, &own));
     return f->options.merged ? bvxi_faces_merge(ctx, f, mesh) : make_single_faces(ctx, f, mesh);
 }
 

@@ -17,6 +17,7 @@ typedef struct bvxi_face_row {
 
 typedef struct bvxi_faces {
     const bvx_grid *grid;
+    const bvx_grid *own; /* without voxels whose faces are a neighbour's; grid where there are none */
     const char *function;
     bvx_faces_options options;
     double origin[3], spacing[3];
@@ -36,10 +37,9 @@ bvx_status bvxi_faces_check_counts(bvx_context *ctx, const bvxi_faces *f);
 /* Make the mesh ready for the counts. */
 bvx_status bvxi_faces_open_mesh(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh);
 
-/* The words of voxel row (j, k); an empty row outside the window. */
-static inline const uint64_t *bvxi_face_voxels(const bvxi_faces *f, int32_t j, int32_t k)
+/* The words of voxel row (j, k) of grid or own; an empty row outside the window. */
+static inline const uint64_t *bvxi_face_voxels(const bvxi_faces *f, const bvx_grid *g, int32_t j, int32_t k)
 {
-    const bvx_grid *const g = f->grid;
     if (j < 0 || k < 0 || j >= g->size[1] || k >= g->size[2]) return f->empty_row;
     return bvxi_grid_row(g, j, k);
 }

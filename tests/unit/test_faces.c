@@ -45,12 +45,26 @@ static int voxel_at(const bvx_grid *g, const int32_t at[3])
     return bvx_grid_get(g, at[0], at[1], at[2]);
 }
 
+static int32_t open_sides; /* of all faces that are made and wanted */
+
+/* 1: a voxel is at an open side, so that its faces are a neighbour's. */
+static int is_neighbours(const bvx_grid *g, const int32_t at[3])
+{
+    int found = 0;
+
+    for (int a = 0; a < 3; a++)
+        found |= ((open_sides >> 2 * a & 1) != 0 && at[a] == 0) ||
+                 ((open_sides >> (2 * a + 1) & 1) != 0 && at[a] == g->size[a] - 1);
+    return found;
+}
+
 /* +1, -1: the side of the normal of the face across an axis whose low corner is `at`; 0: not exposed. */
 static int side_of_face(const bvx_grid *g, const int32_t at[3], int axis)
 {
     int32_t before[3] = {at[0], at[1], at[2]};
     before[axis]--;
-    return voxel_at(g, before) - voxel_at(g, at);
+    int const side = voxel_at(g, before) - voxel_at(g, at);
+    return is_neighbours(g, side > 0 ? before : at) ? 0 : side;
 }
 
 /* ---- What is expected: rectangles of corners ---- */
@@ -140,6 +154,7 @@ static bvx_mesh faces_of(bvx_context *c, const bvx_grid *g, int32_t merged, int3
     bvx_mesh m = {0};
 
     o.merged = merged;
+    o.open_sides = open_sides;
     o.position_type = type;
     o.local_frame = local;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_extract_faces(c, g, &o, &m), bvx_last_message(c));
@@ -423,15 +438,15 @@ static void test_refusals(void)
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, near, fine, dims, &l));
     g = noise_grid(ctx, &l, NULL, 2);
     for (int32_t field = 0; field < 4; field++) {
-        static const char *const words[] = {"position_type", "merged", "local_frame", "reserved"};
+        static const char *const words[] = {"position_type", "merged", "local_frame", "open_sides"};
         o = (bvx_faces_options){.struct_size = sizeof o};
         *(field == 0   ? &o.position_type
           : field == 1 ? &o.merged
           : field == 2 ? &o.local_frame
-                       : &o.reserved) = 3;
+                       : &o.open_sides) = field == 3 ? 64 : 3;
         assert_faces_refused(&g, &o, BVX_ERR_ARGUMENT, words[field]);
     }
-    for (o.reserved = 0, o.merged = 0; o.merged < 2; o.merged++) {
+    for (o.open_sides = 0, o.merged = 0; o.merged < 2; o.merged++) {
         g.words[g.words_per_row * 80] |= UINT64_C(1) << 9; /* the last row's first bit past the nine voxels */
         assert_faces_refused(&g, &o, BVX_ERR_ARGUMENT, "bits set past the 9 voxels");
         g.words[g.words_per_row * 80] ^= UINT64_C(1) << 9;
@@ -440,6 +455,57 @@ static void test_refusals(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_extract_faces(ctx, &g, NULL, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_extract_faces(NULL, &g, NULL, &m));
     bvx_grid_free(ctx, &g);
+}
+
+/* Any sides open, of any grid; and chunks with a voxel of each neighbour have all faces of the whole, each once. */
+static void test_faces_of_neighbours_are_left_to_them(void)
+{
+    enum { CHUNK = 24 };
+    int32_t const dims[3] = {2 * CHUNK + 23, 2 * CHUNK, CHUNK + 5};
+    double const origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
+    bvx_lattice l;
+    uint64_t sum = 0;
+
+    for (int round = 0; round < 24; round++) {
+        int32_t const size[3] = {1 + maker_below(&seed, round < 8 ? 70 : 9), 1 + maker_below(&seed, 9),
+                                 1 + maker_below(&seed, 9)};
+
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, size, &l));
+        bvx_grid g = round % 2 == 0 ? noise_grid(ctx, &l, NULL, 2) : boxes_grid(ctx, &l, 3);
+        open_sides = maker_below(&seed, 64);
+        for (int32_t merged = 0; merged < 2; merged++) assert_faces(ctx, &g, merged, BVX_F64, 0);
+        bvx_grid_free(ctx, &g);
+    }
+
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &l));
+    bvx_grid whole = noise_grid(ctx, &l, NULL, 3);
+    open_sides = 0;
+    bvx_mesh all = faces_of(ctx, &whole, 0, BVX_F64, 0);
+    for (int32_t z = 0; z < dims[2]; z += CHUNK)
+        for (int32_t y = 0; y < dims[1]; y += CHUNK)
+            for (int32_t x = 0; x < dims[0]; x += CHUNK) {
+                int32_t const begin[3] = {x, y, z};
+                bvx_window w;
+                bvx_grid chunk = {0};
+
+                open_sides = 0;
+                for (int a = 0; a < 3; a++) {
+                    int const low = begin[a] > 0, high = begin[a] + CHUNK < dims[a];
+
+                    open_sides |= low << 2 * a | high << (2 * a + 1);
+                    w.low[a] = begin[a] - low;
+                    w.size[a] = (high ? begin[a] + CHUNK + 1 : dims[a]) - w.low[a];
+                }
+                TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_crop(ctx, &whole, &w, &chunk));
+                bvx_mesh m = faces_of(ctx, &chunk, 0, BVX_F64, 0);
+                sum += m.triangle_count;
+                bvx_mesh_free(ctx, &m);
+                bvx_grid_free(ctx, &chunk);
+            }
+    open_sides = 0;
+    TEST_ASSERT_EQUAL_UINT64(all.triangle_count, sum);
+    bvx_mesh_free(ctx, &all);
+    bvx_grid_free(ctx, &whole);
 }
 
 int main(void)
@@ -452,6 +518,7 @@ int main(void)
     RUN_TEST(test_two_voxels);
     RUN_TEST(test_threads_change_nothing);
     RUN_TEST(test_fills_the_callers_arrays);
+    RUN_TEST(test_faces_of_neighbours_are_left_to_them);
     RUN_TEST(test_refusals);
     return UNITY_END();
 }

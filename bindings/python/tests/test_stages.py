@@ -199,6 +199,19 @@ def test_windows_merge_to_the_whole():
         bitvox.merge([bitvox.surface(array)])
 
 
+def test_chunks_with_a_voxel_of_each_neighbor_have_all_faces_once():
+    whole = bitvox.Grid.from_numpy(np.random.default_rng(4).random((20, 12, 9)) > 0.5)
+    triangles = [mesh.vertices[mesh.faces] for mesh in (
+        bitvox.faces(whole.crop(((0, 0, 0), (11, 12, 9))), open_sides="x-high"), bitvox.faces(whole.crop(((9, 0, 0), (11, 12, 9))), open_sides=["x-low"]))]
+    every = bitvox.faces(whole)
+
+    def listed(of):
+        return sorted(map(tuple, of.reshape(-1, 9).tolist()))
+    assert listed(np.concatenate(triangles)) == listed(every.vertices[every.faces])
+    with pytest.raises(bitvox.ArgumentError, match="open_sides"):
+        bitvox.faces(whole, open_sides="up")
+
+
 def test_faces():
     array = np.zeros((5, 5, 5), bool)
     array[1:4, 1:4, 1:4] = True

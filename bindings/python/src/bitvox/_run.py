@@ -440,6 +440,12 @@ FILLS, REPAIR_SIGNS, SIGN_RULES = (tuple(name for number, name in enumerate(INSI
 FILL_REASONS = names_of("BVX_FILL_REASON_")
 
 
+def put_open_sides(options: Any, sides: Any) -> None:
+    """Sides by name, or one string with commas between, into options."""
+    for side in sides.split(",") if isinstance(sides, str) and sides else sides:
+        options.open_sides |= choice("open_sides", side, "BVX_OPEN_", SIDES)
+
+
 def version() -> str:
     """The library's version, ``"0.1.0"``."""
     number = lib.bvx_version()

@@ -17,8 +17,8 @@ from ._lattice import Lattice, WindowLike, place, set_window
 from ._mesh import Mesh, new_mesh, used_bounds, with_positions
 from ._options import BooleanOptions, RepairOptions, VoxelizeOptions
 from ._records import record
-from ._run import (FACE_RULES, FILLS, REPAIR_SIGNS, SIDES, Progress, Rise, Run, choice, ffi, function, in_range, known, lib, names_of, options_of,
-                   or_none, quiet, sharpness)
+from ._run import (FACE_RULES, FILLS, REPAIR_SIGNS, Progress, Rise, Run, choice, ffi, function, in_range, known, lib, names_of, options_of,
+                   or_none, put_open_sides, quiet, sharpness)
 from ._words import Array, BooleanFill, ErrorKind, FaceRule, Fill, Mode, Operation, RepairSign
 
 if TYPE_CHECKING:
@@ -317,8 +317,7 @@ def surface(
     options = options_of("extract_options")
     options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
     options.keys, options.local_frame = int(bool(keys)), int(bool(local_frame))
-    for side in open_sides.split(",") if isinstance(open_sides, str) and open_sides else open_sides:
-        options.open_sides |= choice("open_sides", side, "BVX_OPEN_", SIDES)
+    put_open_sides(options, open_sides)
     found = grid_of(grid)
     return with_positions(options, dtype, lambda run, made: lib.bvx_extract_surface(run.context, found._c, options, made),
                           threads=threads, memory_limit=memory_limit, progress=progress)
@@ -339,8 +338,8 @@ def surface_counts(grid: Grid, *, face_rule: FaceRule = "separate") -> tuple[int
     return vertices[0], triangles[0]
 
 
-def faces(grid: Grid, *, merge: bool = False, dtype: Any = None, local_frame: bool = False, threads: int | None = None,
-          memory_limit: int | None = None, progress: Progress = None) -> Mesh:
+def faces(grid: Grid, *, merge: bool = False, open_sides: str | Iterable[str] = (), dtype: Any = None, local_frame: bool = False,
+          threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Mesh:
     """The voxels themselves as a mesh: each face between a set and an empty voxel, outwards, as two triangles.
 
     Parameters
@@ -349,6 +348,9 @@ def faces(grid: Grid, *, merge: bool = False, dtype: Any = None, local_frame: bo
         a `Grid` or a three-dimensional array.
     merge
         faces of one plane and side become few rectangles (which may meet in T-junctions).
+    open_sides
+        sides as for `surface`, whose outermost voxels are a neighbour's and have their faces there: chunks cut out with a voxel of
+        each neighbour have every face of the whole once.
     dtype, local_frame
         as for `surface`.
 
@@ -359,6 +361,7 @@ def faces(grid: Grid, *, merge: bool = False, dtype: Any = None, local_frame: bo
     """
     options = options_of("faces_options")
     options.merged, options.local_frame = int(bool(merge)), int(bool(local_frame))
+    put_open_sides(options, open_sides)
     found = grid_of(grid)
     return with_positions(options, dtype, lambda run, made: lib.bvx_extract_faces(run.context, found._c, options, made),
                           threads=threads, memory_limit=memory_limit, progress=progress)

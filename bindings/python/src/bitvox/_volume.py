@@ -21,7 +21,7 @@ from ._mesh import Mesh, with_positions
 from ._nrrd import unpacked
 from ._options import SurfaceOptions
 from ._records import record
-from ._run import FACE_RULES, SIDES, Progress, Rise, Run, choice, ffi, formats_in, in_range, known, lib, options_of
+from ._run import FACE_RULES, Progress, Rise, Run, choice, ffi, formats_in, in_range, known, lib, options_of, put_open_sides
 from ._stages import collapsed, level_target
 from ._vti import without_blocks
 from ._words import Array, Frame, Order, Resampling
@@ -619,8 +619,7 @@ class Volume:
         options.level, options.below, options.report = number("level", level), int(bool(below)), report
         options.face_rule = choice("face_rule", advanced.get("face_rule", "separate"), "BVX_FACE_", FACE_RULES)
         options.keys, options.local_frame = int(bool(keys)), int(bool(advanced.get("local_frame")))
-        for side in open_sides.split(",") if isinstance(open_sides, str) and open_sides else open_sides:
-            options.open_sides |= choice("open_sides", side, "BVX_OPEN_", SIDES)
+        put_open_sides(options, open_sides)
         with Rise(progress, 30, *((70,) if targets else ())) as limits["progress"]:
             mesh = with_positions(options, dtype, lambda run, made: lib.bvx_extract_scalar(run.context, given._c, options, made), **limits)
             self.report = record(report)
