@@ -349,8 +349,8 @@ def faces(grid: Grid, *, merge: bool = False, open_sides: str | Iterable[str] = 
     merge
         faces of one plane and side become few rectangles (which may meet in T-junctions).
     open_sides
-        sides as for `surface`, whose outermost voxels are a neighbour's and have their faces there: chunks cut out with a voxel of
-        each neighbour have every face of the whole once.
+        sides as for `surface`, whose outermost voxels are a neighbor's and have their faces there: chunks cut out with a voxel of
+        each neighbor have every face of the whole once.
     dtype, local_frame
         as for `surface`.
 
