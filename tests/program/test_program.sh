@@ -663,7 +663,7 @@ import os, pty, sys
 pid, terminal = pty.fork()
 if pid == 0:
     os.environ['TERM'] = 'xterm'
-    os.execv(sys.argv[1], [sys.argv[1], 'lod', sys.argv[2], '-o', 'y.ply', '--levels', '32', '--samples', '5000000', '--threads', '1'])
+    os.execv(sys.argv[1], [sys.argv[1], 'lod', sys.argv[2], '-o', 'y.ply', '--levels', '32', '--samples', '16000000', '--threads', '1'])
 text = b''
 while True:
     try:

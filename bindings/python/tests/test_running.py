@@ -313,7 +313,7 @@ def everything(mesh, grid):
         grid.components().tobytes(), grid.label(connectivity=26).tobytes(), grid.keep(largest=1).content_hash(), grid.fill_cavities().content_hash(),
         grid.topology(), [level.content_hash() for level in bitvox.lod(mesh, triangles=(300, 100))],
         bitvox.simplify(mesh, error="1%").content_hash(),
-        bitvox.voxelize_points(mesh.vertices, resolution=12, body=True, close_gaps=1).content_hash(),
+        bitvox.voxelize_points(mesh.vertices, resolution=12, body=True, close_gaps=1).content_hash(), bitvox.inspect(mesh, resolution=16)[:2],
     ]
 
 

@@ -192,6 +192,7 @@ ROWS = {
     "hull": (
         ("torn.ply --resolution 30 --close-gaps 2 --interpolation scalar --sharp --shell 3 --least-part 9", "ply",
          lambda at: bitvox.hull(at / "torn.ply", resolution=30, close_gaps=2, interpolation="scalar", sharp=True, shell=3, least_part=9)),
+        ("torn.ply --enclose 4% --triangles 300", "ply", lambda at: bitvox.hull(at / "torn.ply", enclose="4%", triangles=300)),
         ("pair.ply --resolution 60 --keep-largest 1 --no-sharp", "ply", lambda at: bitvox.hull(at / "pair.ply", resolution=60, keep_largest=1, sharp=False)),
         ("colored.ply --resolution 30 --count 2 --carry", "ply", lambda at: list(bitvox.hull(at / "colored.ply", resolution=30, count=2, carry=True))),
         ("small.ply --resolution 30 --triangles 500 --normals --output-origin 1,2,3", "ply",

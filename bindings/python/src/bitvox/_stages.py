@@ -19,7 +19,7 @@ from ._options import BooleanOptions, RepairOptions, VoxelizeOptions
 from ._records import record
 from ._run import (FACE_RULES, FILLS, REPAIR_SIGNS, Progress, Rise, Run, choice, ffi, function, in_range, known, lib, names_of, options_of,
                    or_none, put_open_sides, quiet, sharpness)
-from ._words import Array, BooleanFill, ErrorKind, FaceRule, Fill, Mode, Operation, RepairSign
+from ._words import Array, Axis, BooleanFill, ErrorKind, FaceRule, Fill, Mode, Operation, RepairSign
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -522,7 +522,7 @@ def inspect(
     walls: float = 0.0,
     gaps: float = 0.0,
     density: float = 1.0,
-    up: str = "z",
+    up: Axis = "z",
     resolution: int | None = None,
     lattice: Lattice | None = None,
     most: int = 8,
@@ -588,8 +588,8 @@ def inspect(
         options.thickness = ffi.cast("double *", arrays.address(values))
     with Run(threads, memory_limit, progress) as run:
         run.check(lib.bvx_inspect(run.context, source._view(run), options, out))
-    listed = (tuple(record(places[kind * most + i]) for i in range(min(out.found[kind], most))) for kind in range(len(FINDINGS)))
-    return Inspection(out.needs == lib.BVX_NEEDS_NOTHING, NEEDS[out.needs], *listed, values, record(out))
+    found = [tuple(record(places[kind * most + i]) for i in range(min(out.found[kind], most))) for kind in range(len(FINDINGS))]
+    return Inspection(out.needs == lib.BVX_NEEDS_NOTHING, NEEDS[out.needs], found[0], found[1], found[2], found[3], values, record(out))
 
 
 def compare(a: Any, b: Any, *, samples: int | None = None, seed: int | None = None, threads: int | None = None,
