@@ -231,8 +231,8 @@ bvx_status bvxi_collapse_number(bvxi_collapse *c, uint32_t **index);
 int bvxi_collapse_leaves(const bvxi_collapse *c, uint32_t triangle, uint32_t *hint);
 /* The same of triangles from p to the edges of a link [Size: count + 1]. */
 int bvxi_collapse_fan_leaves(const bvxi_collapse *c, const uint32_t *link, int32_t count, const double *p);
-/* Mark those with a fresh vertex that do [Size: triangles]. */
-bvx_status bvxi_collapse_mark_leaving(const bvxi_collapse *c, uint8_t **leaves);
+/* Mark those with a fresh vertex that do [Size: triangles]; at: of progress. */
+bvx_status bvxi_collapse_mark_leaving(const bvxi_collapse *c, double at, uint8_t **leaves);
 /* Pieces that the level does not go around once. */
 bvx_status bvxi_collapse_escaped(const bvxi_collapse *c, uint64_t *escaped);
 

@@ -157,12 +157,11 @@ typedef struct leaving_marks {
     uint8_t *leaves;
 } leaving_marks;
 
-static void leaving_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
+static void leaving_piece(void *user, uint64_t begin, uint64_t end)
 {
     const leaving_marks *const l = user;
     uint32_t hint = 0;
 
-    (void)piece;
     for (uint64_t t = begin; t < end; t++) {
         const uint32_t *const v = l->c->mesh.triangle[t].vertex;
         int const changed = !bvxi_triangle_gone(&l->c->mesh.triangle[t]) &&
@@ -172,14 +171,14 @@ static void leaving_piece(void *user, int32_t piece, uint64_t begin, uint64_t en
     }
 }
 
-bvx_status bvxi_collapse_mark_leaving(const bvxi_collapse *c, uint8_t **leaves)
+bvx_status bvxi_collapse_mark_leaving(const bvxi_collapse *c, double at, uint8_t **leaves)
 {
     uint64_t const n = c->mesh.triangles;
 
     BVXI_TRY(BVXI_ARRAY(c->ctx, n, "triangles that leave what they enclose", *leaves));
     leaving_marks l = {c, *leaves};
-    bvxi_ranges(c->ctx, bvxi_piece_count(n, LEAVING_GRAIN), n, leaving_piece, &l);
-    return BVX_OK;
+    return bvxi_for_ranges(c->ctx, "crossings", at, at, bvxi_piece_count(n, LEAVING_GRAIN), n, leaving_piece,
+                           &l);
 }
 
 /* ---- Pieces of the mesh ---- */

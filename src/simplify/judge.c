@@ -503,12 +503,12 @@ static bvx_status undo_pairs(judge_found *list, uint64_t *undone)
     return list->status;
 }
 
-static bvx_status list_leaving(judge_found *list)
+static bvx_status list_leaving(judge_found *list, double at)
 {
     const bvxi_collapse *const c = list->c;
     uint8_t *leaves;
 
-    BVXI_TRY(bvxi_collapse_mark_leaving(c, &leaves));
+    BVXI_TRY(bvxi_collapse_mark_leaving(c, at, &leaves));
     for (uint64_t t = 0; t < c->mesh.triangles; t++) {
         list->triangle = (uint32_t)t;
         if (leaves[t]) add_pair(list, (uint32_t)t);
@@ -532,7 +532,7 @@ bvx_status bvxi_collapse_judge(bvxi_collapse *c, double from, double to, uint64_
         list.triangle = c->pairs[2 * i];
         if (is_fresh_pair(c, c->pairs + 2 * i)) add_pair(&list, c->pairs[2 * i + 1]);
     }
-    if (c->options.enclosed != NULL) BVXI_TRY(list_leaving(&list));
+    if (c->options.enclosed != NULL) BVXI_TRY(list_leaving(&list, to));
     memset(c->fresh, 0, (size_t)c->mesh.vertices);
     BVXI_TRY(list.status);
     while (list.count != 0) {
