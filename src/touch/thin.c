@@ -426,8 +426,10 @@ BVXI_VECTOR_INLINE void place_crossings(line_hits *h, const double order[2], dou
         double const least_v = av < bv ? av : bv, most_v = av < bv ? bv : av;
         double const wide = (most_u > cu ? most_u : cu) - (least_u < cu ? least_u : cu);
         double const tall = (most_v > cv ? most_v : cv) - (least_v < cv ? least_v : cv);
-        double const inverse = 1.0 / s0, parts = (s1 * wide + s2 * tall) * inverse;
-        double const error = (parts * (1.0 / 1125899906842624.0) + 1.0 / 1048576.0) * scale;
+        /* Of a triangle seen from its edge nothing is certain. */
+        double const edge_on = s0 > 0 ? 0.0 : 1.0, inverse = 1.0 / (s0 + edge_on);
+        double const parts = (s1 * wide + s2 * tall) * inverse;
+        double const error = (parts * (1.0 / 1125899906842624.0) + 1.0 / 1048576.0) * scale + edge_on;
         double const s = n1 * (0.0 - h->least[1][i]) + n2 * (0.0 - h->least[2][i]);
         double const place = (h->least[0][i] - half - s * inverse) * scale;
         /* Beyond that error the place may be anything, and what becomes of it, 0, is certain nowhere. A product, as
