@@ -370,7 +370,6 @@ static bvx_status extract_surface(const world *w)
 static bvx_status extract_faces(const world *w)
 {
     TAKE_OPTIONS(faces, o);
-    TAKE_RESERVED(o.reserved);
     SPOIL(o);
     return bvx_extract_faces(w->ctx, w->grid, &o, (bvx_mesh *)w->out);
 }
