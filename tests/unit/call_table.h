@@ -665,7 +665,7 @@ static const call calls[] = {
     CALL(grid_topology, GRID, PLAIN),
     CALL(extract_count, GRID | OPTIONS | RESERVED | SECOND, PLAIN),
     CALL(extract_surface, GRID | OPTIONS | RESERVED, TO_MESH),
-    CALL(extract_faces, GRID | OPTIONS | RESERVED, TO_MESH),
+    CALL(extract_faces, GRID | OPTIONS, TO_MESH),
     CALL(mesh_merge, BODY, TO_MESH),
     CALL(threshold, VOLUME, TO_GRID),
     CALL(threshold_whole, VOLUME, TO_GRID),
