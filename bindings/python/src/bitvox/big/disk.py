@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import threading
 import uuid
 from contextlib import contextmanager, nullcontext, suppress
 from typing import Any, Iterator, NamedTuple, Sequence
@@ -115,10 +116,16 @@ def write_piece(place: str, level: int, index: Index, bodies: Bodies, error: flo
     return record
 
 
+# Heads of arrays are literals of Python to numpy, which threads of Python 3.11 may not read side by side: their depth is counted once for all.
+HEADS = threading.Lock()
+
+
 def read_bodies(place: str, level: int, index: Index) -> tuple[Bodies, Record]:
     np, made = arrays.numpy("bitvox.big"), dict[Any, Mesh]()
     system, root = files(place)
-    with system.open(f"{root}/{name_of(level, index)}", "rb") as file, np.load(file) as held:
+    with system.open(f"{root}/{name_of(level, index)}", "rb") as file:
+        data = file.read()
+    with HEADS, np.load(io.BytesIO(data)) as held:
         record, begin = Record(*json.loads(str(held["record"]))), (0, 0)
         at, faces, keys = held["vertices"], held["faces"], (held["vertex_keys"], held["face_keys"])
         labels: list[int | None] = [*record.labels] or [None]
