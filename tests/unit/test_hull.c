@@ -220,7 +220,7 @@ static void test_levels_and_threads(void)
                      made[2].triangle_count <= report.triangles / 4);
 }
 
-/* A small tetrahedron, at most half a unit wide. */
+/* A small tetrahedron without two of its sides. */
 static void put_bead(double x, double y, double z)
 {
     uint32_t const first = (uint32_t)given.vertices;

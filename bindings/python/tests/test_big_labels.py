@@ -88,6 +88,20 @@ def test_what_is_refused(tmp_path):
     assert pieces.merge(label=7) == bitvox.surface(bitvox.Grid.from_numpy(noise == 7), keys=True) and pieces.merge(1, label=7).check().closed
 
 
+def assert_cloudvolume_reads(pieces, folder, shape):
+    """Each body of each level, closed and as large as it was written; folder has the meshes in "mesh"."""
+    cloudvolume = pytest.importorskip("cloudvolume")
+    info = cloudvolume.CloudVolume.create_new_info(1, "segmentation", "uint64", "raw", [1, 1, 1], [0, 0, 0], shape, mesh="mesh")
+    (folder / "info").write_text(json.dumps(info))
+    store = cloudvolume.CloudVolume(f"file://{folder}", progress=False)
+    for label in pieces.labels:
+        for level in range(3):
+            read = store.mesh.get(label, lod=level)
+            read = read[label] if isinstance(read, dict) else read
+            mesh, whole = big.pieces._welded([bitvox.Mesh(read.vertices, read.faces)]), pieces.merge(level, label=label)
+            assert mesh.check().closed and abs(mesh.volume / whole.volume - 1) < 0.02, (label, level)
+
+
 @pytest.mark.parametrize("sharded", [False, True])
 def test_neuroglancer_reads_each_body(tmp_path, sharded, monkeypatch):
     pytest.importorskip("DracoPy")
@@ -98,17 +112,7 @@ def test_neuroglancer_reads_each_body(tmp_path, sharded, monkeypatch):
     pieces.to_neuroglancer(tmp_path / "mesh", sharded=sharded)
     named = {"0.shard", "info"} if sharded else {"info", *(f"{label}{end}" for label in pieces.labels for end in ("", ".index"))}
     assert set(os.listdir(tmp_path / "mesh")) == named
-    cloudvolume = pytest.importorskip("cloudvolume")
-    info = cloudvolume.CloudVolume.create_new_info(1, "segmentation", "uint64", "raw", [1, 1, 1], [0, 0, 0], lattice.shape, mesh="mesh")
-    (tmp_path / "info").write_text(json.dumps(info))
-    store = cloudvolume.CloudVolume(f"file://{tmp_path}", progress=False)
-    for label in pieces.labels:
-        for level in range(3):
-            read = store.mesh.get(label, lod=level)
-            read = read[label] if isinstance(read, dict) else read
-            whole = pieces.merge(level, label=label)
-            mesh = big.pieces._welded([bitvox.Mesh(read.vertices, read.faces)])
-            assert mesh.check().closed and abs(mesh.volume / whole.volume - 1) < 0.02, (label, level)
+    assert_cloudvolume_reads(pieces, tmp_path, lattice.shape)
 
 
 def test_a_worker_that_is_killed(tmp_path, monkeypatch):
@@ -169,17 +173,8 @@ def test_shared_faces_need_two_voxels():
 
 def test_neuroglancer_reads_bodies_with_shared_faces(tmp_path):
     pytest.importorskip("DracoPy")
-    cloudvolume = pytest.importorskip("cloudvolume")
     labels = big.Labels(np.pad(cells(count=6), 2), chunks=16, shared=True)
     pieces, said = big.run(labels, tmp_path / "bodies", levels=3, show=None), []
     assert big.run(labels, tmp_path / "bodies", levels=3, show=said.append).records == pieces.records and "of them there" in said[0]
     pieces.to_neuroglancer(tmp_path / "mesh", sharded=True)
-    info = cloudvolume.CloudVolume.create_new_info(1, "segmentation", "uint64", "raw", [1, 1, 1], [0, 0, 0], labels.shape, mesh="mesh")
-    (tmp_path / "info").write_text(json.dumps(info))
-    store = cloudvolume.CloudVolume(f"file://{tmp_path}", progress=False)
-    for label in pieces.labels:
-        for level in range(3):
-            read = store.mesh.get(label, lod=level)
-            read = read[label] if isinstance(read, dict) else read
-            mesh, whole = big.pieces._welded([bitvox.Mesh(read.vertices, read.faces)]), pieces.merge(level, label=label)
-            assert mesh.check().closed and abs(mesh.volume / whole.volume - 1) < 0.02, (label, level)
+    assert_cloudvolume_reads(pieces, tmp_path, labels.shape)

@@ -335,7 +335,7 @@ def hull(
     shell
         thickness of walls that no center lies in, with outside on both sides [largest spacings]; 0: they are lost. Default 2.
     enclose
-        go around every triangle, touching none and nowhere further than this from the mesh, as proven by exact tests: a number
+        go around every triangle, touching none and nowhere further than this from the mesh: a number
         [world], or a part of the diagonal as ``"1%"``. For collisions and planning. ``resolution``, ``lattice``, ``close_gaps``,
         ``least_part`` and ``keep_largest`` are not taken with it, ``shell``, ``interpolation`` and ``sharp`` not used.
     triangles, error, count
