@@ -161,7 +161,7 @@ def check_python(tree):
 
 def take_objects(tree, folder):
     """Objects of the tree that the tests were built from: what no step touches is not compiled again. The header's change
-    moves no field, so only what names the options reads it anew."""
+    moves no field but those behind the options, so only what names them, or includes what does, reads it anew."""
     built = os.path.join(os.environ.get('BUILD', 'build'), os.path.basename(folder))
     if not os.path.isfile(os.path.join(built, 'libbitvox.a')):
         return
@@ -170,7 +170,8 @@ def take_objects(tree, folder):
     shutil.copystat(header, os.path.join(tree, header))
     for place, _, names in os.walk(os.path.join(tree, 'src')):
         for path in (os.path.join(place, name) for name in names):
-            if 'faces_options' in open(path, encoding='utf-8', errors='replace').read():
+            text = open(path, encoding='utf-8', errors='replace').read()
+            if 'faces_options' in text or '"surface/faces.h"' in text:
                 os.utime(path)
 
 
