@@ -91,7 +91,12 @@ static void hash_eights(bvxi_hash *hash, const unsigned char *p, size_t count)
     uint64_t v;
     for (; count != 0; count--, p += 8) {
         memcpy(&v, p, 8);
-        hash_part(hash, v, 8);
+        if ((hash->size & 7) != 0) {
+            hash_part(hash, v, 8);
+            continue;
+        }
+        hash->state = hash_step(hash->state, v);
+        hash->size += 8;
     }
 }
 

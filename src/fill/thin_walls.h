@@ -49,7 +49,6 @@ typedef struct bvxi_walls {
     bvxi_wall *point; /* what is there [Size: count] */
     uint64_t count;
     uint32_t *corner; /* of the triangles nearby, each from its first corner to its last, by place */
-    uint64_t corner_bytes;
     uint8_t *against; /* of those triangles, 1: the mesh has them the other way round */
     bvx_mesh_view near;
     bvx_closest closest;
@@ -73,6 +72,10 @@ void bvxi_walls_close(bvxi_walls *t);
  * [Size: triangles * 3]. reach: [Units: world] */
 bvx_status bvxi_triangles_near(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *places,
                                double reach, int32_t with_area, bvx_mesh_view *near, uint32_t **corner);
+
+/* The triangles of a mesh that a search among those around the places needs, as bvxi_triangles_near gives them. */
+bvx_status bvxi_walls_around(const bvxi_walls *t, const bvx_mesh_view *mesh, bvx_mesh_view *near,
+                             uint32_t **corner);
 
 /* Mark the places where the lattice may lose the surface; list them; take the
  * triangles around them and make a search of these (near has none where there

@@ -275,20 +275,23 @@ bvx_status bvxi_triangles_near(bvx_context *ctx, const bvx_mesh_view *mesh, cons
 
 /* ---- their order ---- */
 
-/* Corners in the order of their places. Returns 1 when that turns the triangle round. */
-static uint8_t order_corners(const bvx_mesh_view *mesh, uint32_t c[3])
+/* Corners in the order of their places, in p too. Returns 1 when that turns the triangle round. */
+static uint8_t order_corners(uint32_t c[3], double p[3][3])
 {
     uint8_t turned = 0;
 
     for (int step = 0; step < 3; step++) {
         int const k = step & 1; /* corners 0 and 1, 1 and 2, 0 and 1 */
-        double p[2][3];
         uint32_t const first = c[k];
 
-        for (int i = 0; i < 2; i++) bvxi_view_position(mesh, c[k + i], p[i]);
-        if (!bvxi_corner_before(p[1], p[0])) continue;
+        if (!bvxi_corner_before(p[k + 1], p[k])) continue;
         c[k] = c[k + 1];
         c[k + 1] = first;
+        for (int a = 0; a < 3; a++) {
+            double const x = p[k][a];
+            p[k][a] = p[k + 1][a];
+            p[k + 1][a] = x;
+        }
         turned ^= 1;
     }
     return turned;
@@ -303,22 +306,19 @@ static void order_piece_nearby(void *user, int32_t piece, uint64_t begin, uint64
     double *const low = job->low[piece], *const high = job->high[piece];
     double const size[3] = {t->unit, t->unit, t->unit}, scale = bvxi_unit_scale(size, size);
 
+    for (int a = 0; a < 3; a++) low[a] = HUGE_VAL, high[a] = -HUGE_VAL;
     for (uint64_t n = begin; n < end; n++) {
-        uint32_t *const c = t->corner + 3 * n;
+        double p[3][3];
 
-        job->sorted[n] = order_corners(&t->near, c);
-        job->keys[n] = bvxi_view_corners_hash(&t->near, c, scale);
+        bvxi_view_corners(&t->near, n, p);
+        job->sorted[n] = order_corners(t->corner + 3 * n, p);
+        job->keys[n] = bvxi_corners_hash((const double(*)[3])p, scale);
         job->numbers[n] = (uint32_t)n;
-        for (int k = 0; k < 3; k++) {
-            double p[3];
+        for (int k = 0; k < 9; k++) {
+            double const x = p[k / 3][k % 3] + 0.0; /* -0 is 0 */
 
-            bvxi_view_position(&t->near, c[k], p);
-            for (int a = 0; a < 3; a++) {
-                int const first = n == begin && k == 0;
-                p[a] += 0.0; /* -0 is 0 */
-                if (first || p[a] < low[a]) low[a] = p[a];
-                if (first || p[a] > high[a]) high[a] = p[a];
-            }
+            low[k % 3] = x < low[k % 3] ? x : low[k % 3];
+            high[k % 3] = x > high[k % 3] ? x : high[k % 3];
         }
     }
 }
@@ -378,22 +378,28 @@ static bvx_status order_triangles_nearby(near_job *job, double low[3], double hi
     /* Room for all triangles is needed no more. */
     bvxi_drop(ctx, t->corner);
     t->corner = job->sorted;
-    t->corner_bytes = count * 12;
     view_triangles(t->mesh, t->corner, count, &t->near);
     return BVX_OK;
 }
 
 /* ---- the search ---- */
 
-bvx_status bvxi_walls_near(bvxi_walls *t)
+bvx_status bvxi_walls_around(const bvxi_walls *t, const bvx_mesh_view *mesh, bvx_mesh_view *near,
+                             uint32_t **corner)
 {
-    near_job job = {.ctx = t->ctx, .walls = t};
     double const reach = (1.0 + 2 * BVXI_WALL_DEPTH + (t->beside || t->parts ? WALL_BESIDE : 0.0)) * t->unit;
-    double low[3], high[3];
 
     /* Without area a triangle has no side that it could face. Enough are those of the nearest point within one
      * spacing, then of the nearest to a point BVXI_WALL_DEPTH behind it, at most BVXI_WALL_DEPTH further. */
-    BVXI_TRY(bvxi_triangles_near(t->ctx, t->mesh, &t->places, reach, 1, &t->near, &t->corner));
+    return bvxi_triangles_near(t->ctx, mesh, &t->places, reach, 1, near, corner);
+}
+
+bvx_status bvxi_walls_near(bvxi_walls *t)
+{
+    near_job job = {.ctx = t->ctx, .walls = t};
+    double low[3], high[3];
+
+    BVXI_TRY(bvxi_walls_around(t, t->mesh, &t->near, &t->corner));
     /* No triangle is near: nothing is searched. */
     if (t->near.triangle_count == 0) return BVX_OK;
 

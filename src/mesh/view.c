@@ -389,16 +389,13 @@ bvx_status bvxi_view_apart(bvx_context *ctx, const char *function, const bvx_mes
     return BVX_OK;
 }
 
-uint64_t bvxi_view_corners_hash(const bvx_mesh_view *view, const uint32_t corner[3], double scale)
+uint64_t bvxi_corners_hash(const double corner[3][3], double scale)
 {
     bvxi_hash hash;
+    double p[9];
     /* By places, not by indices: the hash is the same for any numbering of the vertices. */
     bvxi_hash_start(&hash, 0);
-    for (int k = 0; k < 3; k++) {
-        double p[3];
-        bvxi_view_position(view, corner[k], p);
-        for (int a = 0; a < 3; a++) p[a] = p[a] * scale + 0.0; /* -0 is 0 */
-        bvxi_hash_f64(&hash, p, 3);
-    }
+    for (int k = 0; k < 9; k++) p[k] = corner[k / 3][k % 3] * scale + 0.0; /* -0 is 0 */
+    bvxi_hash_f64(&hash, p, 9);
     return bvxi_hash_end(&hash);
 }

@@ -19,9 +19,9 @@ bvx_status bvxi_view_check_uvs(bvx_context *ctx, const char *function, const bvx
 bvx_status bvxi_view_bounds(bvx_context *ctx, const char *function, const bvx_mesh_view *view, double low[3],
                             double high[3]);
 
-/* Of three vertices' positions in this order times scale, -0 as 0. A power of two for the mesh's size
- * (bvxi_unit_scale) gives the same hash in any unit. */
-uint64_t bvxi_view_corners_hash(const bvx_mesh_view *view, const uint32_t corner[3], double scale);
+/* Of three positions in this order times scale, -0 as 0. A power of two for the mesh's size (bvxi_unit_scale) gives the
+ * same hash in any unit. */
+uint64_t bvxi_corners_hash(const double corner[3][3], double scale);
 
 /* mesh.c: of all triangles. Trusts the indices. */
 double bvxi_view_area(const bvx_mesh_view *view);

@@ -40,10 +40,12 @@ static void turn_to_lowest(const bvx_mesh_view *view, uint32_t c[3])
 
 static uint64_t hash_of_corners(const bvx_mesh_view *view, uint64_t triangle)
 {
+    double p[3][3];
     uint32_t c[3];
     bvxi_view_triangle(view, triangle, c);
     turn_to_lowest(view, c);
-    return bvxi_view_corners_hash(view, c, 1.0);
+    for (int k = 0; k < 3; k++) bvxi_view_position(view, c[k], p[k]);
+    return bvxi_corners_hash((const double(*)[3])p, 1.0);
 }
 
 /* A few triangles of one key by their hashes, which are in keys. */

@@ -168,10 +168,15 @@ static bvx_status widen(thin_job *t)
     uint64_t *near;
     int mended = 0;
 
-    /* From here on only what lies around the walls matters; most places had none. */
-    bvxi_walls_forget(t->walls);
-    t->walls->beside = 1;
-    BVXI_TRY(bvxi_walls_near(t->walls));
+    /* From here on only what lies around the walls matters; most places had none. A search for walls that stand on
+     * other parts reaches as far as the centres around the places need it to. */
+    if (t->walls->parts) {
+        BVXI_TRY(bvxi_walls_around(t->walls, &t->walls->near, &t->thin->mesh, &t->thin->corner));
+    } else {
+        bvxi_walls_forget(t->walls);
+        t->walls->beside = 1;
+        BVXI_TRY(bvxi_walls_near(t->walls));
+    }
     widen_places(t);
     BVXI_TRY(bvxi_walls_list(t->walls));
     BVXI_TRY(BVXI_SHARE(t->walls->ctx, 0.0, 0.4, bvxi_walls_ask(t->walls, THIN_BESIDE)));
@@ -209,9 +214,9 @@ bvx_status bvxi_thicken(bvxi_walls *walls, bvx_grid *inside, bvxi_thin *thin)
 {
     thin_job t = {.walls = walls, .inside = inside, .thin = thin};
     BVXI_TRY(widen(&t));
+    if (thin->corner != NULL) return BVX_OK;
     /* The triangles that were asked go on to the surface, as the centres have. */
     thin->corner = walls->corner;
-    thin->corner_bytes = walls->corner_bytes;
     thin->mesh = walls->near;
     walls->corner = NULL;
     return BVX_OK;

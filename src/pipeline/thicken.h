@@ -13,7 +13,6 @@ typedef struct bvxi_thin {
      * [Units: largest spacings] */
     bvxi_sparse near;
     uint32_t *corner; /* of the body's triangles nearby, and a view of these */
-    uint64_t corner_bytes;
     bvx_mesh_view mesh;
 } bvxi_thin;
 
