@@ -220,7 +220,7 @@ static void fuzz_pictures(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
     bvx_render_options o = {.struct_size = sizeof o};
     bvx_image image = {0}, twin = {0};
     bvx_buffer file = {0};
-    int const kind = fuzz_range(in, 0, 3);
+    int const kind = fuzz_range(in, 0, 2);
 
     o.width = fuzz_range(in, 1, 40);
     o.height = fuzz_range(in, 1, 40);
@@ -237,8 +237,7 @@ static void fuzz_pictures(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
         bvx_status status;
         if (kind == 0) status = bvx_render_mesh(c, &m->view, &o, i);
         else if (kind == 1) status = bvx_render_grid(c, solid, &o, i);
-        else if (kind == 2) status = bvx_render_difference(c, solid, solid, &o, i);
-        else status = bvx_render_slices(c, solid, fuzz_range(in, 0, 0), 3, &o, i);
+        else status = bvx_render_difference(c, solid, solid, &o, i);
         if (!fuzz_good(c, status)) break;
     }
     if (image.pixels != NULL) {

@@ -502,7 +502,6 @@ static void picture_cases(golden *g)
         picture_value(g, "mesh", bvx_render_mesh(g->context, &view, &o, &image), &image);
         picture_value(g, "grid", bvx_render_grid(g->context, &solid, &o, &image), &image);
         picture_value(g, "difference", bvx_render_difference(g->context, &solid, &thin, &o, &image), &image);
-        picture_value(g, "slices", bvx_render_slices(g->context, &solid, 2, 6, &o, &image), &image);
     }
     golden_end(g);
     bvx_grid_free(g->context, &thin);

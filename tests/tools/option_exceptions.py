@@ -27,7 +27,7 @@ OWN = {
     ("sections", "--parts"): "of the result, a wish", ("sections", "--genus"): "of the result, a wish",
     ("sections", "--touching"): "a call of its own, bvx_build_bodies",
     ("info", "--crossings"): "another call", ("info", "--measure"): "another call", ("render", "--compare"): "another call", ("render", "--from"): "bvx_camera.direction",
-    ("render", "--slices"): "another call", ("render", "--voxels"): "the resolution of a solid",
+    ("render", "--voxels"): "the resolution of a solid",
     ("lod", "--normals"): "bvx_write_options.normals", ("repair", "--normals"): "bvx_write_options.normals", ("simplify", "--normals"): "bvx_write_options.normals",
     ("hull", "--normals"): "bvx_write_options.normals", ("hull", "--up"): "bvx_write_options.turn",
     ("*", "--quantize"): "bvx_write_options.quantize", ("*", "--input-up"): "bvx_write_options.turn",
