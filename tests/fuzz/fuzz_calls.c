@@ -17,8 +17,7 @@ static void fuzz_dense(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m, con
                                 (uint64_t)lattice->dims[2];
         float *const values = malloc((size_t)voxels * sizeof *values);
         fuzz_require(values != NULL, "no memory");
-        if (fuzz_good(ctx, bvx_field_dense(ctx, &field, &m->view,
-                                           fuzz_range(in, BVX_FAR_CONSTANT, BVX_FAR_PROPAGATED), 0, values)))
+        if (fuzz_good(ctx, bvx_field_dense(ctx, &field, 0, values)))
             for (uint64_t i = 0; i < voxels; i++) {
                 int32_t const x = (int32_t)(i % (uint64_t)lattice->dims[0]);
                 int32_t const y = (int32_t)(i / (uint64_t)lattice->dims[0] % (uint64_t)lattice->dims[1]);

@@ -424,7 +424,7 @@ static bvx_status measure_field(const world *w)
 }
 static bvx_status field_dense(const world *w)
 {
-    return bvx_field_dense(w->ctx, w->field, w->mesh, 0, 0, (float *)w->out);
+    return bvx_field_dense(w->ctx, w->field, 0, (float *)w->out);
 }
 static bvx_status extract_field_surface(const world *w)
 {
