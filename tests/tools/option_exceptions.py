@@ -24,7 +24,6 @@ OWN = {
     ("slice", "--axis"): "bvx_slice_options.normal", ("refine", "--base"): "the resolution of the lattice", ("refine", "--resolution"): "of the last level",
     ("lod", "--levels"): "an array: resolutions", ("lod", "--outer-hull"): "parts.least_cavity = UINT64_MAX", ("morph", "--origin"): "of the lattice",
     ("morph", "--value-type"): "an argument of bvx_grid_distance", ("sections", "--block-model"): "names a file", ("sections", "--block"): "of the block model",
-    ("sections", "--parts"): "of the result, a wish", ("sections", "--genus"): "of the result, a wish",
     ("sections", "--touching"): "a call of its own, bvx_build_bodies",
     ("info", "--crossings"): "another call", ("info", "--measure"): "another call", ("render", "--compare"): "another call", ("render", "--from"): "bvx_camera.direction",
     ("render", "--voxels"): "the resolution of a solid",

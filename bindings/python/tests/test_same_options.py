@@ -30,7 +30,7 @@ ELSEWHERE = {
 REPORTS = {
     "repair": {"--measure"},
     "lod": {"--samples"}, "simplify": {"--samples"},
-    "sections": {"--parts", "--genus", "--block-model", "--block"}, "compare": {"--samples", "--seed"}, "info": {"--crossings", "--measure", "--density", "--resolution"},
+    "sections": {"--block-model", "--block"}, "compare": {"--samples", "--seed"}, "info": {"--crossings", "--measure", "--density", "--resolution"},
     "check": {"--walls", "--gaps", "--density", "--up", "--resolution", "--most"},
 }
 
