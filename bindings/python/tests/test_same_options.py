@@ -30,7 +30,7 @@ ELSEWHERE = {
 REPORTS = {
     "repair": {"--measure"},
     "lod": {"--samples"}, "simplify": {"--samples"},
-    "sections": {"--parts", "--genus", "--block-model", "--block"}, "compare": {"--samples", "--seed"}, "info": {"--crossings", "--measure", "--density", "--resolution"},
+    "sections": {"--block-model", "--block"}, "compare": {"--samples", "--seed"}, "info": {"--crossings", "--measure", "--density", "--resolution"},
     "check": {"--walls", "--gaps", "--density", "--up", "--resolution", "--most"},
 }
 
@@ -305,7 +305,6 @@ ROWS = {
         ("small.ply --size 90x60 --wireframe", "png", lambda at: bitvox.render(at.small, size=(90, 60), wireframe=True)),
         ("small.ply --size 90x60 --voxels 30 --fill flood --close-gaps 1", "png",
          lambda at: bitvox.render(bitvox.voxelize(at.small, resolution=30, fill="flood", close_gaps=1), size=(90, 60))),
-        ("solid.bvx --size 90x60 --slices z:4", "png", lambda at: bitvox.render(at.solid, size=(90, 60), slices=("z", 4))),
         ("solid.bvx --size 90x60 --compare other.bvx", "png", lambda at: bitvox.render(at.solid, size=(90, 60), compare=bitvox.read(at / "other.bvx"))),
         ("other.bvx --size 90x60 --keep-largest 1", "png", lambda at: bitvox.render(bitvox.read(at / "other.bvx").keep(largest=1), size=(90, 60))),
         ("other.bvx --size 90x60 --least-part 40", "png", lambda at: bitvox.render(bitvox.read(at / "other.bvx").keep(at_least=40), size=(90, 60))),
