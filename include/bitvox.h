@@ -1644,8 +1644,8 @@ typedef struct bvx_refine_options {
  *  level), BVX_ERR_BUDGET (the last value of bvx_last_error is the number of levels that fits). */
 BVX_API bvx_status bvx_refine(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *base,
                               const bvx_refine_options *options, bvx_octree **tree);
-/** Choose base, out, and levels of options with which bvx_refine takes least time for at least resolution voxels of the
- *  last level along the mesh's longest axis. levels is BVX_NONE for none; window and tolerance are considered. */
+/** Choose base, out, and levels of options for at least resolution voxels of the last level along the mesh's longest
+ *  axis: a base that is small beside it (docs/rules.md). levels is BVX_NONE for none. */
 BVX_API bvx_status bvx_refine_choose(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,
                                      bvx_refine_options *options, bvx_lattice *base);
 BVX_API void bvx_octree_free(bvx_context *context, bvx_octree *tree);
