@@ -42,7 +42,8 @@ extern "C" {
     X(BVX_FORMAT_SVG, 22, "svg") \
     X(BVX_FORMAT_GLTF, 23, "gltf") \
     X(BVX_FORMAT_3MF, 24, "3mf") \
-    X(BVX_FORMAT_VDB, 25, "vdb")
+    X(BVX_FORMAT_VDB, 25, "vdb") \
+    X(BVX_FORMAT_NVDB, 26, "nvdb")
 enum {
     BVX_FORMAT_UNKNOWN = 0,
     BVX_FORMAT_LIST(BVX_LIST_ENUM)
@@ -53,7 +54,7 @@ enum {
                          1 << BVX_FORMAT_GLB | 1 << BVX_FORMAT_3MF,
     BVX_GRIDS_READ = 1 << BVX_FORMAT_NPY | 1 << BVX_FORMAT_BINVOX | 1 << BVX_FORMAT_VOX | 1 << BVX_FORMAT_NRRD |
                      1 << BVX_FORMAT_VTI | 1 << BVX_FORMAT_BVX,
-    BVX_GRIDS_WRITTEN = BVX_GRIDS_READ | 1 << BVX_FORMAT_VDB,
+    BVX_GRIDS_WRITTEN = BVX_GRIDS_READ | 1 << BVX_FORMAT_VDB | 1 << BVX_FORMAT_NVDB,
     BVX_VOLUMES_READ = 1 << BVX_FORMAT_NRRD | 1 << BVX_FORMAT_NPY | 1 << BVX_FORMAT_VTI | 1 << BVX_FORMAT_RAW,
     BVX_POINTS_READ = 1 << BVX_FORMAT_XYZ | 1 << BVX_FORMAT_PLY,
     BVX_SECTIONS_READ = 1 << BVX_FORMAT_CSL | 1 << BVX_FORMAT_CSV,
@@ -236,9 +237,10 @@ BVX_API bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *levels, 
  *  BVX_FORMAT_VTI     VTK image, cell data uint8, raw appended; Origin is the low corner
  *  BVX_FORMAT_BVX     our own: lattice and window whole; slices packed by runs, each with a checksum
  *  BVX_FORMAT_VDB     OpenVDB: a tree of bool named "solid"; index 0,0,0 is the centre of the window's first voxel
+ *  BVX_FORMAT_NVDB    NanoVDB: the same tree as one block, of masks; no checksum and no statistics
  *  Returns BVX_ERR_RANGE (larger than the format holds), BVX_ERR_UNSUPPORTED (no grid format, or a lattice
  *  that it cannot hold).
- *  [Memory: the file; BINVOX: and 64 layers of x twice; VDB: and a byte for 512 voxels]
+ *  [Memory: the file; BINVOX: and 64 layers of x twice; VDB, NVDB: and a byte for 512 voxels]
  *  [Cost: O(voxels) bytes written; BVX, BINVOX: O(words + runs)] */
 BVX_API bvx_status bvx_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format, bvx_buffer *file);
 
@@ -268,6 +270,7 @@ BVX_API bvx_status bvx_read_octree(bvx_context *context, const void *bytes, uint
  *                   the first voxel
  *  BVX_FORMAT_VTI   point data "distance" or "vector" at the centres, raw appended; Origin is the first one
  *  BVX_FORMAT_VDB   OpenVDB: distances in the band as a level set, of floats or doubles; no vectors
+ *  BVX_FORMAT_NVDB  NanoVDB: the same; a leaf of 8 x 8 x 8 has all of its values
  *  Returns BVX_ERR_ARGUMENT (also a field without vectors, or whose rows are not those of its band),
  *  BVX_ERR_LATTICE, BVX_ERR_UNSUPPORTED (no format for fields), BVX_ERR_RANGE.
  *  [Memory: the file]

@@ -130,7 +130,7 @@ const cli_command cli_convert = {
     .does = "a mesh, a grid or an octree in another format",
     .details =
         "Meshes: reads " CLI_MESHES_READ ", also with .gz, and writes " CLI_MESHES_WRITTEN ".\n"
-        "Grids: reads " CLI_GRIDS ", also with .gz, and writes the same, .vdb, or\n"
+        "Grids: reads " CLI_GRIDS ", also with .gz, and writes the same, .vdb, .nvdb or\n"
         "their surface half way between set and empty voxels as a mesh.\n"
         "Octrees: reads .bvx and writes .vtu, .bvx, and with --expand grids of one level.\n"
         "What the new format cannot hold (colours, texture coordinates, a lattice around a window) is reported\n"

@@ -139,7 +139,7 @@ static const cli_rule action_rules[] = {
      .message = "--beyond nothing is for distances"},
     {.when = MEASURES,
      .unless = CLI_TO_DISTANCES,
-     .message = "%f: distances are written as .npy, .nrrd, .vti or .vdb"},
+     .message = "%f: distances are written as .npy, .nrrd, .vti, .vdb or .nvdb"},
     {.unless = MEASURES, .also = cli_to_voxels_rules},
     {.when = MEASURES,
      .given = "--triangles --error --error-kind --sharp --no-sharp",

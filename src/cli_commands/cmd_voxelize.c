@@ -140,7 +140,7 @@ static const cli_rule mesh_rules[] = {
      .message = "--keep-largest and --least-part are for voxels; --mode field has no use for them"},
     {.when = SETS_FIELD,
      .unless = CLI_TO_DISTANCES,
-     .message = "%f: fields are written as .npy, .nrrd, .vti or .vdb"},
+     .message = "%f: fields are written as .npy, .nrrd, .vti, .vdb or .nvdb"},
     {.also = fill_rules},
     {.when = CLI_OF_CLOUD, .also = cloud_rules},
     {.when = CLI_OF_GRID,
@@ -500,8 +500,8 @@ const cli_command cli_voxelize = {
     .details =
         "Reads a mesh (" CLI_MESHES_READ ", also with .gz) and writes the voxels whose centres lie\n"
         "inside, or with --mode those of its surface: .npy (NumPy, bool, axes x, y, z), .binvox, .vox,\n"
-        ".nrrd, .vti, .bvx or .vdb (OpenVDB). .npy and .vox hold no lattice: it goes to OUT.json beside them.\n"
-        "--mode field writes the distances from the centres to the mesh: .npy, .nrrd, .vti, .vdb, f32 or f64.\n"
+        ".nrrd, .vti, .bvx, .vdb (OpenVDB) or .nvdb. .npy and .vox hold no lattice: it goes to OUT.json beside them.\n"
+        "--mode field writes the distances from the centres to the mesh: .npy, .nrrd, .vti, .vdb, .nvdb, f32 or f64.\n"
         "Where OUT is a mesh it is the voxels' closed surface: of a solid with its vertices on the mesh, of\n"
         "other modes half way between set and empty voxels.\n"
         "Which voxels are inside a mesh with holes is a matter of the rule: --fill.\n"

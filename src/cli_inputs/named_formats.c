@@ -18,7 +18,9 @@ int cli_kind_of_format(int32_t format)
 
 int cli_kind_of_input(int32_t format)
 {
-    return format == BVX_FORMAT_GLTF ? CLI_MESH : format == BVX_FORMAT_VDB ? 0 : cli_kind_of_format(format);
+    return format == BVX_FORMAT_GLTF                               ? CLI_MESH
+           : format == BVX_FORMAT_VDB || format == BVX_FORMAT_NVDB ? 0
+                                                                   : cli_kind_of_format(format);
 }
 
 const char *cli_format_name(int32_t format)
@@ -107,6 +109,7 @@ const char *cli_way_around(const char *path, int written)
                   {"; FreeCAD and Gmsh make .stl of it", "; FreeCAD makes it of .stl"}},
                  {".gltf ", {"", "; .glb is the same in one file"}},
                  {".vdb ", {"; OpenVDB's vdb_tool makes .ply of it", ""}},
+                 {".nvdb ", {"; OpenVDB's nanovdb_convert makes .vdb of it", ""}},
                  {".schematic ", {"; FileToVox makes .vox of it", "; ObjToSchematic makes it of .obj"}},
                  {".schem .litematic ", {"", "; ObjToSchematic makes it of .obj"}},
                  {".amf .dxf .dcm ", {"; the Python package reads it", ""}},

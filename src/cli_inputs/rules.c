@@ -7,8 +7,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#define VOLUME_FORMATS \
-    (1u << BVX_FORMAT_NPY | 1u << BVX_FORMAT_NRRD | 1u << BVX_FORMAT_VTI | 1u << BVX_FORMAT_VDB)
+#define VOLUME_FORMATS                                                                            \
+    (1u << BVX_FORMAT_NPY | 1u << BVX_FORMAT_NRRD | 1u << BVX_FORMAT_VTI | 1u << BVX_FORMAT_VDB | \
+     1u << BVX_FORMAT_NVDB)
 #define NORMAL_FORMATS (1u << BVX_FORMAT_PLY | 1u << BVX_FORMAT_OBJ | 1u << BVX_FORMAT_GLB)
 
 const cli_rule cli_lattice_rules[] = {

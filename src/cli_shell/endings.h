@@ -6,7 +6,7 @@
 #define CLI_MESHES_READ      ".stl .obj .ply .off .glb .gltf .3mf"
 #define CLI_MESHES_WRITTEN   ".ply .obj .stl .off .glb .3mf"
 #define CLI_GRIDS            ".npy .binvox .vox .nrrd .vti .bvx" /* read and written */
-#define CLI_GRIDS_WRITTEN    CLI_GRIDS " .vdb"
+#define CLI_GRIDS_WRITTEN    CLI_GRIDS " .vdb .nvdb"
 #define CLI_CONTOURS_READ    ".csl .csv"
 #define CLI_CONTOURS_WRITTEN ".csl .csv .svg"
 

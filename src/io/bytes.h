@@ -97,6 +97,13 @@ static inline void bvxi_output_add(bvxi_output *o, const void *bytes, size_t n)
     o->size += n;
 }
 
+static inline void bvxi_output_u32(bvxi_output *o, uint64_t v)
+{
+    uint8_t b[4];
+    bvxi_store_u32(b, (uint32_t)v);
+    bvxi_output_add(o, b, 4);
+}
+
 /* Text with values: %s a text, %q one as a JSON string, %u a uint64_t, %d an int64_t, %g a double as the
  * shortest decimals that read back to it; %v three doubles and %w three int32_t that are not negative, each by its address and
  * the text between. */

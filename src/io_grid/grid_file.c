@@ -67,6 +67,7 @@ static bvx_status run_write_grid(bvx_context *context, const bvx_grid *grid, int
     case BVX_FORMAT_VTI: return bvxi_write_dense(context, grid, format, file);
     case BVX_FORMAT_BVX: return bvxi_write_bvx(context, grid, file);
     case BVX_FORMAT_VDB: return bvxi_write_vdb(context, grid, NULL, file);
+    case BVX_FORMAT_NVDB: return bvxi_write_nvdb(context, grid, NULL, file);
     default:
         return bvxi_fail_format(context, BVX_ERR_UNSUPPORTED, function, "grid", format, BVX_GRIDS_WRITTEN);
     }

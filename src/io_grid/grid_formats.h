@@ -133,6 +133,7 @@ bvx_status bvxi_write_vox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *fi
 bvx_status bvxi_write_bvx(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);
 /* The voxels of a grid, or the distances of a field, whose band is the grid. */
 bvx_status bvxi_write_vdb(bvx_context *ctx, const bvx_grid *grid, const bvx_field *field, bvx_buffer *file);
+bvx_status bvxi_write_nvdb(bvx_context *ctx, const bvx_grid *grid, const bvx_field *field, bvx_buffer *file);
 
 /* Key of an NRRD file that keeps the low corner unrounded. */
 #define BVXI_NRRD_CORNER_KEY "bitvox low corner"

@@ -420,18 +420,11 @@ bvx_status bvxi_read_vox(const bvxi_grid_source *source, bvx_grid *grid)
 
 enum { VOX_MAX_SIDE = 256, VOX_VERSION = 150, VOX_COLOUR = 1, VOX_MOST_MODELS = 1 << 20 };
 
-static void vox_put_number(bvxi_output *o, uint64_t v)
-{
-    uint8_t b[4];
-    bvxi_store_u32(b, (uint32_t)v);
-    bvxi_output_add(o, b, 4);
-}
-
 static void vox_put_head(bvxi_output *o, const char *name, uint64_t content, uint64_t children)
 {
     bvxi_output_add(o, name, 4);
-    vox_put_number(o, content);
-    vox_put_number(o, children);
+    bvxi_output_u32(o, content);
+    bvxi_output_u32(o, children);
 }
 
 /* A box of voxels, whose first word of a row is whole, as a model. */
@@ -443,9 +436,9 @@ static void vox_put_model(bvxi_output *o, const bvx_grid *grid, const int32_t lo
     for (int32_t pass = 0; pass < 2; pass++) {
         if (pass == 1) {
             vox_put_head(o, "SIZE", 12, 0);
-            for (int32_t a = 0; a < 3; a++) vox_put_number(o, (uint64_t)size[a]);
+            for (int32_t a = 0; a < 3; a++) bvxi_output_u32(o, (uint64_t)size[a]);
             vox_put_head(o, "XYZI", 4 + 4 * count, 0);
-            vox_put_number(o, count);
+            bvxi_output_u32(o, count);
         }
         for (int32_t z = 0; z < size[2]; z++)
             for (int32_t y = 0; y < size[1]; y++)
@@ -470,16 +463,16 @@ static void vox_put_place(bvxi_output *o, uint64_t number, const int32_t middle[
 
         if (pass == 1) {
             vox_put_head(o, "nTRN", 38 + text.size, 0);
-            vox_put_number(o, number);
-            vox_put_number(o, 0);
-            vox_put_number(o, number + 1);
-            vox_put_number(o, UINT32_MAX);
-            vox_put_number(o, UINT32_MAX);
-            vox_put_number(o, 1);
-            vox_put_number(o, 1);
-            vox_put_number(o, 2);
+            bvxi_output_u32(o, number);
+            bvxi_output_u32(o, 0);
+            bvxi_output_u32(o, number + 1);
+            bvxi_output_u32(o, UINT32_MAX);
+            bvxi_output_u32(o, UINT32_MAX);
+            bvxi_output_u32(o, 1);
+            bvxi_output_u32(o, 1);
+            bvxi_output_u32(o, 2);
             bvxi_output_add(o, "_t", 2);
-            vox_put_number(o, text.size);
+            bvxi_output_u32(o, text.size);
         }
         bvxi_output_print(to, "%d %d %d", (int64_t)middle[0], (int64_t)middle[1], (int64_t)middle[2]);
     }
@@ -493,17 +486,17 @@ static void vox_put_file(bvxi_output *o, const bvx_grid *grid, const int32_t n[3
 
     o->size = 0;
     bvxi_output_add(o, "VOX ", 4);
-    vox_put_number(o, VOX_VERSION);
+    bvxi_output_u32(o, VOX_VERSION);
     vox_put_head(o, "MAIN", 0, children);
     for (int32_t scene = 0; scene < (all > 1 ? 2 : 1); scene++) {
         /* Nodes: 0 and 1 hold all, then two for each model. */
         if (scene == 1) {
             vox_put_place(o, 0, here);
             vox_put_head(o, "nGRP", 12 + 4 * (uint64_t)all, 0);
-            vox_put_number(o, 1);
-            vox_put_number(o, 0);
-            vox_put_number(o, (uint64_t)all);
-            for (int32_t i = 0; i < all; i++) vox_put_number(o, 2 + 2 * (uint64_t)i);
+            bvxi_output_u32(o, 1);
+            bvxi_output_u32(o, 0);
+            bvxi_output_u32(o, (uint64_t)all);
+            for (int32_t i = 0; i < all; i++) bvxi_output_u32(o, 2 + 2 * (uint64_t)i);
         }
         for (int32_t i = 0; i < all; i++) {
             int32_t const at[3] = {i % n[0], i / n[0] % n[1], i / n[0] / n[1]};
@@ -519,11 +512,11 @@ static void vox_put_file(bvxi_output *o, const bvx_grid *grid, const int32_t n[3
             }
             vox_put_place(o, 2 + 2 * (uint64_t)i, middle);
             vox_put_head(o, "nSHP", 20, 0);
-            vox_put_number(o, 3 + 2 * (uint64_t)i);
-            vox_put_number(o, 0);
-            vox_put_number(o, 1);
-            vox_put_number(o, (uint64_t)i);
-            vox_put_number(o, 0);
+            bvxi_output_u32(o, 3 + 2 * (uint64_t)i);
+            bvxi_output_u32(o, 0);
+            bvxi_output_u32(o, 1);
+            bvxi_output_u32(o, (uint64_t)i);
+            bvxi_output_u32(o, 0);
         }
     }
 }

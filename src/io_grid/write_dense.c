@@ -212,10 +212,12 @@ static bvx_status run_write_field(bvx_context *context, const bvx_field *field, 
     BVXI_TRY(bvxi_field_check(context, function, field));
     BVXI_TRY(bvxi_field_check_vectors(context, function, field, vectors));
     if (format == BVX_FORMAT_VDB && vectors == 0) return bvxi_write_vdb(context, &field->band, field, file);
+    if (format == BVX_FORMAT_NVDB && vectors == 0) return bvxi_write_nvdb(context, &field->band, field, file);
     if (format != BVX_FORMAT_NPY && format != BVX_FORMAT_NRRD && format != BVX_FORMAT_VTI)
-        return bvxi_fail(context, BVX_ERR_UNSUPPORTED,
-                         "%s: format %d holds no such field; take NPY, NRRD, VTI or, of distances, VDB",
-                         function, (int64_t)format);
+        return bvxi_fail(
+            context, BVX_ERR_UNSUPPORTED,
+            "%s: format %d holds no such field; take NPY, NRRD, VTI or, of distances, VDB or NVDB", function,
+            (int64_t)format);
     w.grid = &field->band;
     w.bytes = field->value_type == BVX_F32 ? 4 : 8;
     return write_file(context, function, &w, format, file);

@@ -249,9 +249,11 @@ refuses 1 'no directory of a zip file' info cut.3mf
 # ---- OpenVDB: written only ----
 
 works 'voxels to OpenVDB' voxelize "$knot" -o k.vdb --resolution 150
+works 'voxels to NanoVDB' voxelize "$knot" -o k.nvdb --resolution 150
+refuses 1 "OpenVDB's nanovdb_convert makes .vdb of it" info k.nvdb
 works 'distances to OpenVDB' voxelize "$knot" -o d.vdb --resolution 40 --mode field
 refuses 1 "also with .gz); OpenVDB's vdb_tool makes .ply of it" info k.vdb
-refuses 1 'take NPY, NRRD, VTI or, of distances, VDB' voxelize "$knot" -o v.vdb --resolution 40 --mode field --vectors
+refuses 1 'take NPY, NRRD, VTI or, of distances, VDB or NVDB' voxelize "$knot" -o v.vdb --resolution 40 --mode field --vectors
 
 # ---- OBJ: materials are not read, which is told where a mesh is written ----
 

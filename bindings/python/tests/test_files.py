@@ -148,6 +148,13 @@ def test_openvdb_is_written_only(tmp_path):
     assert np.array_equal(theirs, array)
 
 
+def test_nanovdb_is_written_only(tmp_path):
+    bitvox.Grid.from_numpy(ball_grid(20)).save(tmp_path / "a.nvdb")
+    assert (tmp_path / "a.nvdb").read_bytes()[:8] == b"NanoVDB0"
+    with pytest.raises(bitvox.UnsupportedError):
+        bitvox.read(tmp_path / "a.nvdb")
+
+
 @pytest.mark.parametrize("ending", ["npy", "binvox", "vox", "nrrd", "vti", "bvx", "nrrd.gz"])
 def test_grids_round_trip(tmp_path, ending):
     grid = bitvox.Grid.from_numpy(ball_grid(20), spacing=0.5, corner=(1, 2, 3))

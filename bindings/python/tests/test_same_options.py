@@ -294,6 +294,7 @@ ROWS = {
          lambda at: only(bitvox.read_volume(LABELS).surfaces(background=2, smooth=False)[1], normals=True, origin=(1, 2, 3))),
         ("LABELS --only 1 --window 0,0,0,20,20,20", "ply",
          lambda at: bitvox.Volume(bitvox.read_volume(LABELS).array[:20, :20, :20], lattice=bitvox.read_volume(LABELS).lattice).surfaces()[1]),
+        ("LABELS --only 1 --window 0,0,0,20,20,20 --open", "ply", lambda at: bitvox.read_volume(LABELS).window((0, 0, 0, 20, 20, 20)).surfaces(open=True)[1]),
         ("LABELS", "glb", lambda at: written(bitvox.read_volume(LABELS).surfaces(), at / "written.glb")),
         ("LABELS --names names.txt", "glb", lambda at: written(named(at).surfaces(), at / "written.glb")),
         (f"{RAW} --only LABEL", "ply", lambda at: at.raw.surfaces()[int(at.samples.max())]),

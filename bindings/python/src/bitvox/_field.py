@@ -264,7 +264,7 @@ class Field:
         return image
 
     def save(self, path: str | os.PathLike[str], format: str | None = None, *, vectors: bool = False) -> None:
-        """Write signed distances, or ``vectors``, to ``path`` as .npy, .nrrd, .vti or .vdb (distances; or ``format``, in place of the ending).
+        """Write signed distances, or ``vectors``, to ``path`` as .npy, .nrrd, .vti, .vdb or .nvdb (both distances only; or ``format``, in place of the ending).
 
         Examples
         --------

@@ -27,6 +27,7 @@ MESH_FORMATS = formats_in(lib.BVX_MESHES_READ)
 MESH_OUTPUTS = formats_in(lib.BVX_MESHES_WRITTEN)
 GRID_FORMATS = formats_in(lib.BVX_GRIDS_READ)
 GRID_OUTPUTS = formats_in(lib.BVX_GRIDS_WRITTEN)
+FIELD_OUTPUTS = ("npy", "nrrd", "vti", "vdb", "nvdb")
 MESHES_BY_LIBRARIES = ("vtp",)  # PyVista
 _TREE_MAGIC = b"\x89BVO"
 OF_OTHERS = ("amf", "vtp", "dxf", "nii", "mha", "dcm")  # PyVista, ezdxf, nibabel, SimpleITK, pydicom; amf here
@@ -246,8 +247,8 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
     thing
         a mesh.
     format
-        stl, obj, ply, off, glb or 3mf, with ``bitvox[view]`` vtp; a `Grid`: npy, binvox, vox, nrrd, vti, bvx, vdb, mha
-        or nii; a `Volume`: nrrd, mha, nii or vti; an `Octree`: vtu or bvx; a `Field`: npy, nrrd, vti or vdb; `Sections`: csl, csv or svg; an `Image`: png.
+        stl, obj, ply, off, glb or 3mf, with ``bitvox[view]`` vtp; a `Grid`: npy, binvox, vox, nrrd, vti, bvx, vdb, nvdb,
+        mha or nii; a `Volume`: nrrd, mha, nii or vti; an `Octree`: vtu or bvx; a `Field`: npy, nrrd, vti, vdb or nvdb; `Sections`: csl, csv or svg; an `Image`: png.
     states
         of an octree's vtu: which leaves, by default ("surface", "inside").
     vectors
@@ -304,7 +305,7 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
             run.check(lib.bvx_write_octree(run.context, thing._c, chosen, number_of(kind), out))
         elif isinstance(thing, Sections) and kind in SECTION_OUTPUTS:
             run.check(function("bvx_write_sections")(run.context, thing._struct(run), number_of(kind), out))
-        elif isinstance(thing, Field) and kind in ("npy", "nrrd", "vti", "vdb"):
+        elif isinstance(thing, Field) and kind in FIELD_OUTPUTS:
             run.check(function("bvx_write_field")(run.context, thing._c, int(vectors), number_of(kind), out))
         elif kind in MESH_OUTPUTS and not isinstance(thing, (Grid, Octree, Field, Image, Sections)):
             mesh = Mesh.of(thing)._struct(run)
@@ -332,7 +333,7 @@ def _write_options(*, normals: bool = False, allow_rounding: bool = False, up: s
 
 def _outputs(thing: Any) -> str:
     """What a thing is written as."""
-    known = {"Grid": (*GRID_OUTPUTS, "mha", "nii"), "Volume": ("nrrd", "mha", "nii", "vti"), "Octree": ("vtu", "bvx"), "Field": ("npy", "nrrd", "vti", "vdb"), "Sections": SECTION_OUTPUTS, "Image": ("png",)}
+    known = {"Grid": (*GRID_OUTPUTS, "mha", "nii"), "Volume": ("nrrd", "mha", "nii", "vti"), "Octree": ("vtu", "bvx"), "Field": FIELD_OUTPUTS, "Sections": SECTION_OUTPUTS, "Image": ("png",)}
     endings = ", ".join(known.get(type(thing).__name__, (*MESH_OUTPUTS, *MESHES_BY_LIBRARIES)))
     other = ", or grid.surface().save(...) for a mesh" if isinstance(thing, Grid) else "" if type(thing).__name__ in known else ", or to_trimesh().export(...)"
     return f"take one of {endings}{other}"
