@@ -505,16 +505,15 @@ static inline void bvx_grid_set(bvx_grid *grid, int32_t x, int32_t y, int32_t z,
     X(BVX_FILL_BELOW, 6, "below") /* all that lies under a terrain, or between two */ \
     X(BVX_FILL_WINDING, 7, "winding") /* a generalized winding number above a half: closes holes smoothly */ \
     X(BVX_FILL_NORMAL, 8, "normal") /* the closest triangle's side (the paper's): wrong near edges */ \
-    X(BVX_FILL_PSEUDONORMAL, 9, "pseudonormal") /* the closest feature's side: for closed, oriented meshes */ \
-    X(BVX_FILL_NONE, 10, "none") /* no side: distances are not negative */
+    X(BVX_FILL_NONE, 9, "none") /* no side: distances are not negative */
 enum {
-    BVX_FILL_LIST(BVX_LIST_ENUM) BVX_FILL_COUNT = 11, /* and the rules that calls take, as bits 1 << rule */
+    BVX_FILL_LIST(BVX_LIST_ENUM) BVX_FILL_COUNT = 10, /* and the rules that calls take, as bits 1 << rule */
     BVX_FILLS_OF_SOLID = 255,
     BVX_FILLS_OF_BOOLEAN = 1 << BVX_FILL_PARITY | 1 << BVX_FILL_NONZERO | 1 << BVX_FILL_VOTE | 1 << BVX_FILL_WINDING |
                            1 << BVX_FILL_AUTO,
     BVX_FILLS_OF_REPAIR = 1 << BVX_FILL_AUTO | 1 << BVX_FILL_PARITY | 1 << BVX_FILL_WINDING | 1 << BVX_FILL_VOTE,
     BVX_FILLS_OF_FIELD = 1 << BVX_FILL_AUTO | 1 << BVX_FILL_PARITY | 1 << BVX_FILL_NONZERO | 1 << BVX_FILL_VOTE |
-                         1 << BVX_FILL_WINDING | 1 << BVX_FILL_NORMAL | 1 << BVX_FILL_PSEUDONORMAL | 1 << BVX_FILL_NONE
+                         1 << BVX_FILL_WINDING | 1 << BVX_FILL_NORMAL | 1 << BVX_FILL_NONE
 };
 
 /** Why a rule filled a mesh. */
@@ -1094,23 +1093,18 @@ typedef struct bvx_field_options {
     uint64_t reserved[2];
 } bvx_field_options;
 /** Measure the distance from centres of voxels to a mesh. On closed meshes all signs but NORMAL agree, up to the
- *  lattice's fixed point: docs/rules.md. NORMAL and PSEUDONORMAL take meshes that are counter-clockwise seen from
- *  outside. [Limit: (2^32 - 1) / 3 triangles for AUTO and PSEUDONORMAL]
+ *  lattice's fixed point: docs/rules.md. NORMAL takes meshes that are counter-clockwise seen from outside.
+ *  [Limit: (2^32 - 1) / 3 triangles for AUTO]
  *  Returns BVX_ERR_RANGE (as bvx_voxelize_solid; voxels or distances that floats do not hold: take BVX_F64). */
 BVX_API bvx_status bvx_measure_field(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
                                      const bvx_field_options *options, bvx_field *field);
 /** Index of the value at voxel (x,y,z) of the window; UINT64_MAX where it has none. */
 BVX_API uint64_t bvx_field_value(const bvx_field *field, int32_t x, int32_t y, int32_t z);
 
-/** What a dense field holds where the band has no value: half_width, negative inside (vectors 0); or the exact distance
- *  to a triangle that neighbours are close to, never too small. */
-enum { BVX_FAR_CONSTANT = 0, BVX_FAR_PROPAGATED = 1 };
-
-/** A field as one value for every centre of the window: signed distances, or with vectors 1 vectors. far_rule
- *  PROPAGATED needs the mesh, and features in the field. Beyond the largest float values are infinite.
+/** A field as one value for every centre of the window: signed distances, or with vectors 1 vectors. Where the band
+ *  has no value stands half_width, negative inside, or a vector of 0. Beyond the largest float values are infinite.
  *  values  [Size: size[0] * size[1] * size[2], times 3 for vectors] */
-BVX_API bvx_status bvx_field_dense(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh,
-                                   int32_t far_rule, int32_t vectors, float *values);
+BVX_API bvx_status bvx_field_dense(bvx_context *context, const bvx_field *field, int32_t vectors, float *values);
 
 typedef struct bvx_field_surface_options {
     size_t struct_size;

@@ -468,15 +468,6 @@ BVX_API bvx_status bvx_render_grid(bvx_context *context, const bvx_grid *grid, c
 BVX_API bvx_status bvx_render_difference(bvx_context *context, const bvx_grid *before, const bvx_grid *after,
                                          const bvx_render_options *options, bvx_image *image);
 
-/** A sheet of count slices across an axis (0, 1, 2), evenly spaced from the lowest voxel to the highest, in
- *  reading order [Limit: count 1..1024]. Set voxels are in options.colour; up is y (axis 2) or z, and the
- *  spacing gives the voxels' shape. A pixel that covers several voxels shows the share that is set, at least
- *  a quarter of the colour when one is. options.cut applies; camera, smooth and wireframe are
- *  ignored.
- *  Returns BVX_ERR_EMPTY (nothing is set). */
-BVX_API bvx_status bvx_render_slices(bvx_context *context, const bvx_grid *grid, int32_t axis, int32_t count,
-                                     const bvx_render_options *options, bvx_image *image);
-
 /** Write a PNG with stored blocks: its bytes depend only on the pixels. */
 BVX_API bvx_status bvx_write_png(bvx_context *context, const bvx_image *image, bvx_buffer *file);
 

@@ -11,7 +11,7 @@ export type MeshFormat = 'stl' | 'obj' | 'ply' | 'off' | 'glb' | '3mf';
 
 export type Fill = 'auto' | 'parity' | 'nonzero' | 'vote' | 'flood' | 'regions' | 'below' | 'winding';
 export type FillReason = 'asked' | 'sound' | 'nested' | 'overlap' | 'open' | 'unorientable';
-export type Sign = 'auto' | 'parity' | 'nonzero' | 'vote' | 'winding' | 'normal' | 'pseudonormal' | 'none';
+export type Sign = 'auto' | 'parity' | 'nonzero' | 'vote' | 'winding' | 'normal' | 'none';
 export type PositionType = 'auto' | 'f32' | 'f64';
 export type Interpolation = 'vector' | 'scalar' | 'middle' | 'paper' | 'tangent';
 export type FaceRule = 'separate' | 'join';

@@ -98,10 +98,6 @@ typedef struct cli_planes {
     double value[3];
 } cli_planes;
 
-typedef struct cli_sheet {
-    int32_t axis, count; /* count 0: not given */
-} cli_sheet;
-
 /* Two numbers; an end that is left out is infinite. */
 typedef struct cli_pair {
     int given;
@@ -213,7 +209,6 @@ typedef enum cli_kind {
     CLI_CHOICE, /* int32_t, base and the place among the names */
     CLI_SIZE,   /* cli_list of width and height */
     CLI_CUT,    /* cli_planes; the option may stand again for another axis */
-    CLI_SLICES, /* cli_sheet, count from low to high */
     CLI_FILE,   /* const char *, the name of a file */
     CLI_NUMBER, /* double, any */
     CLI_ERRORS, /* cli_errors, 1 to most of them */

@@ -98,33 +98,17 @@ static int take_errors(const cli_argument *a, const char *text, cli_errors *erro
     return 0;
 }
 
-/* The axis that a text begins with, and the stop after it; -1 when there is none. */
-static int take_axis(const char *text, char stop)
-{
-    return text[0] >= 'x' && text[0] <= 'z' && text[1] == stop ? text[0] - 'x' : -1;
-}
-
 static int take_planes(const char *text, cli_planes *planes)
 {
     const char *p = text;
     for (;;) {
-        int const axis = take_axis(p, '=');
+        int const axis = p[0] >= 'x' && p[0] <= 'z' && p[1] == '=' ? p[0] - 'x' : -1;
         /* Twice the same axis is a mistake: which plane would count is a guess. */
         if (axis < 0 || planes->given[axis] || !take_real(p + 2, ",", &planes->value[axis], &p)) return 0;
         planes->given[axis] = 1;
         if (*p == 0) return 1;
         p++;
     }
-}
-
-static int take_slices(const cli_argument *a, const char *text, cli_sheet *slices)
-{
-    const char *rest;
-    int64_t count;
-    slices->axis = take_axis(text, ':');
-    if (slices->axis < 0 || !take_whole(text + 2, "", a->low, a->high, &count, &rest)) return 0;
-    slices->count = (int32_t)count;
-    return 1;
 }
 
 static int take_bytes(const cli_argument *a, const char *text, uint64_t *bytes)
@@ -202,7 +186,6 @@ int cli_take_value(cli_run *run, const cli_argument *a, const char *text)
         return good && !(a->most == 3 && ((cli_list *)field)->count == 2);
     case CLI_SIZE: return take_list(a, text, "x", field);
     case CLI_CUT: return take_planes(text, field);
-    case CLI_SLICES: return take_slices(a, text, field);
     case CLI_BYTES: return take_bytes(a, text, field);
     case CLI_CHOICE: return take_choice(a, text, field);
     }
@@ -245,9 +228,6 @@ void cli_describe_value(const cli_argument *a, char *text, size_t room)
         snprintf(text, room, "a width and a height like 1024x768, each from 1 to %.0f", a->high);
         break;
     case CLI_CUT: snprintf(text, room, "planes like x=0.5 or x=0.5,z=1, each axis once"); break;
-    case CLI_SLICES:
-        snprintf(text, room, "an axis and a count from %.0f to %.0f, like z:16", a->low, a->high);
-        break;
     case CLI_BYTES: snprintf(text, room, "a count of bytes like 500M or 2G, above 0"); break;
     case CLI_CHOICE:
         snprintf(text, room, "one of:");

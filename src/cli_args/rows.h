@@ -49,7 +49,6 @@
 #define CHOICE(n, v, at, list, first, h)     {ROW(n, v, CHOICE, h), NAMES(list, first), at}
 #define SET(n, v, at, list, first, h)        {ROW(n, v, SET, h), NAMES(list, first), at}
 #define PLANES(n, v, at, h)                  {ROW(n, v, CUT, h), at}
-#define SLICES(n, v, at, lo, hi, h)          {ROW(n, v, SLICES, h), LOW_HIGH(lo, hi), at}
 #define TEXT(n, v, at, h)                    {ROW(n, v, TEXT, h), at}
 #define FILE_NAME(n, v, at, h)               {ROW(n, v, FILE, h), at}
 /* clang-format on */

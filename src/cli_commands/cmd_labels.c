@@ -39,6 +39,9 @@ static const cli_argument labels_rows[] = {
             "most, in the volume's unit"),
     LIST("--window", "A,B,C,D,E,F", SHARED(window), 0, LARGEST_SIDE, 6, 6,
          "only voxels A..D-1, B..E-1, C..F-1 of the volume"),
+    FLAG("--open", OWN(surfaces.open),
+         "the window has one voxel more where the volume goes on, and bodies end\n"
+         "there where those of the next window begin"),
     {.also = cli_takes_raw},
     {.also = cli_takes_normals},
     {.also = cli_takes_file_of_a_mesh},
@@ -75,6 +78,7 @@ static const cli_rule labels_rules[] = {
     {.unless = IS_VOLUME, .message = "labels are of volumes (.nrrd .nhdr .npy .vti .raw), which %i is not%w"},
     {.given = "--triangles", .beside = "--error", .message = "%o and %b exclude each other"},
     {.given = "--triangles --error", .beside = "--staircase", .message = "%o and %b exclude each other"},
+    {.given = "--open", .lacking = "--window", .message = "%o needs --window"},
     {.also = cli_to_mesh_rules},
     {.also = cli_mesh_file_rules},
     {.when = HAS_TWO, .message = "%f: the name has two %s"},
@@ -206,16 +210,20 @@ static int list_bodies(cli_run *run, labels_job *j)
     if (c->label_count == 0) return cli_fail(run, "%s: all samples are the background", in);
     if (c->label_count >= INT32_MAX || (j->body = calloc((size_t)c->label_count, sizeof *j->body)) == NULL)
         return cli_fail(run, "no memory for %" PRIu64 " labels", c->label_count);
-    j->count = (int)c->label_count;
-    for (int i = 0; i < j->count; i++) {
-        label_body *const b = &j->body[i];
+    for (uint64_t i = 0; i < c->label_count; i++) {
+        label_body *const b = &j->body[j->count];
         int64_t const value = c->labels[i].value;
-        b->at = (uint64_t)i;
+
+        /* Of an open window some have all their faces in others. */
+        if (c->first[i] == c->first[i + 1]) continue;
+        j->count++;
+        b->at = i;
         if (j->volume.view.sample_type == BVX_SAMPLE_U64)
             snprintf(b->value, sizeof b->value, "%" PRIu64, (uint64_t)value);
         else snprintf(b->value, sizeof b->value, "%" PRId64, value);
         b->name = b->value;
     }
+    if (j->count == 0) return cli_fail(run, "%s: no label has a face of its own in this window", in);
     const char *const names = ((const labels_options *)run->own)->names;
     if (names != NULL) CLI_TRY(take_table(run, j, names));
     return cli_input_format(run, run->options->input[0]) == BVX_FORMAT_NRRD ? take_segments(run, j)
@@ -407,7 +415,7 @@ const cli_command cli_labels = {
     .example = "bitvox labels fixtures/labels.npy -o body_%s.ply\n"
                "bitvox labels fixtures/labels.npy -o bodies.glb --only 1,7 --triangles 1000",
     .most =
-        "--only --names --background --staircase --triangles --error --window --threads --memory-limit --json",
+        "--only --names --background --staircase --triangles --error --window --open --threads --memory-limit --json",
     .rows = labels_rows,
     .start = start_labels,
     .own = sizeof(labels_options),

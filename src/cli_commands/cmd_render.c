@@ -15,7 +15,6 @@ typedef struct cli_render_options {
     int32_t voxels; /* along the longest axis; 0: draw the mesh */
     bvx_render_options picture;
     cli_planes cut;
-    cli_sheet slices;
     int32_t difference; /* --compare */
 } cli_render_options;
 
@@ -52,8 +51,6 @@ static const cli_argument render_rows[] = {
     PLANES("--cut", "AXIS=VALUE", OWN(cut),
            "take away what lies between a plane and the eye, in the model's unit;\n"
            "once for each axis, or x=0.5,z=1"),
-    SLICES("--slices", "AXIS:N", OWN(slices), 1, 1024,
-           "a sheet of N slices of the voxels across an axis, like z:16"),
     FLAG("--compare", OWN(difference),
          "two inputs in one picture: what the second adds green, what it lacks red"),
     {.also = cli_takes_all},
@@ -150,9 +147,7 @@ static int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32
     if (s->compared) {
         status = bvx_render_difference(run->context, &s->input[0].grid, &s->input[1].grid, &r, image);
     } else if (s->input[0].kind == CLI_GRID) {
-        status = own->slices.count != 0 ? bvx_render_slices(run->context, &s->input[0].grid, own->slices.axis,
-                                                            own->slices.count, &r, image)
-                                        : bvx_render_grid(run->context, &s->input[0].grid, &r, image);
+        status = bvx_render_grid(run->context, &s->input[0].grid, &r, image);
     } else {
         bvx_mesh_view const view = cli_view(&s->input[0].mesh);
         status = bvx_render_mesh(run->context, &view, &r, image);
@@ -276,21 +271,12 @@ static const cli_rule render_rules[] = {
      .message = "%o is for meshes; the voxels of a grid are drawn as they are"},
     {.unless = HAS_MESH, .given = "--fill", .message = "%o needs --voxels"},
     {.given = "--fill", .lacking = "--voxels --compare", .message = "%o needs --voxels"},
-    {.when = HAS_MESH,
-     .given = "--slices",
-     .lacking = "--voxels",
-     .message = "%o shows voxels: with a mesh it needs --voxels"},
     {.unless = HAS_TWO, .given = "--compare", .message = "%o takes two inputs, not %w"},
     {.when = ARE_MIXED,
      .given = "--compare",
      .message = "%o takes two grids or two meshes: voxelize the mesh on the grid's lattice first"},
     {.also = cli_fill_rules},
     {0}};
-
-static const cli_rule slices_rules[] = {{.given = "--cut --from --up --smooth --wireframe --compare",
-                                         .beside = "--slices",
-                                         .message = "%b and %o exclude each other"},
-                                        {0}};
 
 static int check_kinds(cli_run *run)
 {
@@ -320,7 +306,6 @@ static int check_render_options(cli_run *run)
                          o->output);
     if (points_nowhere(&own->from)) return cli_usage(run, "--from 0,0,0 points nowhere");
     if (points_nowhere(&own->up)) return cli_usage(run, "--up 0,0,0 points nowhere");
-    CLI_TRY(cli_check_rules(run, slices_rules, 0, NULL));
     return check_kinds(run);
 }
 
@@ -347,11 +332,10 @@ const cli_command cli_render = {
         "Reads meshes (" CLI_MESHES_READ ", also .gz) and grids (" CLI_GRIDS ")\n"
         "and writes a picture; each fills its frame, and colours of vertices are shown. Triangles seen from\n"
         "behind are reddish, so holes and flipped triangles show. --voxels draws a mesh's solid instead,\n"
-        "--cut opens a model, --slices lays a grid out, --compare shows two in one.",
+        "--cut opens a model, --compare shows two in one.",
     .example = "bitvox render fixtures/knot.ply -o knot.png --from 1,-2,2\n"
                "bitvox render fixtures/knot.ply -o cut.png --voxels 96 --cut z=0",
-    .most = "--size --from --up --level --fill --voxels --smooth --wireframe --cut --slices "
-            "--compare",
+    .most = "--size --from --up --level --fill --voxels --smooth --wireframe --cut --compare",
     .rows = render_rows,
     .start = start_render,
     .own = sizeof(cli_render_options),

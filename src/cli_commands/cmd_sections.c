@@ -12,7 +12,6 @@
 typedef struct sections_options {
     bvx_sections_options body;
     cli_list grid;           /* --grid; not given: none */
-    int32_t parts, genus;    /* wishes */
     int32_t touching;        /* of all labels: TOUCHING_... */
     const char *block_model; /* a file's name, or NULL */
     cli_triple block;
@@ -71,10 +70,6 @@ static const cli_argument sections_rows[] = {
     CHOICE("--touching", "HOW", OWN(touching), touching_names, TOUCHING_APART,
            "with --label all: shared makes all bodies at once, with the same faces\n"
            "where two touch; --cells counts, also on parallel planes [apart]"),
-    WHOLE("--parts", "N", OWN(parts), 1, 2147483647.0,
-          "a wish: surfaces in one piece each, those around cavities too; a warning\n"
-          "says when the body has more or fewer"),
-    WHOLE("--genus", "G", OWN(genus), 0, 2147483647.0, "a wish: handles of all surfaces together, likewise"),
     FILE_NAME("--block-model", "CSV", OWN(block_model),
               "also write blocks: centre, sides and the share that is inside"),
     TRIPLE("--block", "X,Y,Z", OWN(block), "sides of a block, with --block-model"),
@@ -157,10 +152,10 @@ static const cli_rule sections_rules[] = {
      .message = "%o is for .csv; loops of .csl are closed by their format"},
     {.also = cli_reduction_rules},
     {.when = STAYS_OPEN,
-     .given = "--triangles --error --error-kind --parts --genus",
+     .given = "--triangles --error --error-kind",
      .message = "%o needs a closed body, not --caps open"},
     {.when = ALL_LABELS,
-     .given = "--block-model --block --parts --genus",
+     .given = "--block-model --block",
      .message = "%o is for one body; choose it by its label, not by --label all"},
     {.when = ALL_LABELS,
      .unless = HAS_NUMBER,
@@ -441,40 +436,16 @@ static void warn_of_body(const cli_run *run, const sections_job *job, cli_made *
             job->volume / r->prismoid_volume, job->volume, r->prismoid_volume);
 }
 
-/* Wishes change nothing of the body: what sections leave open is decided by the blend. */
-static void tell_wishes(const cli_run *run, const sections_job *job, cli_made *made)
+static void tell_topology(const cli_run *run, const sections_job *job, cli_made *made)
 {
     const sections_options *const own = run->own;
     cli_text *const t = &made->members;
-    int const parts = cli_given(run, "--parts"), genus = cli_given(run, "--genus");
 
     if (own->body.caps == BVX_CAPS_OPEN) return;
-    cli_tell(made, "  topology    %" PRIu64 " part%s, %" PRId64 " handle%s", job->parts,
+    cli_tell(made, "  topology    %" PRIu64 " part%s, %" PRId64 " handle%s\n", job->parts,
              job->parts == 1 ? "" : "s", job->genus, job->genus == 1 ? "" : "s");
     cli_json_count(t, "parts", job->parts);
     cli_text_add(t, ", \"genus\": %" PRId64, job->genus);
-    if (parts) {
-        int const met = job->parts == (uint64_t)own->parts;
-        cli_tell(made, "; %" PRId32 " part%s wished for: %s", own->parts, own->parts == 1 ? "" : "s",
-                 met ? "met" : "not met");
-        cli_text_add(t, ", \"parts_met\": %s", met ? "true" : "false");
-        if (!met)
-            cli_advise(made, BVX_WARN_UNMET,
-                       "--parts %" PRId32 " is not met: the surface has %" PRIu64 " pieces", own->parts,
-                       job->parts);
-    }
-    if (genus) {
-        int const met = job->genus == own->genus;
-        cli_tell(made, "; %" PRId32 " handle%s wished for: %s", own->genus, own->genus == 1 ? "" : "s",
-                 met ? "met" : "not met");
-        cli_text_add(t, ", \"genus_met\": %s", met ? "true" : "false");
-        if (!met)
-            cli_advise(made, BVX_WARN_UNMET,
-                       "--genus %" PRId32 " is not met: the surface has %" PRId64
-                       " handles; more sections where they are, or more --cells, decide what is joined",
-                       own->genus, job->genus);
-    }
-    cli_tell(made, "\n");
 }
 
 /* ---- every body ---- */
@@ -534,7 +505,7 @@ static int make_labelled(cli_run *run, sections_job *job, int32_t label, cli_mad
     tell_body(run, job, made);
     cli_text_add(&made->members, "%s{\"label\": %" PRId32, job->n == 0 ? "" : ", ", label);
     report_body(run, job, made);
-    tell_wishes(run, job, made);
+    tell_topology(run, job, made);
     cli_text_add(&made->members, "}}");
     return CLI_DONE;
 }
@@ -593,7 +564,7 @@ static void tell_one_body(const cli_run *run, const void *work, cli_made *made)
     warn_of_body(run, job, made);
     tell_body(run, job, made);
     report_body(run, job, made);
-    tell_wishes(run, job, made);
+    tell_topology(run, job, made);
     cli_text_add(&made->members, "}");
 }
 

@@ -40,8 +40,7 @@ static const cli_argument voxelize_rows[] = {
             "in voxels; 0: all have one [3]"),
     CHOICE("--sign", "RULE", SHARED(sign), cli_sign_names, BVX_FILL_AUTO,
            "with --mode field, what is inside: auto, parity, nonzero, vote, winding\n"
-           "as by --fill; normal, pseudonormal: the side of the closest triangle or\n"
-           "point; none [auto]"),
+           "as by --fill; normal: the side of the closest triangle; none [auto]"),
     FLAG("--vectors", SHARED(vectors), "with --mode field: vectors to the closest points, not distances"),
     CHOICE("--value-type", "TYPE", OWN(field.value_type), cli_value_type_names, BVX_F32,
            "with --mode field: f32 or f64 [f32]"),

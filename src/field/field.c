@@ -60,7 +60,7 @@ bvx_status bvxi_field_check(bvx_context *ctx, const char *function, const bvx_fi
                              (int64_t)field->value_type);
     if (field->sign < BVX_FILL_PARITY || field->sign > BVX_FILL_NONE)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
-                             "%s: field.sign is %d; BVX_FILL_PARITY (1) to BVX_FILL_NONE (10) are possible",
+                             "%s: field.sign is %d; BVX_FILL_PARITY (1) to BVX_FILL_NONE (9) are possible",
                              function, (int64_t)field->sign);
     if (!(field->half_width > 0.0))
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,

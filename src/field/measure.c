@@ -44,7 +44,6 @@ typedef struct measure_job {
     bvxi_nearest *nearest;
     bvx_field field;
     uint32_t *triangles; /* the field's, or made for the sign only */
-    uint8_t *features;
 } measure_job;
 
 static const bvxi_option measure_rows[] = {
@@ -155,31 +154,26 @@ static bvx_status make_band(bvx_context *ctx, const bvx_lattice *lattice, measur
     return BVX_OK;
 }
 
-static int signs_by_features(int32_t sign)
-{
-    return sign == BVX_FILL_NORMAL || sign == BVX_FILL_PSEUDONORMAL;
-}
-
 static bvx_status make_features(bvx_context *ctx, measure_job *job)
 {
-    /* Signs by features need them even when the caller does not: then they are scratch and go at the end. */
-    int const kind = job->o.features ? BVXI_RESULT : BVXI_SCRATCH;
-    uint64_t const n = job->field.value_count;
-    if (!job->o.features && !signs_by_features(job->field.sign)) return BVX_OK;
-    BVXI_TRY(bvxi_alloc(ctx, kind, n * 4, "the field's triangles", &job->triangles));
-    /* A result that fails is freed by the field, so the field has each array as soon as it is there. */
-    if (job->o.features) job->field.triangles = job->triangles;
-    BVXI_TRY(bvxi_alloc(ctx, kind, n, "the field's features", &job->features));
-    if (job->o.features) job->field.features = job->features;
-    return BVX_OK;
+    bvx_field *const f = &job->field;
+    uint64_t const n = f->value_count;
+
+    /* Signs by normals need triangles even when the caller does not: then they are scratch. */
+    if (!job->o.features)
+        return f->sign != BVX_FILL_NORMAL
+                   ? BVX_OK
+                   : bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the field's triangles", &job->triangles);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, n * 4, "the field's triangles", &f->triangles));
+    job->triangles = f->triangles;
+    return bvxi_alloc(ctx, BVXI_RESULT, n, "the field's features", &f->features);
 }
 
-/* The field's values with features, which may be the job's alone. */
+/* The field's values with triangles, which may be the job's alone. */
 static bvxi_sparse measured_values(const measure_job *job)
 {
     bvxi_sparse values = bvxi_sparse_of_field(&job->field);
     values.triangles = job->triangles;
-    values.features = job->features;
     return values;
 }
 
@@ -209,9 +203,9 @@ static bvx_status make_inside(bvx_context *ctx, const bvx_lattice *lattice, meas
     bvxi_sparse const values = measured_values(job);
     if (f->sign == BVX_FILL_NONE) return BVX_OK;
     BVXI_TRY(bvxi_grid_open(ctx, measure_name, lattice, &job->window, &f->inside));
-    if (!signs_by_features(f->sign)) return sign_by_solid(ctx, job->mesh, &f->sign, &f->inside);
-    return bvxi_sign_features(bvxi_call_of(ctx, measure_name, measure_stage, 0.9, 0.97), job->nearest,
-                              f->half_width, job->mesh, &values, f->sign, &f->inside);
+    if (f->sign != BVX_FILL_NORMAL) return sign_by_solid(ctx, job->mesh, &f->sign, &f->inside);
+    return bvxi_sign_normal(bvxi_call_of(ctx, measure_name, measure_stage, 0.9, 0.97), job->nearest,
+                            f->half_width, job->mesh, &values, &f->inside);
 }
 
 static void negate_rows(void *user, uint64_t row, uint64_t end)
@@ -246,7 +240,7 @@ static bvx_status measure_steps(bvx_context *ctx, const bvx_lattice *lattice, me
     f->sign = job->o.sign;
     f->half_width = measure_width(lattice, job->o.half_width);
     /* A solid takes next to nothing of a sound mesh, and most of the time of one with holes. */
-    int const solid = f->sign != BVX_FILL_NONE && !signs_by_features(f->sign);
+    int const solid = f->sign != BVX_FILL_NONE && f->sign != BVX_FILL_NORMAL;
     BVXI_TRY(bvxi_nearest_check(ctx, measure_name, job->mesh, lattice));
     if (solid) BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.2, make_inside(ctx, lattice, job)));
     BVXI_TRY(BVXI_SHARE(ctx, solid ? 0.2 : 0.0, 1.0, measure_distances_of(ctx, lattice, job)));

@@ -20,11 +20,6 @@ bvx_status bvxi_field_check_vectors(bvx_context *ctx, const char *function, cons
 void bvxi_field_word(const bvx_field *field, uint64_t row, int32_t word, int32_t vectors, uint64_t *next,
                      double *numbers);
 
-/* dense.c: signed distances or vectors outside the band from triangles
- * passed on; the field is checked, the band is not empty. */
-bvx_status bvxi_field_propagate(bvx_context *ctx, const char *function, const bvx_field *field,
-                                const bvx_mesh_view *mesh, int32_t vectors, float *values);
-
 static inline double bvxi_field_number(const bvx_field *field, const void *array, uint64_t i)
 {
     return field->value_type == BVX_F32 ? (double)((const float *)array)[i] : ((const double *)array)[i];

@@ -43,14 +43,11 @@ bvx_status bvxi_sparse_columns(bvx_context *ctx, bvxi_sparse *s, int32_t value_t
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * bytes, "the distances of voxels", &s->distances));
     if ((columns & BVXI_TRIANGLES) != 0)
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the triangles of voxels", &s->triangles));
-    if ((columns & BVXI_FEATURES) != 0)
-        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n, "the features of voxels", &s->features));
     return BVX_OK;
 }
 
 void bvxi_sparse_close(bvx_context *ctx, bvxi_sparse *s)
 {
-    bvxi_drop(ctx, s->features);
     bvxi_drop(ctx, s->triangles);
     bvxi_drop(ctx, s->distances);
     bvxi_drop(ctx, s->vectors);

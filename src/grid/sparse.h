@@ -11,7 +11,7 @@
 
 #include "grid/grid.h"
 
-enum { BVXI_VECTORS = 1, BVXI_DISTANCES = 2, BVXI_TRIANGLES = 4, BVXI_FEATURES = 8 };
+enum { BVXI_VECTORS = 1, BVXI_DISTANCES = 2, BVXI_TRIANGLES = 4 };
 
 /* Columns that are not there are NULL. */
 typedef struct bvxi_sparse {

@@ -17,24 +17,50 @@
 
 /* ---- nearest_order.c: triangles along a curve through space, of which both trees are built ---- */
 
+enum { BVXI_CURVE_BITS = 16 };
+
 typedef struct bvxi_curve {
     const bvx_mesh_view *view;
     double scale;            /* of coordinates, a power of two */
     double centre[3], units; /* scaled -> [-1, 1]; what lies beyond is moved onto the sides */
     uint64_t *keys;          /* of the middles of triangles' boxes, ascending [Size: triangles] */
     uint32_t *order;         /* triangles; equal keys in the order of their numbers [Size: triangles] */
+    int32_t bits;            /* of a place along each axis, at most BVXI_CURVE_BITS */
+    int32_t fast;            /* 1: AVX2 may run */
 } bvxi_curve;
 
 /* Fill keys and order, whose arrays are the caller's, as that part of its work. */
 bvx_status bvxi_curve_sort(bvxi_call call, bvxi_curve *curve);
 
-/* Corners of a triangle, scaled, and its box in the curve's units. */
-static inline void bvxi_curve_corners(const bvxi_curve *curve, uint64_t triangle, double t[3][3])
+enum { BVXI_CURVE_LANES = 8 };
+
+/* The corners of some triangles, coordinate by coordinate, so that those of all are one vector. */
+static inline void bvxi_curve_gather(const bvx_mesh_view *view, const uint32_t triangle[BVXI_CURVE_LANES],
+                                     double corner[9][BVXI_CURVE_LANES])
 {
-    bvxi_view_corners(curve->view, triangle, t);
-    for (int k = 0; k < 9; k++) t[k / 3][k % 3] *= curve->scale;
+    int const packed = bvxi_view_packed_u32(view) && bvxi_view_packed_f32(view);
+
+    for (int i = 0; i < BVXI_CURVE_LANES; i++) {
+        double p[3][3];
+
+        if (packed) {
+            const unsigned char *const index = (const unsigned char *)view->indices +
+                                               (size_t)triangle[i] * 12;
+            for (size_t k = 0; k < 9; k++) {
+                uint32_t c;
+                float f;
+                memcpy(&c, index + k / 3 * 4, sizeof c);
+                memcpy(&f, (const unsigned char *)view->positions + (size_t)c * 12 + k % 3 * 4, sizeof f);
+                corner[k][i] = (double)f;
+            }
+            continue;
+        }
+        bvxi_view_corners(view, triangle[i], p);
+        for (int k = 0; k < 9; k++) corner[k][i] = p[k / 3][k % 3];
+    }
 }
 
+/* The box of a triangle, whose corners are scaled, in the curve's units. */
 static inline void bvxi_curve_box(const bvxi_curve *curve, const double t[3][3], double low[3],
                                   double high[3])
 {

@@ -223,6 +223,8 @@ static bvx_status plan_and_build(bvxi_call call, const bvx_mesh_view *view, cons
     closest_builder b = {.tree = tree, .unnumbered = unnumbered};
     plan_closest_tree(view, low, high, scale, tree);
     tree->fast = bvxi_cpu(call.ctx) == BVX_CPU_AVX2;
+    b.curve.bits = BVXI_CURVE_BITS;
+    b.curve.fast = tree->fast;
     b.curve.view = view;
     b.curve.scale = scale;
     b.curve.units = tree->box_scale;

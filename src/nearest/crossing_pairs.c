@@ -60,6 +60,8 @@ static bvx_status open_pairs(bvx_context *ctx, pairs_job *job)
     double half[3], minus[3], size = 0;
 
     job->curve.view = view;
+    job->curve.bits = BVXI_CURVE_BITS;
+    job->curve.fast = bvxi_cpu(ctx) == BVX_CPU_AVX2;
     job->curve.scale = bvxi_unit_scale(job->mesh->low, job->mesh->high);
     for (int a = 0; a < 3; a++) {
         double const low = job->mesh->low[a], high = job->mesh->high[a];

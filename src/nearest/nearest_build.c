@@ -25,6 +25,11 @@
 #define NEAR_LEAST 0x1p-120f /* below it lengths and squares are 0 */
 #define NEAR_TRACE 0x1p-30f
 
+typedef struct near_box {
+    float low[3], high[3];
+    float point[3]; /* of a leaf: from low to the foot of the first triangle's frame */
+} near_box;
+
 #define BVXI_SIMD_LEVEL _base
 #include "nearest/nearest_leaf_body.h"
 #undef BVXI_SIMD_LEVEL
@@ -53,11 +58,6 @@ enum {
     NEAR_AHEAD = 24         /* triangles that memory is requested ahead */
 };
 
-typedef struct near_box {
-    float low[3], high[3];
-    float point[3]; /* of a leaf: from low to the foot of the first triangle's frame */
-} near_box;
-
 typedef struct near_builder {
     bvxi_nearest *n;
     bvxi_curve curve;
@@ -67,40 +67,6 @@ typedef struct near_builder {
 } near_builder;
 
 /* ---- Boxes ---- */
-
-BVXI_VECTOR_INLINE void bound_near_leaf(const bvxi_nearest *n, double corner[9][BVXI_NEAR_WIDTH],
-                                        near_box *box, float local[9][BVXI_NEAR_WIDTH])
-{
-    for (int a = 0; a < 3; a++) {
-        /* Moved and scaled in doubles first, so that floats' digits go to the surroundings. */
-        double low[BVXI_NEAR_WIDTH], high[BVXI_NEAR_WIDTH];
-        for (int k = 0; k < BVXI_NEAR_WIDTH; k++) low[k] = HUGE_VAL, high[k] = -HUGE_VAL;
-        for (int v = a; v < 9; v += 3)
-            for (int k = 0; k < BVXI_NEAR_WIDTH; k++) {
-                double const x = (corner[v][k] * n->scale - n->middle[a]) * n->box_scale;
-                corner[v][k] = x;
-                low[k] = x < low[k] ? x : low[k];
-                high[k] = x > high[k] ? x : high[k];
-            }
-        for (int half = BVXI_NEAR_WIDTH / 2; half > 0; half /= 2)
-            for (int k = 0; k < half; k++) {
-                low[k] = low[k + half] < low[k] ? low[k + half] : low[k];
-                high[k] = high[k + half] > high[k] ? high[k + half] : high[k];
-            }
-        box->low[a] = bvxi_float_below(low[0]);
-        box->high[a] = bvxi_float_above(high[0]);
-
-        /* Corners relative to the leaf's box, whose rounded corner is exact: so roundings are small. */
-        for (int v = a; v < 9; v += 3)
-            for (int k = 0; k < BVXI_NEAR_WIDTH; k++)
-                local[v][k] = (float)(corner[v][k] - (double)box->low[a]);
-    }
-}
-
-BVXI_AVX2_COPY(bound_near_leaf_avx2,
-               (const bvxi_nearest *n, double corner[9][BVXI_NEAR_WIDTH], near_box *box,
-                float local[9][BVXI_NEAR_WIDTH]),
-               bound_near_leaf(n, corner, box, local))
 
 /* Ask for the memory of a triangle some leaves ahead: first of its indices, then of its vertices. */
 static inline void prefetch_near(const near_builder *b, uint64_t i, uint64_t end)
@@ -128,19 +94,10 @@ static void fill_near_leaf(const near_builder *b, uint64_t first, uint32_t count
         prefetch_near(b, first + k, end);
     }
 
-    /* Coordinate by coordinate, so that eight triangles are one vector of each. */
-    for (uint64_t k = 0; k < BVXI_NEAR_WIDTH; k++) {
-        uint32_t c[3];
-        bvxi_view_triangle(&n->view, order[k], c);
-        for (int v = 0; v < 3; v++) {
-            double p[3];
-            bvxi_view_position(&n->view, c[v], p);
-            for (int a = 0; a < 3; a++) corner[3 * v + a][k] = p[a];
-        }
-    }
-
-    BVXI_PATH(b->fast, bound_near_leaf(n, corner, &b->boxes[leaf], local),
-              bound_near_leaf_avx2(n, corner, &b->boxes[leaf], local));
+    bvxi_curve_gather(&n->view, order, corner);
+    BVXI_PATH(b->fast,
+              bound_near_leaf_base(n, (const double(*)[BVXI_NEAR_WIDTH])corner, &b->boxes[leaf], local),
+              bound_near_leaf_avx2(n, (const double(*)[BVXI_NEAR_WIDTH])corner, &b->boxes[leaf], local));
     bvxi_near_make_leaf(order, (const float(*)[BVXI_NEAR_WIDTH])local, b->boxes[leaf].low, b->fast,
                         &n->leaves[leaf]);
 
@@ -266,6 +223,14 @@ static void plan_near_tree(const double low[3], const double high[3], near_build
         b->curve.centre[a] = n->middle[a] + (from + to) * 0.5 / n->box_scale;
         side = to - from > side ? to - from : side;
     }
+    /* Cells about as large as voxels and triangles are fine enough, and fewer digits are sorted sooner. */
+    for (b->curve.bits = 8; b->curve.bits < BVXI_CURVE_BITS; b->curve.bits++) {
+        int32_t const cells = 1 << b->curve.bits;
+        if (cells >= l->dims[0] && cells >= l->dims[1] && cells >= l->dims[2] &&
+            (uint64_t)cells * (uint64_t)cells >= n->triangle_count)
+            break;
+    }
+    b->curve.fast = b->fast;
     b->curve.view = &n->view;
     b->curve.scale = n->scale;
     b->curve.units = 2.0 * n->box_scale / side;

@@ -79,3 +79,40 @@ BVXI_SIMD_CODE static void BVXI_SIMD(frame_near_leaf)(const float corner[9][BVXI
         eight_store(leaf->high[i], eight_max(eight_max(a[i], b[i]), c[i]));
     }
 }
+
+/* The box of a leaf, and corners relative to it. */
+BVXI_SIMD_CODE static void BVXI_SIMD(bound_near_leaf)(const bvxi_nearest *n,
+                                                      const double corner[9][BVXI_NEAR_WIDTH], near_box *box,
+                                                      float local[9][BVXI_NEAR_WIDTH])
+{
+    doubles4 const scale = four_all(n->scale), box_scale = four_all(n->box_scale);
+
+    for (int a = 0; a < 3; a++) {
+        doubles4 const middle = four_all(n->middle[a]);
+        double at[3][BVXI_NEAR_WIDTH], least[4], most[4];
+        doubles4 low = four_all(HUGE_VAL), high = four_all(-HUGE_VAL);
+
+        /* Moved and scaled in doubles first, so that floats' digits go to the surroundings. */
+        for (int v = 0; v < 3; v++)
+            for (int k = 0; k < BVXI_NEAR_WIDTH; k += 4) {
+                doubles4 const p = four_load(corner[3 * v + a] + k);
+                doubles4 const x = four_mul(four_sub(four_mul(p, scale), middle), box_scale);
+                four_store(at[v] + k, x);
+                low = four_choose(four_less(x, low), x, low);
+                high = four_max(x, high);
+            }
+        four_store(least, low);
+        four_store(most, high);
+        for (int k = 1; k < 4; k++) {
+            least[0] = least[k] < least[0] ? least[k] : least[0];
+            most[0] = most[k] > most[0] ? most[k] : most[0];
+        }
+        box->low[a] = bvxi_float_below(least[0]);
+        box->high[a] = bvxi_float_above(most[0]);
+
+        /* Corners relative to the leaf's box, whose rounded corner is exact: so roundings are small. */
+        double const from = (double)box->low[a];
+        for (int v = 0; v < 3; v++)
+            for (int k = 0; k < BVXI_NEAR_WIDTH; k++) local[3 * v + a][k] = (float)(at[v][k] - from);
+    }
+}

@@ -1,35 +1,44 @@
 /* nearest_order.c - triangles in the order of a curve through space, and where that jumps.
  *
  * Source: Morton. A computer oriented geodetic data base. 1966. The curve runs over the middles of the triangles'
- * boxes, 16 bits an axis. It jumps: eight neighbours may be two groups far apart, in a box that reaches through half
+ * boxes, up to 16 bits an axis. It jumps: eight neighbours may be two groups far apart, in a box that reaches through half
  * of the mesh. Such a run is cut in two where that makes the boxes smaller. */
 #include "bits/sort.h"
+#include "core/simd.h"
 #include "mesh/mesh.h"
 #include "nearest/closest.h"
 #include "nearest/nearest_tree.h"
 
-enum {
-    CURVE_BITS = 16,   /* along each axis */
-    CURVE_GRAIN = 4096 /* least triangles a task */
-};
+enum { CURVE_GRAIN = 4096 /* least triangles a task */ };
+
+#define BVXI_SIMD_LEVEL _base
+#include "nearest/nearest_order_body.h"
+#undef BVXI_SIMD_LEVEL
+
+#if BVXI_HAVE_AVX2
+#define BVXI_SIMD_LEVEL _avx2
+#include "nearest/nearest_order_body.h"
+#undef BVXI_SIMD_LEVEL
+#endif
 
 static void make_curve_keys(void *user, uint64_t begin, uint64_t end)
 {
     const bvxi_curve *const curve = user;
-    double const most = (double)((1 << CURVE_BITS) - 1);
-    double t[3][3], low[3], high[3];
+    double corner[9][BVXI_CURVE_LANES];
+    uint64_t key[BVXI_CURVE_LANES];
+    uint32_t triangle[BVXI_CURVE_LANES];
 
-    for (uint64_t i = begin; i < end; i++) {
-        uint64_t key = 0;
-        bvxi_curve_corners(curve, i, t);
-        /* The middle of the triangle's box, which no order of corners changes; no number counts as 0. */
-        bvxi_curve_box(curve, (const double(*)[3])t, low, high);
-        for (int a = 0; a < 3; a++) {
-            double const x = ((low[a] + high[a]) * 0.25 + 0.5) * most;
-            key |= bvxi_curve_spread((uint64_t)(x > 0.0 ? x < most ? x : most : 0.0)) << a;
-        }
-        curve->keys[i] = key;
-        curve->order[i] = (uint32_t)i;
+    for (uint64_t first = begin; first < end; first += BVXI_CURVE_LANES) {
+        uint64_t const count = end - first < BVXI_CURVE_LANES ? end - first : BVXI_CURVE_LANES;
+
+        /* Lanes after the last triangle have it again. */
+        for (uint64_t i = 0; i < BVXI_CURVE_LANES; i++)
+            triangle[i] = (uint32_t)(first + (i < count ? i : count - 1));
+        bvxi_curve_gather(curve->view, triangle, corner);
+        BVXI_PATH(curve->fast, key_some_base(curve, (const double(*)[BVXI_CURVE_LANES])corner, key),
+                  key_some_avx2(curve, (const double(*)[BVXI_CURVE_LANES])corner, key));
+        memcpy(curve->keys + first, key, (size_t)count * sizeof *key);
+        memcpy(curve->order + first, triangle, (size_t)count * sizeof *triangle);
     }
 }
 

@@ -88,9 +88,8 @@ enum { CRUMB_VOXELS = 64 };
 
 /* What is known of a piece, by its least vertex. */
 typedef struct crumb_piece {
-    uint32_t triangles;    /* of all; 0 where no part is nearest to it */
-    uint32_t beside;       /* triangles that may be before voxels of small parts, at most */
-    uint32_t large, small; /* triangles before voxels of large parts, and of small ones */
+    uint32_t asked;        /* 1: a part is nearest to it */
+    uint32_t large, small; /* triangles before voxels of large parts, as far as counted, and of small ones */
     uint32_t best;         /* 1 + the small part of most voxels among those that are nearest to the piece */
 } crumb_piece;
 
@@ -229,60 +228,31 @@ bvx_status bvxi_know_pieces(bvx_context *ctx, bvxi_crumb_source *source)
     return BVX_OK;
 }
 
-/* 1 when one mesh of one piece is all there is: then no part needs to look for the nearest one. */
-static int find_only_piece(const crumb_job *job, uint32_t *only)
-{
-    const bvx_mesh_view *const mesh = job->source[0].mesh;
-    const uint32_t *const piece = job->source[0].piece;
-    uint32_t v[3];
-
-    /* With two meshes the nearest one is not known beforehand. */
-    if (job->sources != 1) return 0;
-    bvxi_view_triangle(mesh, 0, v);
-    *only = piece[v[0]];
-    for (uint64_t t = 1; t < mesh->triangle_count; t++) {
-        bvxi_view_triangle(mesh, t, v);
-        if (piece[v[0]] != *only) return 0;
-    }
-    return 1;
-}
-
-/* Count what lies behind the triangles of the pieces that parts are nearest to. Where more than half of a piece's
- * have been seen before voxels of one kind, or more than there may be before the other kind, the rest change
- * nothing. */
-static void count_beside(crumb_job *job, int32_t s)
+/* Count the triangles before voxels of large parts, of each piece that parts are nearest to, until they are more than
+ * those before small ones. */
+static void count_large(crumb_job *job, int32_t s)
 {
     const bvx_mesh_view *const mesh = job->source[s].mesh;
+    uint64_t open = 0; /* pieces that are not decided */
 
-    for (uint64_t t = 0; t < mesh->triangle_count; t++) {
+    for (uint64_t n = 0; n < job->spaces.count; n++) {
+        const crumb_part *const p = &job->part[n];
+        if (!p->small || p->source != (uint32_t)s || job->piece[s][p->piece].asked) continue;
+        job->piece[s][p->piece].asked = 1;
+        open++;
+    }
+    for (uint64_t t = 0; t < mesh->triangle_count && open != 0; t++) {
         double p[3][3];
         uint32_t v[3];
 
         bvxi_view_triangle(mesh, t, v);
         /* By the piece of the first corner, as all three are of one. */
         crumb_piece *const piece = &job->piece[s][job->source[s].piece[v[0]]];
-        if (2 * (uint64_t)piece->large > piece->triangles || 2 * (uint64_t)piece->small >= piece->triangles ||
-            piece->large > piece->beside)
-            continue;
+        if (!piece->asked || piece->large > piece->small) continue;
         for (int k = 0; k < 3; k++) bvxi_view_position(mesh, v[k], p[k]);
-        int const found = crumb_beside(job, (const double(*)[3])p);
-        piece->large += found == 1;
-        piece->small += found == 2;
+        piece->large += crumb_beside(job, (const double(*)[3])p) == 1;
+        open -= piece->large > piece->small;
     }
-}
-
-/* The pieces that small parts are nearest to get the number of their triangles. */
-static void size_pieces(crumb_job *job)
-{
-    for (uint64_t n = 0; n < job->spaces.count; n++)
-        if (job->part[n].small) job->piece[job->part[n].source][job->part[n].piece].triangles = 1;
-    for (int32_t s = 0; s < job->sources; s++)
-        for (uint64_t t = 0; t < job->source[s].mesh->triangle_count; t++) {
-            uint32_t v[3];
-            bvxi_view_triangle(job->source[s].mesh, t, v);
-            crumb_piece *const piece = &job->piece[s][job->source[s].piece[v[0]]];
-            piece->triangles += piece->triangles != 0;
-        }
 }
 
 /* The piece of some of a mesh's triangles that is nearest to a part's first voxel; *distance is that of what is
@@ -327,7 +297,8 @@ static bvx_status find_nearest_pieces(crumb_job *job, int32_t s, const bvx_mesh_
 }
 
 /* Among the triangles beside small parts: nearly every part has its piece there, and what lies within reach is
- * nearer than all that is not there. What crumb_beside looks at is within reach, too. */
+ * nearer than all that is not there. What crumb_beside looks at is within reach, too, so all before small parts are
+ * counted. */
 static bvx_status find_pieces_beside(crumb_job *job, double reach, double *distance)
 {
     for (int32_t s = 0; s < job->sources; s++) {
@@ -336,8 +307,13 @@ static bvx_status find_pieces_beside(crumb_job *job, double reach, double *dista
 
         BVXI_TRY(bvxi_triangles_near(job->ctx, job->source[s].mesh, &job->small, reach, 0, &near, &corner));
         BVXI_TRY(find_nearest_pieces(job, s, &near, -1.0, distance));
-        for (uint64_t t = 0; t < near.triangle_count; t++)
-            job->piece[s][job->source[s].piece[corner[3 * t]]].beside++;
+        for (uint64_t t = 0; t < near.triangle_count; t++) {
+            double p[3][3];
+
+            for (int k = 0; k < 3; k++) bvxi_view_position(&near, corner[3 * t + (uint64_t)k], p[k]);
+            job->piece[s][job->source[s].piece[corner[3 * t]]].small += crumb_beside(
+                                                                            job, (const double(*)[3])p) == 2;
+        }
         bvxi_drop(job->ctx, corner);
     }
     return BVX_OK;
@@ -394,21 +370,6 @@ static void flip_crumb_run(void *user, uint32_t space, int32_t begin, int32_t en
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) row[k] ^= bvxi_run_mask(begin, end, k);
 }
 
-static bvx_status find_pieces(crumb_job *job)
-{
-    uint32_t only;
-
-    if (find_only_piece(job, &only)) {
-        for (uint64_t n = 0; n < job->spaces.count; n++) job->part[n].piece = only;
-        job->piece[0][only].beside = UINT32_MAX;
-    } else {
-        BVXI_TRY(ask_meshes(job));
-    }
-    size_pieces(job);
-    for (int32_t s = 0; s < job->sources; s++) count_beside(job, s);
-    return BVX_OK;
-}
-
 static bvx_status judge_small_parts(crumb_job *job, uint64_t *dropped)
 {
     /* A grid of the small parts alone, by which triangles are judged. */
@@ -422,7 +383,8 @@ static bvx_status judge_small_parts(crumb_job *job, uint64_t *dropped)
                                  job->source[s].mesh->vertex_count * sizeof *job->piece[s],
                                  "the meshes' pieces", &job->piece[s]));
     bvxi_spaces_each(&job->spaces, mark_small_run, job);
-    BVXI_TRY(find_pieces(job));
+    BVXI_TRY(ask_meshes(job));
+    for (int32_t s = 0; s < job->sources; s++) count_large(job, s);
     *dropped = judge_crumbs(job);
     /* Only now bits change: all was judged by the solid as it was. */
     if (*dropped != 0) bvxi_spaces_each(&job->spaces, flip_crumb_run, job);

@@ -57,8 +57,9 @@ static void put_picture_defaults(bvx_render_options *o)
     }
 }
 
-bvx_status bvxi_picture_options(bvx_context *ctx, const char *function, const bvx_render_options *given,
-                                const bvx_image *image, int looked_at, bvx_render_options *options)
+static bvx_status take_picture_options(bvx_context *ctx, const char *function,
+                                       const bvx_render_options *given, const bvx_image *image,
+                                       bvx_render_options *options)
 {
     if (image == NULL) return bvxi_fail_null(ctx, function, "image");
     /* Pixels of another allocator cannot be freed here. */
@@ -76,7 +77,7 @@ bvx_status bvxi_picture_options(bvx_context *ctx, const char *function, const bv
                                  "%s: the cut from %g to %g along %s is not a range", function,
                                  options->cut.low[a], options->cut.high[a], axis[a]);
 
-    return looked_at ? check_picture_view(ctx, function, options) : BVX_OK;
+    return check_picture_view(ctx, function, options);
 }
 
 bvx_status bvxi_picture_open(bvx_context *ctx, const char *function, const bvx_render_options *options,
@@ -84,7 +85,7 @@ bvx_status bvxi_picture_open(bvx_context *ctx, const char *function, const bvx_r
 {
     memset(picture, 0, sizeof *picture);
     picture->function = function;
-    BVXI_TRY(bvxi_picture_options(ctx, function, options, image, 1, &picture->options));
+    BVXI_TRY(take_picture_options(ctx, function, options, image, &picture->options));
     /* Several samples a pixel are a larger frame, which is averaged when it is shaded. */
     picture->raster.width = picture->options.width * picture->options.samples;
     picture->raster.height = picture->options.height * picture->options.samples;

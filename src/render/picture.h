@@ -37,12 +37,7 @@ typedef struct bvxi_picture {
     double roughness;  /* neighbours that rise less than this take no light [Units: samples] */
 } bvxi_picture;
 
-/* Check options (direction, up, smooth and wireframe only when they are looked at) and image, and take the
- * options over. *options is complete: what is not given has its default. */
-bvx_status bvxi_picture_options(bvx_context *ctx, const char *function, const bvx_render_options *given,
-                                const bvx_image *image, int looked_at, bvx_render_options *options);
-
-/* Options for a picture that is seen from a direction. */
+/* Check options and image, and take the options over: what is not given has its default. */
 bvx_status bvxi_picture_open(bvx_context *ctx, const char *function, const bvx_render_options *options,
                              const bvx_image *image, bvxi_picture *picture);
 

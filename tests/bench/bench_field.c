@@ -96,7 +96,6 @@ static void show_fields(const bench_model *m, FILE *targets)
     static const field_job jobs[] = {{"sign exact", BVX_FILL_PARITY, 0},
                                      {"sign exact, no vectors", BVX_FILL_PARITY, 1},
                                      {"no sign", BVX_FILL_NONE, 0},
-                                     {"sign pseudonormal", BVX_FILL_PSEUDONORMAL, 0},
                                      {"sign auto", BVX_FILL_AUTO, 0}};
     double ns;
 

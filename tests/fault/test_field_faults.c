@@ -102,7 +102,7 @@ static bvx_status dense(bvx_context *ctx, int32_t vectors)
     size_t const count = (size_t)lattice.dims[0] * (size_t)lattice.dims[1] * (size_t)lattice.dims[2] *
                          (vectors ? 3 : 1);
     float *const values = maker_grow(NULL, count * 4);
-    bvx_status const status = bvx_field_dense(ctx, &field, &closed_view, BVX_FAR_PROPAGATED, vectors, values);
+    bvx_status const status = bvx_field_dense(ctx, &field, vectors, values);
     if (status == BVX_OK) mark = bvx_hash(values, count * 4, 0);
     free(values);
     return status;
@@ -111,10 +111,9 @@ static bvx_status dense(bvx_context *ctx, int32_t vectors)
 enum {
     EXACT,
     NORMAL,
-    PSEUDO,
-    PSEUDO_WINDOW,
-    PSEUDO_HOLES,
-    PSEUDO_THIN,
+    NORMAL_WINDOW,
+    NORMAL_HOLES,
+    NORMAL_THIN,
     ALL,
     WINDING,
     VOTE,
@@ -129,9 +128,8 @@ enum {
 };
 static const char *const names[KINDS] = {"exact",
                                          "normal",
-                                         "pseudonormal",
-                                         "a window's pseudonormal",
-                                         "pseudonormal with holes",
+                                         "a window's normal",
+                                         "normal with holes",
                                          "a thin band",
                                          "all centres",
                                          "winding",
@@ -141,18 +139,17 @@ static const char *const names[KINDS] = {"exact",
                                          "npy",
                                          "nrrd",
                                          "vti",
-                                         "propagated distances",
-                                         "propagated vectors"};
+                                         "dense distances",
+                                         "dense vectors"};
 
 static bvx_status operate(void *user, bvx_context *ctx)
 {
     switch (*(const int *)user) {
     case EXACT: return measure(ctx, &closed_view, BVX_FILL_PARITY, 2, 0, 1);
     case NORMAL: return measure(ctx, &closed_view, BVX_FILL_NORMAL, 2, 0, 0);
-    case PSEUDO: return measure(ctx, &closed_view, BVX_FILL_PSEUDONORMAL, 2, 0, 1);
-    case PSEUDO_WINDOW: return measure(ctx, &closed_view, BVX_FILL_PSEUDONORMAL, 1, 1, 0);
-    case PSEUDO_HOLES: return measure(ctx, &holes_view, BVX_FILL_PSEUDONORMAL, 1, 0, 0);
-    case PSEUDO_THIN: return measure(ctx, &holes_view, BVX_FILL_PSEUDONORMAL, 0.25, 0, 0);
+    case NORMAL_WINDOW: return measure(ctx, &closed_view, BVX_FILL_NORMAL, 1, 1, 0);
+    case NORMAL_HOLES: return measure(ctx, &holes_view, BVX_FILL_NORMAL, 1, 0, 0);
+    case NORMAL_THIN: return measure(ctx, &holes_view, BVX_FILL_NORMAL, 0.25, 0, 0);
     case ALL: return measure(ctx, &closed_view, BVX_FILL_PARITY, 1e9, 0, 0);
     case WINDING: return measure(ctx, &holes_view, BVX_FILL_WINDING, 2, 0, 0);
     case VOTE: return measure(ctx, &holes_view, BVX_FILL_VOTE, 2, 1, 0);
@@ -185,10 +182,11 @@ static void know(int kind)
     mark = 0;
 }
 
+/* Dense fields take no memory. */
 static void test_every_allocation_fails_once(void **state)
 {
     (void)state;
-    for (int kind = 0; kind < KINDS; kind++)
+    for (int kind = 0; kind < DISTANCES; kind++)
         for (int32_t threads = 1; threads <= 2; threads++) {
             bvx_context_options o = default_options();
             uint64_t allocations = 0;
@@ -219,7 +217,7 @@ static void test_under_every_memory_limit(void **state)
     bvx_context_options o = default_options();
     (void)state;
     o.threads = 1;
-    for (int kind = 0; kind < KINDS; kind++) {
+    for (int kind = 0; kind < DISTANCES; kind++) {
         know(kind);
         assert_well(kind, fault_every_limit(operate, &kind, &o, 25));
     }

@@ -104,19 +104,10 @@ static bvx_status render_difference(void *user, bvx_context *ctx)
     return end_with_image(ctx, bvx_render_difference(ctx, &solid, &shifted, &o, &image), &image);
 }
 
-static bvx_status render_slices(void *user, bvx_context *ctx)
-{
-    bvx_render_options const o = cut_options();
-    bvx_image image = {0};
-    (void)user;
-    return end_with_image(ctx, bvx_render_slices(ctx, &solid, 1, 6, &o, &image), &image);
-}
-
 static fault_row pictures[] = {
     {"mesh", render_mesh, 2, 2, 0},
     {"grid", render_grid, 2, 2, 0},
     {"difference", render_difference, 2, 2, 0},
-    {"slices", render_slices, 2, 2, 0},
 };
 
 /* ---- Tests ---- */

@@ -17,8 +17,7 @@ static void fuzz_dense(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m, con
                                 (uint64_t)lattice->dims[2];
         float *const values = malloc((size_t)voxels * sizeof *values);
         fuzz_require(values != NULL, "no memory");
-        if (fuzz_good(ctx, bvx_field_dense(ctx, &field, &m->view,
-                                           fuzz_range(in, BVX_FAR_CONSTANT, BVX_FAR_PROPAGATED), 0, values)))
+        if (fuzz_good(ctx, bvx_field_dense(ctx, &field, 0, values)))
             for (uint64_t i = 0; i < voxels; i++) {
                 int32_t const x = (int32_t)(i % (uint64_t)lattice->dims[0]);
                 int32_t const y = (int32_t)(i / (uint64_t)lattice->dims[0] % (uint64_t)lattice->dims[1]);
@@ -239,7 +238,7 @@ static void fuzz_pictures(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
     bvx_render_options o = {.struct_size = sizeof o};
     bvx_image image = {0}, twin = {0};
     bvx_buffer file = {0};
-    int const kind = fuzz_range(in, 0, 3);
+    int const kind = fuzz_range(in, 0, 2);
 
     o.width = fuzz_range(in, 1, 40);
     o.height = fuzz_range(in, 1, 40);
@@ -256,8 +255,7 @@ static void fuzz_pictures(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
         bvx_status status;
         if (kind == 0) status = bvx_render_mesh(c, &m->view, &o, i);
         else if (kind == 1) status = bvx_render_grid(c, solid, &o, i);
-        else if (kind == 2) status = bvx_render_difference(c, solid, solid, &o, i);
-        else status = bvx_render_slices(c, solid, fuzz_range(in, 0, 0), 3, &o, i);
+        else status = bvx_render_difference(c, solid, solid, &o, i);
         if (!fuzz_good(c, status)) break;
     }
     if (image.pixels != NULL) {

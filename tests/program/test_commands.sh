@@ -493,16 +493,6 @@ refuses 1 'cut' render "$knot" -o x.png --cut z=-1000
 for value in z z= =1 a=1 z=1,z=2 z=nan z=1, 1; do refuses 2 'planes like' render "$knot" -o x.png --cut "$value"; done
 refuses 2 'planes like' render "$knot" -o x.png --cut z=1 --cut z=2
 
-picture 'render --slices' slices.png knot.npy --slices z:4
-picture 'other slices' slices2.png knot.npy --slices x:4
-holds 'the axis shows' differ slices.png slices2.png
-picture 'render --slices of a mesh' slices2.png "$knot" --slices z:4 --voxels 60
-for value in z z:0 z:1025 w:3 z:3.5 z:-1 :3; do refuses 2 'like z:16' render knot.npy -o x.png --slices "$value"; done
-refuses 2 'it needs --voxels' render "$knot" -o x.png --slices z:4
-for option in '--cut z=0' '--from 1,2,3' '--up 0,1,0' --smooth --wireframe --compare; do
-    # shellcheck disable=SC2086
-    refuses 2 'exclude each other' render knot.npy -o x.png --slices z:4 $option
-done
 refuses 2 '--voxels is for meshes' render knot.npy -o x.png --voxels 10
 refuses 2 '--fill needs --voxels' render knot.npy -o x.png --fill nonzero
 refuses 2 '--fill needs --voxels' render "$knot" -o x.png --fill parity

@@ -100,13 +100,13 @@ fi
 
 # ---- signs ----
 
-for sign in parity nonzero normal pseudonormal winding vote none; do
+for sign in parity nonzero normal winding vote none; do
     works "--sign $sign" voxelize "$knot" -o $sign.npy --mode field --resolution 40 --sign $sign
     holds "$sign is told" says "^  sign +$sign"
     works "$sign on one thread" voxelize "$knot" -o again.npy --mode field --resolution 40 --sign $sign --threads 1
     holds "$sign: threads do not show" cmp $sign.npy again.npy
 done
-for sign in pseudonormal winding vote; do holds "$sign is exact on a closed mesh" cmp $sign.npy parity.npy; done
+for sign in winding vote; do holds "$sign is exact on a closed mesh" cmp $sign.npy parity.npy; done
 run voxelize open.obj -o x.npy --mode field --spacing 1
 holds 'an open mesh takes winding numbers' says '^  sign +winding'
 run voxelize flipped.obj -o x.npy --mode field --spacing 1
@@ -144,9 +144,7 @@ if [ -d "$meshes" ]; then
     works 'a scan with holes' voxelize "$meshes/bunny_scan_69451.ply.gz" -o bunny.npy --mode field --resolution 96
     holds 'it takes winding numbers' says '^  sign +winding, [0-9]{6} centres inside$'
     works 'sharp edges' voxelize "$meshes/fandisk.obj.gz" -o normal.npy --mode field --resolution 96 --sign normal
-    works 'by pseudonormals' voxelize "$meshes/fandisk.obj.gz" -o pseudo.npy --mode field --resolution 96 --sign pseudonormal
     works 'by the solid' voxelize "$meshes/fandisk.obj.gz" -o exact.npy --mode field --resolution 96
-    holds 'pseudonormals are right' cmp pseudo.npy exact.npy
     if cmp -s normal.npy exact.npy; then not_ok 'normals are wrong at sharp edges' 'the fields are the same'; else ok 'normals are wrong at sharp edges'; fi
 else
     skip 'real meshes' '../shared/meshes is missing'

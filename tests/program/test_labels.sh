@@ -35,6 +35,11 @@ gives 'by one of both' 2 'exclude each other' labels "$labels" -o e_%s.ply --err
 gives 'another background' 0 'b_0.ply: ' labels "$labels" -o b_%s.ply --background 2
 holds 'is no body' [ ! -f b_2.ply ]
 gives 'a window' 0 'w_1.ply: ' labels "$labels" -o w_%s.ply --window 0,0,0,20,20,20
+gives 'of 3,036 triangles those of one window' 0 'p_1.ply: 2474 triangles, NOT closed' labels "$labels" -o p_%s.ply --window 0,0,0,21,40,32 --open
+gives 'and those of the next' 0 'q_1.ply: 562 triangles, NOT closed' labels "$labels" -o q_%s.ply --window 19,0,0,48,40,32 --open
+holds 'a label is where it has faces' [ -f p_7.ply -a ! -f q_7.ply ]
+gives 'faces only in others' 1 'no label has a face of its own in this window' labels "$labels" -o r_%s.ply --window 8,8,10,14,14,16 --open
+gives 'open windows are windows' 2 'needs --window' labels "$labels" -o r_%s.ply --open
 
 # ---- names and colours of segments ----
 segments() { # NAME OF 3, NAME OF 5: two boxes that touch, and a segment that no voxel has

@@ -57,11 +57,9 @@ near 'block model adds up' "$(awk -F, 'NR > 1 { v += $4 * $5 * $6 * $7 } END { p
 if [ "$(head -n 1 blocks.csv)" = x,y,z,dx,dy,dz,fraction ]; then ok 'head of a block model'; else not_ok 'head of a block model' "$(head -n 1 blocks.csv)"; fi
 if awk -F, 'NR > 1 && ($7 <= 0 || $7 > 1 || ($1 - 1) % 2 != 0) { bad = 1 } END { exit bad }' blocks.csv; then ok 'blocks lie at whole multiples'
 else not_ok 'blocks lie at whole multiples' 'a centre or share is wrong'; fi
-gives 'a wish that is met' 0 '1 part, 1 handle; 1 part wished for: met; 1 handle wished for: met' sections prism.csv -o prism.ply --parts 1 --genus 1
-gives 'a wish that is not met' 0 '--genus 0 is not met: the surface has 1 handles' sections prism.csv -o prism.ply --genus 0
-run sections prism.csv -o prism.ply --parts 2 --genus 1 --json
-if grep -q '"parts": 1, "genus": 1, "parts_met": false, "genus_met": true' out; then ok 'wishes in a report'; else not_ok 'wishes in a report' "$(cat out)"; fi
-gives 'wishes are of closed bodies' 2 'needs a closed body' sections prism.csv -o prism.ply --caps open --parts 1
+gives 'parts and handles' 0 '1 part, 1 handle' sections prism.csv -o prism.ply
+run sections prism.csv -o prism.ply --json
+if grep -q '"parts": 1, "genus": 1' out; then ok 'parts and handles in a report'; else not_ok 'parts and handles in a report' "$(cat out)"; fi
 gives 'taper' 0 'closed, manifold, oriented' sections prism.csv -o prism.ply --caps taper
 gives 'open' 0 'manifold, oriented, open' sections prism.csv -o prism.ply --caps open
 awk 'BEGIN { print "section,position,loop,x,y"; for (k = 0; k < 5; k++) for (l = 0; l < 2; l++) for (i = 0; i < 40; i++) {
@@ -113,10 +111,7 @@ gives 'are mended' 0 '; 2 loops mended' sections corner.csl -o corner.ply --mend
 printf 'CSLC\n2 1\n1 4 1 1 0 -0.1 -3\n-3 -1 0 -3 1 0 -2.9 1 1 -2.9 -1 1\n4 1 0 1 2 3\n2 4 1 1 0 0.1 -3\n3 -1 0 3 1 0 2.9 1 1 2.9 -1 1\n4 1 0 1 2 3\n' |
     sed 's/^1 4 1 1 0 -0.1 -3/1 4 1 1 0 -0.1 3/' >ends.csl
 gives 'a body that falls into parts' 0 'parts that end towards another one with no plane between: 1, one at ' sections ends.csl -o ends.ply --cells 16
-gives 'a wish for parts says it too' 0 '--parts 1 is not met: the surface has 2 pieces' sections ends.csl -o ends.ply --cells 16 --parts 1
 sed 's/2 4 -2 2 4 2/2 6 -2 2 6 2/' cross.csl >apart.csl
-gives 'a wish for handles of planes that cross' 0 '--genus 1 is not met: the surface has 0 handles' \
-    sections cross.csl -o cross.ply --cells 16 --genus 1
 gives 'planes that contradict each other' 1 'sections 0 and 1 contradict each other where their planes cross, near (2, ' sections apart.csl -o x.ply
 gives 'contours that are moved to agree' 0 ' gaps left where planes cross, contours ' sections apart.csl -o cross.ply --agree 2.5
 gives 'cells or spacing' 2 'contradict each other' sections cross.csl -o x.ply --cells 16 --spacing 1
@@ -247,7 +242,8 @@ gives 'touching by a grid' 2 '--grid is not used with --touching shared' section
 gives 'touching and collapsed' 2 '--triangles would change faces' sections touch.csv -o b_%d.ply --label all --touching shared --triangles 50
 gives 'touching and open' 2 '--touching shared makes closed bodies' sections touch.csv -o b_%d.ply --label all --touching shared --caps open
 gives 'two numbers' 2 'b_%d_%d.ply: the name has two %d' sections two.csv -o b_%d_%d.ply --label all
-gives 'all labels and one wish' 2 '--parts is for one body; choose it by its label, not by --label all' sections two.csv -o b_%d.ply --label all --parts 1
+gives 'all labels and a block model' 2 '--block-model is for one body; choose it by its label, not by --label all' \
+    sections two.csv -o b_%d.ply --label all --block-model b.csv --block 1,1,1
 gives 'a label that is no number' 2 '--label takes a whole number from -2147483647 to 2147483647 or all' sections two.csv -o b.ply --label al
 rm -f body_*.ply
 awk 'BEGIN { print "section,position,loop,label,x,y"; for (s = 0; s < 2; s++) {

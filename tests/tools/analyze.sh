@@ -20,7 +20,7 @@ cppcheck arrayIndexThenCheck src/simplify/corners.c two vertices are compared, n
 cppcheck ctuuninitvar src/nearest/closest.c a place for the result, set before it is read
 cppcheck ctuuninitvar src/nearest/closest_build.c a place for the tree, cleared first
 cppcheck ctuuninitvar src/touch/sampled.c the triangle's sides are set in the loop above
-cppcheck incorrectLogicOperator src/field/sign_pseudonormal.c hexadecimal floats are taken for whole numbers
+cppcheck incorrectLogicOperator src/field/sign_normal.c hexadecimal floats are taken for whole numbers
 cppcheck legacyUninitvar src/grid/sample.c a place for gradients that nobody reads
 cppcheck pointerSize src/core/heap.c the pointer itself is stored in front of the block
 cppcheck uninitvar src/contours/distance2d.c what lies below the top was put there

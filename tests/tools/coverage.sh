@@ -23,7 +23,6 @@ exceptions='
 src/core/exact.c | (one + half) + half != 1.0 | only arithmetic that the library refuses decides here
 src/core/exact.c | above * below + minus | only arithmetic that the library refuses decides here
 src/field/measure.c | n > UINT64_MAX / 24 | 2^59 values
-src/field/sign_pseudonormal.c | triangle_count > UINT32_MAX / 3 | 2^30 triangles
 src/grid/grid.c | words > SIZE_MAX / 8 | 32-bit machines alone
 src/io_mesh/obj.c | count > INT32_MAX | a file of 2^31 corners
 src/io_mesh/obj.c | f->vertices > UINT32_MAX | a file of 2^32 vertices

@@ -1,12 +1,15 @@
 #!/bin/sh
 # make_pictures.sh [check] - docs/pictures: what each command makes of overlaps, holes, thin walls and crumbs, a body through
-# contours on crossing planes, a wall with what it encloses, the labelled cells of a ball, and what warnings are about.
+# contours on crossing planes, a wall with what it encloses, the labelled cells of a ball, a brain by thresholds, and what warnings
+# are about.
 # With check nothing is written: the pictures must be those that the program draws now, and small.
-# BITVOX is the program [build/bitvox]. Runs in the repository's root, works in a folder of its own.
+# BITVOX is the program [build/bitvox]; the brain needs volumes/ch2bet.nii.gz of BITVOX_SHARED [../shared]. Runs in the repository's
+# root, works in a folder of its own.
 set -eu
 cd "$(dirname "$0")/../.."
-: "${BITVOX:=build/bitvox}"
+: "${BITVOX:=build/bitvox}" "${BITVOX_SHARED:=../shared}"
 root=$PWD
+volumes=$(cd "$BITVOX_SHARED/volumes" 2>/dev/null && pwd) || volumes=
 bitvox=$(cd "$(dirname "$BITVOX")" && pwd)/$(basename "$BITVOX")
 most=40000 # bytes of a picture
 work=$(mktemp -d)
@@ -91,6 +94,41 @@ quiet labels cells.npy -o fewer.glb --triangles 1500
 quiet render stairs.glb smooth.glb fewer.glb -o raw.png --size 110x105 --from 3,2.2,2
 python3 "$root/tests/tools/pack_png.py" raw.png labels.png
 
+# Fluid, grey and white matter of a brain by thresholds, the lower part of it, each in its colour.
+brain=
+if [ -f "$volumes/ch2bet.nii.gz" ]; then
+    brain=brain
+    python3 - "$volumes/ch2bet.nii.gz" <<'P'
+import gzip
+import struct
+import sys
+from bisect import bisect
+
+data = gzip.open(sys.argv[1]).read()
+head = "{'descr': '|u1', 'fortran_order': True, 'shape': (%d, %d, %d), }" % struct.unpack_from('<3h', data, 42)
+samples = data[int(struct.unpack_from('<f', data, 108)[0]):]
+labels = samples.translate(bytes(bisect([1, 70, 101], value) for value in range(256)))
+open('brain.npy', 'wb').write(b'\x93NUMPY\x01\x00' + struct.pack('<H', 118) + head.ljust(117).encode() + b'\n' + labels)
+P
+    quiet labels brain.npy -o brain_%s.ply --window 0,0,0,181,217,88
+    python3 <<'P'
+import struct
+
+vertices, faces = [], []
+for label, colour in enumerate(((90, 140, 200), (200, 120, 110), (240, 230, 200)), 1):
+    head, _, body = open(f'brain_{label}.ply', 'rb').read().partition(b'end_header\n')
+    count, n = int(head.split(b'element vertex ')[1].split()[0]), len(vertices)
+    vertices += [body[i:i + 12] + bytes(colour) for i in range(0, 12 * count, 12)]
+    faces += [struct.pack('<BIII', 3, a + n, b + n, c + n) for _, a, b, c in struct.iter_unpack('<BIII', body[12 * count:])]
+rows = ['float ' + name for name in 'xyz'] + ['uchar ' + name for name in ('red', 'green', 'blue')]
+head = ['ply', 'format binary_little_endian 1.0', f'element vertex {len(vertices)}', *('property ' + row for row in rows),
+        f'element face {len(faces)}', 'property list uchar uint vertex_indices', 'end_header\n']
+open('brain.ply', 'wb').write(b''.join(['\n'.join(head).encode(), *vertices, *faces]))
+P
+    quiet render brain.ply -o raw.png --size 200x144 --from 3,-2,1.6
+    python3 "$root/tests/tools/pack_png.py" raw.png brain.png
+fi
+
 # Warnings: a mesh, what became of it, and that the warning was there.
 python3 - "$root/tests/tools" <<'P'
 import sys
@@ -164,7 +202,7 @@ pair ends near.bvx ends.bvx
 warnings=$(printf 'warn_%s ' thin thicker joined shells lids level turned rows nested leaks ends)
 
 bad=0
-for picture in input voxelize boolean repair lod simplify sweep bodies labels $warnings; do
+for picture in input voxelize boolean repair lod simplify sweep bodies labels $brain $warnings; do
     if [ "$(wc -c <$picture.png)" -gt $most ]; then
         echo "$picture.png has $(wc -c <$picture.png) bytes, more than $most"
         bad=1

@@ -3,7 +3,7 @@
 #     quick  this compiler alone: unit, fault, golden, program, examples, checks of sources and libraries
 #     here   quick, and the Python package in a clean environment
 #     other  what this machine and compiler do not show: golden values by other compilers and flags, faults and fuzzed readers under
-#            sanitizers, unit tests and golden values on 32-bit x86 and, without the longest tests, on big-endian s390x
+#            sanitizers, golden values and what a machine changes on 32-bit x86 and on big-endian s390x
 #     windows  the program by mingw under wine: every script of tests/program but the one of make install, golden values
 #     machines  all unit tests and golden values on 32-bit x86 and on big-endian s390x (half an hour under an emulator)
 #     san    unit, fault and fuzz tests under ASan, UBSan and the leak detector
@@ -38,17 +38,14 @@ compiles() { # COMPILER AND FLAGS..., program on standard input
     "$@" -x c - -o "$logs/probe" >/dev/null 2>&1
 }
 
-# Unit tests that take longest under an emulator. Their stages' golden values are computed there all the same.
-long_tests='test_below test_cast test_collapse test_field test_field_dense test_field_signs test_flood test_lod test_nearest
-    test_nearest_parts test_polygon test_read_obj test_read_ply test_refine test_refine_children test_refine_parts test_regions
-    test_render_cut test_render_paint test_seeds test_sharp test_solid_exact test_solid_same test_vote test_winding
-    test_winding_loose test_blocks test_weld test_render test_repair test_repair_defects test_boolean test_levels test_simplify
-    test_simplify_cells test_repair_many test_repair_order test_repair_sharp test_repair_thin test_boolean_thin
-    test_level_memory test_oblique test_distance test_progress test_sheets test_simplify_colours test_reuse test_crossings
-    test_closest_query test_section_blend test_simplify_parts test_cross test_section_mend test_bodies test_solid_losses
-    test_section_nesting test_read_sections test_attributes test_fill_auto test_labels test_measure test_sections test_surface
-    test_threshold test_close_small test_hull'
-left_out=
+# Unit tests of what a machine changes: the order of bytes, the width of sizes and of integers, vectors. All other stages are in its
+# golden values.
+machine_tests='test_3mf test_binvox test_bits test_bvx test_calls test_check_written test_cross test_cut_triangle test_decimal test_errors
+    test_finite test_formats test_grid test_hash test_lattice test_lattice_json test_memory test_nrrd test_parts test_png_npy test_points
+    test_position_type test_radix test_read_gltf test_read_npy test_read_obj test_read_off test_read_ply test_read_sections test_read_stl
+    test_read_volume test_sample test_simd test_solid test_tables test_threads test_tree_file test_view test_vox test_vti test_weld
+    test_write_field test_write_glb test_write_kept test_write_levels test_write_mesh test_write_off test_write_vdb test_write_vtu'
+kept= # names of unit tests, or all
 
 # ---- Rows: each is make with its settings ----
 
@@ -118,11 +115,10 @@ list_command() { # NAME, COMMAND...
     echo "$(log_of "$1") $allowed $(shift && echo "$*")"
 }
 
-names_of_kind() { # KIND: but for those left out
+names_of_kind() { # KIND: those that are kept
     for source in tests/"$1"/*.c; do
         name=$(basename "$source" .c)
-        case " $left_out " in *" $name "*) continue ;; esac
-        if [ -f "$source" ]; then echo "$name"; fi
+        case " ${kept:-$name} " in *" $name "*) if [ -f "$source" ]; then echo "$name"; fi ;; esac
     done
 }
 
@@ -424,8 +420,12 @@ count_other_compilers() {
 
 # 32-bit x86 and big-endian s390x, statically linked; BVX_QUICK=1 asks long tests to be brief. i686_folder and s390x_folder are empty
 # where a machine is left out.
-build_machines() { # whole: no long test is left out on s390x
-    i686= i686_folder= s390x_folder= left_on_i686= left_on_s390x= brief_on_s390x=
+build_machines() { # whole: all unit tests and golden values
+    i686= i686_folder= s390x_folder= kept_on_machines= brief_on_s390x=
+    if [ "$1" != whole ]; then
+        kept_on_machines=$(echo $machine_tests) brief_on_s390x=--brief
+        skip machines "all unit tests but $(echo $machine_tests | wc -w); make test-machines runs them"
+    fi
     if has i686-linux-gnu-gcc; then
         i686=i686-linux-gnu-gcc i686_ar=i686-linux-gnu-ar
     elif echo 'int main(void) { return 0; }' | compiles "$CC" -m32 -static; then
@@ -438,11 +438,7 @@ build_machines() { # whole: no long test is left out on s390x
         if [ -n "$emulator" ] && ! has $emulator; then
             skip i686 "$emulator is missing and 32-bit programs do not run here"
         else
-            if [ "$1" != whole ]; then # golden rows hold their bits there
-                left_on_i686='test_oblique test_bodies test_reuse test_repair_thin test_repair_sharp test_boolean test_simplify_parts test_labels'
-                skip i686 "$left_on_i686; make test-machines runs them"
-            fi
-            build_units i686 "$left_on_i686"
+            build_units i686
             i686_folder=$folder
         fi
     else
@@ -454,53 +450,45 @@ build_machines() { # whole: no long test is left out on s390x
     elif ! has qemu-s390x; then
         skip s390x "qemu-s390x is missing"
     else
-        if [ "$1" != whole ]; then
-            left_on_s390x=$(echo $long_tests) brief_on_s390x=--brief
-            skip s390x "$(echo $long_tests | wc -w) long tests; make test-machines runs them"
-        fi
-        build_units s390x "$left_on_s390x"
+        build_units s390x
         s390x_folder=$folder
     fi
 }
 
-build_units() { # ROW, UNIT TESTS THAT ARE LEFT OUT: sets $folder
+build_units() { # ROW: sets $folder
     folder=$("row_$1" print-folder)
-    left_out=$2
+    kept=$kept_on_machines
     # shellcheck disable=SC2046
     build "$1" golden-program $(for name in $(names_of_kind unit); do echo "$folder/tests/unit/$name"; done)
-    left_out=
+    kept=
 }
 
 list_machines() {
+    kept=$kept_on_machines
     folder=$i686_folder
     if [ -n "$folder" ]; then
-        left_out=$left_on_i686
         list_kind i686 unit "$emulator"
-        left_out=
         list_golden i686 "$emulator"
     fi
     folder=$s390x_folder
     if [ -n "$folder" ]; then
-        left_out=$left_on_s390x
         list_kind s390x unit qemu-s390x
-        left_out=
         list_golden s390x qemu-s390x $brief_on_s390x
     fi
+    kept=
 }
 
 count_machines() {
+    kept=$kept_on_machines
     if [ -n "$i686_folder" ]; then
-        left_out=$left_on_i686
         count_kind i686 unit
-        left_out=
         count_log_of i686/golden
     fi
     if [ -n "$s390x_folder" ]; then
-        left_out=$left_on_s390x
         count_kind s390x unit
-        left_out=
         count_log_of "s390x/golden${brief_on_s390x:+ $brief_on_s390x}"
     fi
+    kept=
 }
 
 # The program for Windows under wine. Scripts get a command that starts it; what wine lacks they skip and say so. windows_folder is empty

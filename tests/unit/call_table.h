@@ -434,7 +434,7 @@ static bvx_status measure_field(const world *w)
 }
 static bvx_status field_dense(const world *w)
 {
-    return bvx_field_dense(w->ctx, w->field, w->mesh, 0, 0, (float *)w->out);
+    return bvx_field_dense(w->ctx, w->field, 0, (float *)w->out);
 }
 static bvx_status extract_field_surface(const world *w)
 {
@@ -590,12 +590,6 @@ static bvx_status render_difference(const world *w)
     SPOIL(o);
     return bvx_render_difference(w->ctx, w->grid, w->other, &o, (bvx_image *)w->out);
 }
-static bvx_status render_slices(const world *w)
-{
-    RENDER_OPTIONS;
-    SPOIL(o);
-    return bvx_render_slices(w->ctx, w->grid, 2, 2, &o, (bvx_image *)w->out);
-}
 static bvx_status read_grid(const world *w)
 {
     return bvx_read_grid(w->ctx, w->file->bytes, w->file->size, BVX_FORMAT_NPY, NULL, (bvx_grid *)w->out);
@@ -725,7 +719,6 @@ static const call calls[] = {
     CALL(render_mesh, MESH | OPTIONS, TO_IMAGE),
     CALL(render_grid, GRID | OPTIONS, TO_IMAGE),
     CALL(render_difference, GRID | OTHER | OPTIONS, TO_IMAGE),
-    CALL(render_slices, GRID | OPTIONS, TO_IMAGE),
     CALL(read_grid, BYTES, TO_GRID),
     CALL(read_lattice, BYTES | SECOND | SLOT, PLAIN),
     CALL(read_mesh, OPTIONS, TO_MESH),

@@ -266,14 +266,6 @@ static bvx_status render_grid(bvx_context *c, const model *m, results *r)
     return bvx_render_grid(c, &m->solid, &o, &r->image);
 }
 
-static bvx_status render_slices(bvx_context *c, const model *m, results *r)
-{
-    bvx_render_options o;
-
-    picture_options(m, &o);
-    return bvx_render_slices(c, &m->solid, 2, 2, &o, &r->image);
-}
-
 static bvx_status render_difference(bvx_context *c, const model *m, results *r)
 {
     bvx_render_options o;
@@ -350,7 +342,6 @@ static const struct row {
     {"bvx_write_png", write_png},
     {"bvx_render_mesh", render_mesh},
     {"bvx_render_grid", render_grid},
-    {"bvx_render_slices", render_slices},
     {"bvx_read_volume", read_volume},
 };
 

@@ -142,7 +142,7 @@ def test_repair(tmp_path, options):
     assert bitvox.dumps(bitvox.repair(KNOT, resolution=60, **options), "ply") == (tmp_path / "a.ply").read_bytes()
 
 
-@pytest.mark.parametrize("options", [{}, {"half_width": 0}, {"half_width": 1.5, "sign": "pseudonormal"}, {"padding": 1}, {"window": (3, 4, 5, 20, 21, 9)}])
+@pytest.mark.parametrize("options", [{}, {"half_width": 0}, {"half_width": 1.5, "sign": "normal"}, {"padding": 1}, {"window": (3, 4, 5, 20, 21, 9)}])
 def test_field(tmp_path, options):
     words = []
     for name, value in options.items():

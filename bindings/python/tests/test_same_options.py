@@ -30,7 +30,7 @@ ELSEWHERE = {
 REPORTS = {
     "repair": {"--measure"},
     "lod": {"--samples"}, "simplify": {"--samples"},
-    "sections": {"--parts", "--genus", "--block-model", "--block"}, "compare": {"--samples", "--seed"}, "info": {"--crossings", "--measure", "--density", "--resolution"},
+    "sections": {"--block-model", "--block"}, "compare": {"--samples", "--seed"}, "info": {"--crossings", "--measure", "--density", "--resolution"},
     "check": {"--walls", "--gaps", "--density", "--up", "--resolution", "--most"},
 }
 
@@ -294,6 +294,7 @@ ROWS = {
          lambda at: only(bitvox.read_volume(LABELS).surfaces(background=2, smooth=False)[1], normals=True, origin=(1, 2, 3))),
         ("LABELS --only 1 --window 0,0,0,20,20,20", "ply",
          lambda at: bitvox.Volume(bitvox.read_volume(LABELS).array[:20, :20, :20], lattice=bitvox.read_volume(LABELS).lattice).surfaces()[1]),
+        ("LABELS --only 1 --window 0,0,0,20,20,20 --open", "ply", lambda at: bitvox.read_volume(LABELS).window((0, 0, 0, 20, 20, 20)).surfaces(open=True)[1]),
         ("LABELS", "glb", lambda at: written(bitvox.read_volume(LABELS).surfaces(), at / "written.glb")),
         ("LABELS --names names.txt", "glb", lambda at: written(named(at).surfaces(), at / "written.glb")),
         (f"{RAW} --only LABEL", "ply", lambda at: at.raw.surfaces()[int(at.samples.max())]),
@@ -305,7 +306,6 @@ ROWS = {
         ("small.ply --size 90x60 --wireframe", "png", lambda at: bitvox.render(at.small, size=(90, 60), wireframe=True)),
         ("small.ply --size 90x60 --voxels 30 --fill flood --close-gaps 1", "png",
          lambda at: bitvox.render(bitvox.voxelize(at.small, resolution=30, fill="flood", close_gaps=1), size=(90, 60))),
-        ("solid.bvx --size 90x60 --slices z:4", "png", lambda at: bitvox.render(at.solid, size=(90, 60), slices=("z", 4))),
         ("solid.bvx --size 90x60 --compare other.bvx", "png", lambda at: bitvox.render(at.solid, size=(90, 60), compare=bitvox.read(at / "other.bvx"))),
         ("other.bvx --size 90x60 --keep-largest 1", "png", lambda at: bitvox.render(bitvox.read(at / "other.bvx").keep(largest=1), size=(90, 60))),
         ("other.bvx --size 90x60 --least-part 40", "png", lambda at: bitvox.render(bitvox.read(at / "other.bvx").keep(at_least=40), size=(90, 60))),

@@ -213,8 +213,6 @@ def test_planes_of_any_direction() -> None:
     vertices = {tuple(p) for p in mesh.vertices.tolist()}
     assert all(tuple(p) in vertices for loop in crossed.loops for p in loop.points.tolist())
     assert mesh.report.planes == 2 and mesh.report.gaps == 0
-    with pytest.warns(UserWarning, match="has 0 handles"):
-        crossed.surface(cells=16, genus=1)
     assert crossed.of(1) == crossed and crossed.of(1).normals is not None
     apart = bitvox.loads(text.replace(b"2 4 -2 2 4 2", b"2 6 -2 2 6 2"), "csl")
     with pytest.raises(bitvox.FormatError, match="sections 0 and 1 contradict each other"):
@@ -222,32 +220,6 @@ def test_planes_of_any_direction() -> None:
     assert apart.surface(cells=16, agree=2.5).report.gaps == 0
     with pytest.raises(bitvox.ArgumentError, match="cells and spacing"):
         crossed.surface(cells=16, spacing=1.0)
-
-
-def tube():
-    return [SQUARE * 3, SQUARE * 3 + [0, 0, 4], SQUARE + [3, 3, 0], SQUARE + [3, 3, 4]]
-
-
-def test_wishes_about_topology_that_are_met_say_nothing():
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        assert bitvox.from_sections(tube(), parts=1, genus=1).check().closed
-
-
-@pytest.mark.parametrize(("wish", "words"), [({"parts": 2}, "parts=2 is not met: the surface has 1 pieces"),
-                                             ({"genus": 0}, "genus=0 is not met: the surface has 1 handles")])
-def test_wishes_about_topology_that_are_not_met_are_warned_of(wish, words):
-    with pytest.warns(UserWarning, match=words):
-        mesh = bitvox.from_sections(tube(), **wish)
-    assert mesh.check().closed
-
-
-def test_wishes_about_topology_need_closed_bodies_and_numbers():
-    with pytest.raises(bitvox.ArgumentError, match="need a closed body"):
-        bitvox.from_sections(tube(), parts=1, caps="open")
-    for wish in ({"parts": 0}, {"genus": -1}):
-        with pytest.raises(ValueError):
-            bitvox.from_sections(tube(), **wish)
 
 
 def test_bodies_of_all_labels_are_those_one_by_one():

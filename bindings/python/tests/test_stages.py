@@ -325,18 +325,17 @@ def test_render(ball):
     assert image.png()[:8] == b"\x89PNG\r\n\x1a\n" == ball._repr_png_()[:8] == grid._repr_png_()[:8] == image._repr_png_()[:8]
     assert (np.asarray(image)[0, 0] == 255).all() and (np.asarray(image)[20, 30] < 255).any()
     different = [bitvox.render(grid, size=(240, 180), **o).png() for o in (
-        {}, {"cut": {"x": 3.0}}, {"wireframe": True}, {"from_": (1, 0, 0)}, {"color": (255, 0, 0)}, {"slices": ("z", 4)},
+        {}, {"cut": {"x": 3.0}}, {"wireframe": True}, {"from_": (1, 0, 0)}, {"color": (255, 0, 0)},
         {"compare": grid - bitvox.voxelize(ball, lattice=grid.lattice, mode="thin")}, {"background": (0, 0, 0)})]
     assert len(set(different)) == len(different)
     painted = bitvox.Mesh(ball.vertices, ball.faces, colors=np.tile([250, 10, 10], (ball.n_vertices, 1)))
     pixel = bitvox.render(painted, size=(60, 40)).pixels[20, 30]
     assert pixel[0] > 2 * pixel[1]
-    for options in ({"size": (0, 10)}, {"slices": ("w", 3)}, {"cut": {"q": 1}}, {"samples": 9}, {"color": (1, 2)},
-                    {"slices": ("z", 3), "from_": (1, 0, 0)}, {"slices": ("z", 3), "cut": {"x": 1}}, {"slices": ("z", 3), "smooth": True}):
+    for options in ({"size": (0, 10)}, {"cut": {"q": 1}}, {"samples": 9}, {"color": (1, 2)}):
         with pytest.raises(bitvox.Error):
             bitvox.render(grid, **options)
     with pytest.raises(bitvox.ArgumentError):
-        bitvox.render(ball, slices=("z", 3))
+        bitvox.render(ball, compare=grid)
 
 
 def test_what_needs_no_repair_keeps_its_attributes(knot):

@@ -20,7 +20,7 @@ LISTS = {
     "ErrorKind": _levels.ERROR_KINDS, "Thin": ("shell", "keep", "drop"), "ThinCheck": _stages.THIN_CHECKS,
     "Caps": _sections.CAPS, "Touching": _sections.TOUCHING, "Crossings": _sections.CROSSINGS, "Reduce": _grid.RULES,
     "DistanceSide": _grid.DISTANCE_SIDES,
-    "Beyond": _grid.BEYONDS, "Side": _grid.SIDES, "Far": ("constant", "propagated"), "Axis": ("x", "y", "z"), "Order": ("xyz", "zyx"),
+    "Beyond": _grid.BEYONDS, "Side": _grid.SIDES, "Axis": ("x", "y", "z"), "Order": ("xyz", "zyx"),
     "Frame": _volume.FRAMES, "Direction": _octree._DIRECTIONS, "Resampling": ("linear", "nearest"), "FloatName": ("float32", "float64"),
     "BooleanFill": ("auto", "parity", "nonzero", "vote", "winding"),
 }

@@ -16,7 +16,7 @@ from ._mesh import Mesh, position_type, with_positions
 from ._options import FieldOptions
 from ._records import record
 from ._run import FACE_RULES, SIGN_RULES, Progress, Run, choice, ffi, function, known, lib, name_of, names_of, options_of, sharpness
-from ._words import Array, FaceRule, Far, Interpolation, Order, Sign
+from ._words import Array, FaceRule, Interpolation, Order, Sign
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -153,17 +153,16 @@ class Field:
         number = lib.bvx_field_value(self._c, x, y, z)
         return None if number == 2**64 - 1 else number
 
-    def to_numpy(self, order: Order = "xyz", *, vectors: bool = False, far: Far = "constant", threads: int | None = None,
+    def to_numpy(self, order: Order = "xyz", *, vectors: bool = False, threads: int | None = None,
                  memory_limit: int | None = None, progress: Progress = None) -> Array:
         """Every center of the window as float32: ``array[x, y, z]`` or, with order "zyx", ``array[z, y, x]``.
+
+        Where the band has no value stands the half width, negative inside, or a vector of 0.
 
         Parameters
         ----------
         vectors
             the vectors, with one more axis of three, in place of signed distances.
-        far
-            where the band has no value: "constant" (the half width, negative inside) or "propagated" (from neighbors;
-            needs a field measured with ``features=True``).
 
         Examples
         --------
@@ -176,10 +175,8 @@ class Field:
             raise ArgumentError(f"order is {order!r}; it must be 'xyz' or 'zyx'")
         nx, ny, nz = self.shape
         made = np.empty((nz, ny, nx, 3) if vectors else (nz, ny, nx), np.float32)
-        rule = choice("far", far, "BVX_FAR_", ("constant", "propagated"))
         with Run(threads, memory_limit, progress) as run:
-            run.check(lib.bvx_field_dense(run.context, self._c, self._mesh._view(run), rule, int(bool(vectors)),
-                                          ffi.cast("float *", arrays.address(made))))
+            run.check(lib.bvx_field_dense(run.context, self._c, int(bool(vectors)), ffi.cast("float *", arrays.address(made))))
         if order == "zyx":
             return made
         return made.transpose(2, 1, 0, 3) if vectors else made.transpose(2, 1, 0)
@@ -250,9 +247,9 @@ class Field:
         made.report = record(report)
         return made
 
-    def to_pyvista(self, *, vectors: bool = False, far: Far = "constant") -> Any:
+    def to_pyvista(self, *, vectors: bool = False) -> Any:
         """A pyvista.ImageData with the point data "distance" (points are the voxels' centers, as in the .vti that `save` writes) and, with
-        ``vectors``, "vector"; ``far`` as for `to_numpy`.
+        ``vectors``, "vector".
 
         Examples
         --------
@@ -261,9 +258,9 @@ class Field:
         """
         pyvista, band = need("pyvista", "view"), self.band
         image = pyvista.ImageData(dimensions=self.shape, spacing=band.spacing, origin=band.center0)
-        image.point_data["distance"] = self.to_numpy("zyx", far=far).reshape(-1)
+        image.point_data["distance"] = self.to_numpy("zyx").reshape(-1)
         if vectors:
-            image.point_data["vector"] = self.to_numpy("zyx", vectors=True, far=far).reshape(-1, 3)
+            image.point_data["vector"] = self.to_numpy("zyx", vectors=True).reshape(-1, 3)
         return image
 
     def save(self, path: str | os.PathLike[str], format: str | None = None, *, vectors: bool = False) -> None:
@@ -376,7 +373,7 @@ def field(
         of the band: centers so near to the mesh have a value [largest spacings]; 0 or infinity: all centers.
     sign
         what decides that a center is inside: "parity" (as the fill), "winding" (holes and overlaps), "vote" (holes
-        and flipped triangles), "pseudonormal", "normal" (the side of the closest point or triangle), "none", or "auto":
+        and flipped triangles), "normal" (the side of the closest triangle), "none", or "auto":
         inside is what fill "auto" has inside.
     dtype
         of the values, float32 or float64 (the program's ``--value-type``).

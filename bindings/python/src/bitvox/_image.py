@@ -132,7 +132,6 @@ def render(
     wireframe: bool = False,
     cut: dict[str, float] | None = None,
     color: Sequence[int] = (200, 196, 188),
-    slices: tuple[str, int] | None = None,
     compare: Any = None,
     threads: int | None = None,
     memory_limit: int | None = None,
@@ -159,8 +158,6 @@ def render(
         take away what lies between planes and the eye: ``{"x": 0.5, "z": 1.0}`` [world].
     color
         red, green, blue.
-    slices
-        ("z", 12): a sheet of slices of a grid across an axis, in place of a view.
     compare
         a second grid: what it adds is green, what it lacks red.
     advanced
@@ -189,11 +186,6 @@ def render(
     cut_low, cut_high, show = advanced.get("cut_low"), advanced.get("cut_high"), advanced.get("show")
     options = options_of("render_options")
     options.width, options.height = (in_range("size", n, 1, 16384) for n in size)
-    if slices is not None:
-        of_views = {"from_": from_, "up": up, "show": show, "cut": cut, "smooth": smooth or None, "wireframe": wireframe or None}
-        for name, value in of_views.items():
-            if value is not None:
-                raise ArgumentError(f"{name} is for views, not for slices")
     options.camera.direction = (3, -4, 2) if from_ is None else arrays.direction("from_", from_)
     if up is not None:
         options.camera.up = arrays.direction("up", up)
@@ -216,19 +208,9 @@ def render(
             options.cut.low[i] = max(options.cut.low[i], float(at))
     image = ffi.gc(ffi.new("bvx_image *"), lib.bvxpy_free_image)
     with Run(threads, memory_limit, progress) as run:
-        if slices is not None or compare is not None:
+        if compare is not None:
             if not isinstance(source, Grid):
-                raise ArgumentError("slices and compare are for grids")
-            if slices is not None and compare is not None:
-                raise ArgumentError("slices and compare contradict each other; give one of them")
-        if slices is not None:
-            if isinstance(slices, str) or len(slices) != 2:
-                raise TypeError(f'slices must be like ("z", 12), not {slices!r}')
-            axis, count = slices
-            if axis not in ("x", "y", "z"):
-                raise ArgumentError(f"slices: {axis!r} is not an axis; it must be x, y or z")
-            run.check(lib.bvx_render_slices(run.context, source._c, "xyz".index(axis), in_range("slices", count, 1, 1024), options, image))
-        elif compare is not None:
+                raise ArgumentError("compare is for grids")
             run.check(lib.bvx_render_difference(run.context, source._c, compare._c, options, image))
         elif isinstance(source, Grid):
             run.check(lib.bvx_render_grid(run.context, source._c, options, image))

@@ -238,11 +238,11 @@ class Surfaces(Mapping[int, Mesh]):
 
 
 def label_surfaces(view: Any, background: int, smooth: bool, targets: dict[str, Any], dtype: Any, unsigned: bool, place: Callable[[Mesh], Mesh],
-                   segments: Mapping[int, Segment], *, threads: int | None, memory_limit: int | None, progress: Progress, piece: bool = False) -> Surfaces:
-    """The surfaces of a checked view; of a piece that others join, with a voxel more where the lattice goes on."""
+                   segments: Mapping[int, Segment], *, open: bool, threads: int | None, memory_limit: int | None, progress: Progress) -> Surfaces:
+    """The surfaces of a checked view."""
     options = options_of("labels_options")
     options.background = background - 2**64 if background >= 2**63 else background
-    options.staircase, options.open = int(not smooth), int(piece)
+    options.staircase, options.open = int(not smooth), int(bool(open))
     options.triangles, options.error = targets.get("triangles", 0), targets.get("error", 0)
     options.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
     made = ffi.gc(ffi.new("bvx_complex *"), lib.bvxpy_free_complex)

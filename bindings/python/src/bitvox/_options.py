@@ -297,9 +297,6 @@ class SectionsOptions(TypedDict, total=False):
         interpolated distances with the contours' points put in) or "classic" (marching cubes).
     subdivide
         a cell that a contour crosses twice on a side is halved at most this often. Default 5.
-    parts, genus
-        wishes: surfaces in one piece each (those around cavities too), and handles of all of them together. A warning says
-        when the body has another number.
     error_kind
         as for `repair`.
     dtype
@@ -316,8 +313,6 @@ class SectionsOptions(TypedDict, total=False):
     agree: float | None
     crossings: Crossings
     subdivide: int | None
-    parts: int | None
-    genus: int | None
     error_kind: ErrorKind | None
     dtype: Any
 

@@ -458,7 +458,7 @@ def from_sections(
         most triangles, or the distance to the body's whole surface, by edges that collapse: as for `repair`.
         Contour points are then no longer vertices; ``caps="open"`` cannot be collapsed.
     advanced
-        `SectionsOptions`: ``cells``, ``agree``, ``crossings``, ``subdivide``, ``parts``, ``genus``,
+        `SectionsOptions`: ``cells``, ``agree``, ``crossings``, ``subdivide``,
         ``error_kind``, ``dtype``.
 
     Returns
@@ -484,17 +484,11 @@ def from_sections(
     (True, 2.0)
     """
     known(from_sections, SectionsOptions, advanced)
-    subdivide, parts, genus = (advanced.get("subdivide"), advanced.get("parts"), advanced.get("genus"))
+    subdivide = advanced.get("subdivide")
     build = function("bvx_build_sections")
     targets = level_target(triangles, error, advanced.get("error_kind"))
     if targets and caps == "open":
         raise ArgumentError(f"{next(iter(targets))} needs a closed body; caps 'open' leaves it open")
-    if caps == "open" and (parts is not None or genus is not None):
-        raise ArgumentError("parts and genus need a closed body; caps 'open' leaves it open")
-    if parts is not None:
-        in_range("parts", parts, 1, 2147483647)
-    if genus is not None:
-        in_range("genus", genus, 0, 2147483647)
     given = _stack_of(sections)
     options = options_of("sections_options")
     if grid is not None:
@@ -533,7 +527,6 @@ def from_sections(
                     why.args = (f"{why}; mend=True {'splits loops there' if why.reason.endswith('MEET') else 'leaves such loops out'}",)
                 raise
         mesh = Mesh._made(made)
-        _warn_of_wishes(mesh, parts, genus)
         mesh = collapsed(mesh, targets, limits)
     mesh.report = record(report)
     return mesh
@@ -578,18 +571,6 @@ def _joint_bodies(stack: Sections, *, spacing: float | None = None, cells: int |
         made[label] = Mesh._made(owner)
         made[label].report = record(report)
     return made
-
-
-def _warn_of_wishes(mesh: Mesh, parts: int | None, genus: int | None) -> None:
-    """Of the body as it is made: collapsing keeps its topology."""
-    if parts is None and genus is None:
-        return
-    checked = mesh.check()
-    handles = checked.components - checked.euler // 2
-    if parts is not None and parts != checked.components:
-        warnings.warn(f"parts={parts} is not met: the surface has {checked.components} pieces", stacklevel=4)
-    if genus is not None and genus != handles:
-        warnings.warn(f"genus={genus} is not met: the surface has {handles} handles", stacklevel=4)
 
 
 def slice_mesh(mesh: Any, *, axis: Axis | None = None, normal: Sequence[float] | None = None, spacing: float | None = None,

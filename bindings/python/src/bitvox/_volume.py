@@ -537,7 +537,7 @@ class Volume:
         return [one._replace(value=one.value % 2**64) for one in labels] if unsigned else labels
 
     def surfaces(self, *, background: int = 0, smooth: bool = True, triangles: int | None = None, error: float | None = None,
-                 dtype: Any = None, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Surfaces:
+                 open: bool = False, dtype: Any = None, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Surfaces:
         """The surfaces of all labels of integer samples at once, as a mapping from each value to its `Mesh`.
 
         Bodies that touch share positions and faces, so nothing lies in none or in two. Each is closed and manifold; no two triangles cross.
@@ -552,6 +552,9 @@ class Volume:
         triangles, error
             fewer triangles, so many in all, or as many as keep that mean distance of both directions to all of them [world]. Bodies still share
             faces, and junctions of labels.
+        open
+            the volume is a `window` that others join: where the lattice goes on, it has one voxel more than its own part, and its bodies end in the
+            plane before that voxel, where those of the next window begin, with the same bits.
         dtype
             of positions; None takes float32 where it distinguishes neighbors.
 
@@ -568,7 +571,7 @@ class Volume:
         background = in_range("background", background, -(2**63), 2**64 - 1)
         if self._turn is not None and dtype is None:
             dtype = "float64"  # turned positions need more digits than the lattice's own
-        return label_surfaces(self._c, background, smooth, targets, dtype, unsigned, self._in_world, self.segments,
+        return label_surfaces(self._c, background, smooth, targets, dtype, unsigned, self._in_world, self.segments, open=open,
                               threads=threads, memory_limit=memory_limit, progress=progress)
 
     def surface(self, level: float = 0.0, *, below: bool = False, dtype: Any = None, open_sides: str | Iterable[str] = (), keys: bool = False,

@@ -8,7 +8,6 @@ from typing import Any, Sequence
 from .. import _arrays as arrays
 from .._errors import ArgumentError, need
 from .._grid import Grid
-from .._labels import label_surfaces
 from .._lattice import Lattice, Placed
 from .._mesh import Mesh
 from .._run import SIDES, in_range, lib
@@ -159,8 +158,7 @@ def shared_bodies(array: Any, cut: Chunks, index: Index, background: int, option
     equal where chunks meet in them, as positions are not alone: a cell may hold several vertices in one place. Others are 0."""
     np = arrays.numpy("bitvox.big")
     volume = WholeVolume(array.view("u1") if array.dtype == bool else array, lattice=cut.lattice, low=cut.grown(index, (1, 1, 1)).low)
-    found = label_surfaces(volume._c, background, True, {"triangles": triangles}, options["dtype"], volume._c.sample_type == lib.BVX_SAMPLE_U64,
-                           lambda mesh: mesh, {}, threads=1, memory_limit=options["memory_limit"], progress=None, piece=True)
+    found = volume.surfaces(background=background, triangles=triangles, open=True, dtype=options["dtype"], threads=1, memory_limit=options["memory_limit"])
     c, whole, bodies = found._c, Mesh(found.complex.vertices, found.complex.faces), dict[Any, Mesh]()
     junctions, begin = arrays.array_at(c.junctions, "uint8", (whole.n_vertices,), c), np.arange(whole.n_vertices)
     if c.single:
