@@ -9,7 +9,7 @@
 
 enum { LABEL_MOST = 255, LABEL_CELLS = 32 * 32 * 32 };
 
-typedef struct label_work {
+typedef struct voxel_labels {
     const bvx_mesh *mesh;
     const bvx_grid *grid;
     bvx_closest closest;
@@ -18,10 +18,10 @@ typedef struct label_work {
     uint64_t *first; /* set voxels before each slice */
     uint64_t *keys;  /* of each set voxel: its material, or red, green, blue */
     uint32_t *voxel;
-} label_work;
+} voxel_labels;
 
 /* The colour of a material times that of its triangle's corners, as bytes of sRGB. */
-static uint64_t colour_key(const label_work *w, const bvx_closest_point *at)
+static uint64_t colour_key(const voxel_labels *w, const bvx_closest_point *at)
 {
     const bvx_mesh *const m = w->mesh;
     const bvx_assets *const assets = m->assets;
@@ -46,7 +46,7 @@ static uint64_t colour_key(const label_work *w, const bvx_closest_point *at)
 
 static void label_slices(void *user, uint64_t begin, uint64_t end)
 {
-    const label_work *const w = user;
+    const voxel_labels *const w = user;
     const bvx_grid *const g = w->grid;
     uint32_t hint = 0;
 
@@ -91,8 +91,8 @@ static uint32_t cell_of(uint64_t key, int bits)
 }
 
 /* Means of the cells of so many bits; returns how many cells there are. */
-static uint32_t fill_cells(const label_work *w, uint64_t count, int bits, palette_cell *cell,
-                           uint8_t *palette)
+static uint32_t fill_colour_cells(const voxel_labels *w, uint64_t count, int bits, palette_cell *cell,
+                                  uint8_t *palette)
 {
     uint32_t used = 0;
 
@@ -114,7 +114,7 @@ static uint32_t fill_cells(const label_work *w, uint64_t count, int bits, palett
 }
 
 /* The keys become labels. */
-static bvx_status make_palette(bvx_context *ctx, label_work *w, uint64_t count, uint8_t *palette)
+static bvx_status make_palette(bvx_context *ctx, voxel_labels *w, uint64_t count, uint8_t *palette)
 {
     palette_cell *cell;
     uint64_t colours = 0;
@@ -137,7 +137,7 @@ static bvx_status make_palette(bvx_context *ctx, label_work *w, uint64_t count, 
         return BVX_OK;
     }
     BVXI_TRY(BVXI_ARRAY(ctx, LABEL_CELLS, "cells of colours", cell));
-    while (fill_cells(w, count, bits, cell, palette) > LABEL_MOST) bits--;
+    while (fill_colour_cells(w, count, bits, cell, palette) > LABEL_MOST) bits--;
     for (uint64_t i = 0; i < count; i++) w->keys[i] = cell[cell_of(w->keys[i], bits)].label;
     return BVX_OK;
 }
@@ -148,7 +148,7 @@ static bvx_status run_label_voxels(bvx_context *ctx, const bvx_mesh *mesh, const
                                    uint8_t *labels, uint8_t *palette)
 {
     static const char *const function = "bvx_label_voxels";
-    label_work w = {.mesh = mesh, .grid = grid};
+    voxel_labels w = {.mesh = mesh, .grid = grid};
     uint64_t count = 0, next = 0;
 
     if (mesh == NULL) return bvxi_fail_null(ctx, function, "mesh");
