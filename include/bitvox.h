@@ -679,6 +679,9 @@ BVX_API bvx_status bvx_extract_surface(bvx_context *context, const bvx_grid *gri
 typedef struct bvx_faces_options {
     size_t struct_size;
     int32_t position_type, local_frame; /**< see Types */
+    const bvx_grid
+        *of; /**< only faces of these voxels of the grid, such as those of one colour; same lattice and window
+                             [Default: NULL, all] */
     int32_t merged; /**< 1: faces of one plane and side become rectangles */
     int32_t open_sides; /**< BVX_OPEN_...: the outermost voxels at these sides are a neighbour's, whose faces are left
                              to it: windows that overlap by two voxels have each face once [Limit: 0..63] */
@@ -1050,6 +1053,15 @@ BVX_API bvx_status bvx_closest_crossings(bvx_context *context, const bvx_closest
 /** Give the vertices of a mesh the colours and texture coordinates of the source's closest points. What the source does
  *  not have stays. The target's arrays are the library's. A triangle over a seam of the texture stretches across it. */
 BVX_API bvx_status bvx_mesh_carry(bvx_context *context, const bvx_mesh *source, bvx_mesh *target);
+/** Label the set voxels of a grid by the point of a mesh that is closest to their centres. Where the mesh has colours of
+ *  vertices, or more than 254 materials, a label is a colour, base colour of the material times that of the vertices;
+ *  beyond 255 colours close ones become their mean. Else it is 1 + the index of the material.
+ *  grid     in the mesh's coordinates, without its frame
+ *  labels   0 where no voxel is set [Size: size[0] * size[1] * size[2]] x fastest
+ *  palette  red, green, blue, alpha of each label [Size: 1024]
+ *  Returns BVX_ERR_ARGUMENT (the mesh has neither), BVX_ERR_RANGE (2^32 - 1 set voxels or more). */
+BVX_API bvx_status bvx_label_voxels(bvx_context *context, const bvx_mesh *mesh, const bvx_grid *grid, uint8_t *labels,
+                                    uint8_t *palette);
 
 /* ---- Distance fields ----------------------------------------------------------------------------------- */
 /** Values at centres of voxels: where the closest point of a mesh lies, and on which side. Value n is that of set voxel
@@ -1644,8 +1656,8 @@ typedef struct bvx_refine_options {
  *  level), BVX_ERR_BUDGET (the last value of bvx_last_error is the number of levels that fits). */
 BVX_API bvx_status bvx_refine(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *base,
                               const bvx_refine_options *options, bvx_octree **tree);
-/** Choose base, out, and levels of options with which bvx_refine takes least time for at least resolution voxels of the
- *  last level along the mesh's longest axis. levels is BVX_NONE for none; window and tolerance are considered. */
+/** Choose base, out, and levels of options for at least resolution voxels of the last level along the mesh's longest
+ *  axis: a base that is small beside it (docs/rules.md). levels is BVX_NONE for none. */
 BVX_API bvx_status bvx_refine_choose(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,
                                      bvx_refine_options *options, bvx_lattice *base);
 BVX_API void bvx_octree_free(bvx_context *context, bvx_octree *tree);

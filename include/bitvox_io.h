@@ -232,7 +232,7 @@ BVX_API bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *levels, 
 /** Write a grid. The low corner of its window and the spacing go where the format keeps them:
  *  BVX_FORMAT_NPY     bool, axes [x,y,z] (Fortran order); no lattice: see bvx_write_lattice
  *  BVX_FORMAT_BINVOX  translate is the low corner, scale the longest side; cubic voxels only
- *  BVX_FORMAT_VOX     MagicaVoxel: more than 256 voxels a side are models of 256 in a scene; no lattice
+ *  BVX_FORMAT_VOX     MagicaVoxel: more than 256 voxels a side are models of 256 in a scene; no lattice; white
  *  BVX_FORMAT_NRRD    uint8, raw, attached header; "space origin" is the centre of the first voxel
  *  BVX_FORMAT_VTI     VTK image, cell data uint8, raw appended; Origin is the low corner
  *  BVX_FORMAT_BVX     our own: lattice and window whole; slices packed by runs, each with a checksum
@@ -243,6 +243,19 @@ BVX_API bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *levels, 
  *  [Memory: the file; BINVOX: and 64 layers of x twice; VDB, NVDB: and a byte for 512 voxels]
  *  [Cost: O(voxels) bytes written; BVX, BINVOX: O(words + runs)] */
 BVX_API bvx_status bvx_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format, bvx_buffer *file);
+
+/** Write a grid whose voxels have labels, with the colours of those: VOX, or NRRD with the keys of 3D Slicer's segments.
+ *  labels   0 where no voxel is set, and only there [Size: size[0] * size[1] * size[2]] x fastest
+ *  palette  red, green, blue, alpha of each label [Size: 1024]
+ *  Returns as bvx_write_grid, and BVX_ERR_ARGUMENT (a label that does not fit the grid). [Memory: the file] */
+BVX_API bvx_status bvx_write_labels(bvx_context *context, const bvx_grid *grid, const uint8_t *labels,
+                                    const uint8_t *palette, int32_t format, bvx_buffer *file);
+/** The labels and colours of a VOX file, of the box that bvx_read_grid reads without a window. Its own palette, or the one
+ *  that holds where a file has none; of voxels at one place the last one's label.
+ *  labels   as for bvx_write_labels; made by the library
+ *  Returns as bvx_read_grid. [Memory: the labels, and an eighth of them] */
+BVX_API bvx_status bvx_read_labels(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                                   bvx_buffer *labels, uint8_t *palette);
 
 /** Write an octree.
  *  states          VTU: the leaves in a set of states (0: surface and inside); BVX: 0, all of the tree

@@ -25,8 +25,8 @@ static const cli_argument refine_rows[] = {
     WHOLE("--base", "N", OWN(base_voxels), 1, LARGEST_SIDE,
           "voxels along the longest axis before any is halved [8]"),
     WHOLE_OR("--halvings", "L|auto", OWN(depth), 0, 25, auto_names, -1,
-             "how many times voxels are halved [6]; auto: with --resolution, as it\n"
-             "takes the shortest time by an estimate [auto with --resolution]"),
+             "how many times voxels are halved [6]; auto: with --resolution, until\n"
+             "the base has at most 256 voxels a side [auto with --resolution]"),
     WHOLE("--outer-levels", "L", OWN(tree.outer_levels), 0, 25,
           "with --window: how many times beyond it [0]"),
     BETWEEN("--adaptive", "T", OWN(tree.tolerance), 0, 1e300,

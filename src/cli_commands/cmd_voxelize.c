@@ -61,6 +61,9 @@ static const cli_argument voxelize_rows[] = {
               "with --fill below: what lies between IN and this terrain; reports cut\n"
               "and fill"),
     CHOICE("--up", "AXIS", OWN(solid.up), up_names, BVX_UP_Z, "with --fill below: x, y or z [z]"),
+    FLAG("--segments", OWN(segments),
+         "of a mesh with materials or colours, to .nrrd: voxels are labels of the\n"
+         "nearest ones, with their colours, as .vox has them without it"),
     {.also = cli_takes_selection},
     {.also = cli_takes_below},
     {.also = cli_takes_raw},
@@ -89,21 +92,25 @@ typedef struct voxel_job {
 enum {
     SETS_SOLID = 1 << CLI_FIRST_FACT, /* --mode */
     SETS_FIELD = 2 << CLI_FIRST_FACT,
-    LOOKS_FOR_THIN = 4 << CLI_FIRST_FACT /* --check-thin always */
+    LOOKS_FOR_THIN = 4 << CLI_FIRST_FACT, /* --check-thin always */
+    TO_SEGMENTS = 8 << CLI_FIRST_FACT     /* .nrrd or .vox */
 };
 
 static uint32_t facts_of_mode(const cli_run *run)
 {
     const cli_voxelize_options *const own = run->own;
 
+    int32_t const format = bvx_format_of_name(run->options->output);
+
     return (own->mode == CLI_MODE_SOLID ? SETS_SOLID : 0u) | (own->mode == CLI_MODE_FIELD ? SETS_FIELD : 0u) |
+           (format == BVX_FORMAT_NRRD || format == BVX_FORMAT_VOX ? TO_SEGMENTS : 0u) |
            (own->solid.check_thin == BVX_CHECK_ALWAYS ? LOOKS_FOR_THIN : 0u);
 }
 
 static const cli_rule cloud_rules[] = {
     {.when = CLI_OF_CLOUD,
      .given = "--mode --fill --add-shell --check-thin --half-width --sign --vectors "
-              "--value-type --sharp --no-sharp",
+              "--value-type --sharp --no-sharp --segments",
      .message = "%o is for meshes; %i is a cloud of points"},
     {.when = CLI_OF_MESH, .given = "--minimum --body", .message = "%o is for clouds of points; %i is a mesh"},
     {.when = CLI_OF_CLOUD, .given = "--close-gaps", .lacking = "--body", .message = "%o needs --body"},
@@ -141,6 +148,10 @@ static const cli_rule mesh_rules[] = {
     {.when = SETS_FIELD,
      .unless = CLI_TO_DISTANCES,
      .message = "%f: fields are written as .npy, .nrrd, .vti, .vdb or .nvdb"},
+    {.when = SETS_FIELD,
+     .given = "--segments",
+     .message = "%o is for voxels; --mode field has no use for it"},
+    {.unless = TO_SEGMENTS, .given = "--segments", .message = "%f: labels are written as .nrrd or .vox"},
     {.also = fill_rules},
     {.when = CLI_OF_CLOUD, .also = cloud_rules},
     {.when = CLI_OF_GRID,
@@ -448,6 +459,9 @@ static int make_all(cli_run *run, voxel_job *job, cli_made *made)
     if (!job->cloud && own->mode == CLI_MODE_SOLID && !o->add_shell && own->second == NULL)
         job->voxels.source = &job->mesh;
     made->voxels = &job->voxels;
+    if (!job->cloud && (own->segments || (bvx_format_of_name(o->output) == BVX_FORMAT_VOX &&
+                                          (job->mesh.colours != NULL || job->mesh.materials != NULL))))
+        job->voxels.labels_of = &job->mesh;
     return CLI_DONE;
 }
 

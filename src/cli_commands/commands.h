@@ -43,6 +43,7 @@ typedef struct cli_voxelize_options {
     bvx_field_options field;
     int32_t mode;       /* CLI_MODE_... */
     const char *second; /* the other terrain's file */
+    int32_t segments;
 } cli_voxelize_options;
 
 /* ---- voxelize_volume.c ---- */

@@ -65,7 +65,11 @@ static int parse_grid(cli_run *run, cli_bytes *b, const bvx_window *window, cli_
     if (read == BVX_ERR_UNSUPPORTED && (format == BVX_FORMAT_NRRD || format == BVX_FORMAT_VTI) &&
         bvx_last_error(run->context)->reason == BVX_REASON_COMPRESSED)
         return unpack_grid(run, b, window, in);
-    if (read == BVX_OK && format == BVX_FORMAT_VOX && run->options->output != NULL && has_vox_colours(b))
+    int const coloured = read == BVX_OK && format == BVX_FORMAT_VOX && run->options->output != NULL &&
+                         has_vox_colours(b);
+    if (coloured && run->command->bit == CLI_FACES && CLI_HOLDS(run, CLI_TO_GLB))
+        read = bvx_read_labels(run->context, b->bytes, b->size, format, &in->labels, in->palette);
+    else if (coloured)
         cli_warn(run, BVX_WARN_LOST, "%s: the colours of its voxels are not kept", cli_input_name(in->path));
     return cli_check_call(run, read, cli_input_name(in->path));
 }
@@ -170,17 +174,26 @@ static const cli_rule tree_rules[] = {
     {.when = CLI_OF_MESH, .given = "--expand --states", .message = "%o is for octrees; %w is a mesh"},
     {0}};
 
-int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_grid *grid, int *placed)
+static int read_expanded(cli_run *run, const char *path, const bvx_window *window, cli_input *in)
 {
     static const bvx_window all = {{0, 0, 0}, {0, 0, 0}};
-    cli_input in;
-    int status = cli_read_grid_or_tree(run, path, window, &in);
+    int status = cli_read_grid_or_tree(run, path, window, in);
 
-    if (status == CLI_DONE && in.kind == CLI_TREE)
-        status = cli_expand_tree(run, in.tree, window != NULL ? window : &all, cli_input_name(path),
-                                 &in.grid);
+    if (status == CLI_DONE && in->kind == CLI_TREE)
+        status = cli_expand_tree(run, in->tree, window != NULL ? window : &all, cli_input_name(path),
+                                 &in->grid);
     else if (status == CLI_DONE) status = cli_check_rules(run, tree_rules, CLI_OF_GRID, cli_input_name(path));
-    bvx_octree_free(run->context, in.tree);
+    bvx_octree_free(run->context, in->tree);
+    in->tree = NULL;
+    in->kind = CLI_GRID;
+    return status;
+}
+
+int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_grid *grid, int *placed)
+{
+    cli_input in;
+    int const status = read_expanded(run, path, window, &in);
+
     *grid = in.grid;
     *placed = in.placed;
     return status;
@@ -191,7 +204,7 @@ int cli_read_input(cli_run *run, const char *path, cli_input *input)
     memset(input, 0, sizeof *input);
     input->path = path;
     CLI_TRY(cli_input_kind(run, path, &input->kind));
-    if (input->kind == CLI_GRID) return cli_read_grid(run, path, NULL, &input->grid, &input->placed);
+    if (input->kind == CLI_GRID) return read_expanded(run, path, NULL, input);
     CLI_TRY(cli_check_rules(run, tree_rules, CLI_OF_MESH, cli_input_name(path)));
     return cli_read_mesh(run, path, &input->mesh);
 }
@@ -200,6 +213,7 @@ void cli_free_input(cli_run *run, cli_input *input)
 {
     bvx_mesh_free(run->context, &input->mesh);
     bvx_grid_free(run->context, &input->grid);
+    bvx_buffer_free(run->context, &input->labels);
     bvx_octree_free(run->context, input->tree);
     input->tree = NULL;
 }

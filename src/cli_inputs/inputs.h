@@ -84,7 +84,9 @@ typedef struct cli_input {
     bvx_mesh mesh;
     bvx_grid grid;
     bvx_octree *tree;
-    int placed; /* 0: neither file nor side-car tells a grid's lattice */
+    int placed;        /* 0: neither file nor side-car tells a grid's lattice */
+    bvx_buffer labels; /* of a .vox with colours, for 'faces' to .glb; else empty */
+    uint8_t palette[1024];
 } cli_input;
 
 /* Read a grid, or a window of it (NULL or all zero: all), and its side-car; creates run->context when there

@@ -61,6 +61,26 @@ int cli_write_grid(cli_run *run, const bvx_grid *grid)
                          &file, grid);
 }
 
+int cli_write_segments(cli_run *run, const bvx_grid *grid, const bvx_mesh *mesh)
+{
+    uint8_t palette[1024], *const labels = malloc((size_t)grid->size[0] * (size_t)grid->size[1] *
+                                                  (size_t)grid->size[2]);
+    bvx_buffer file = {0};
+
+    if (labels == NULL) return cli_fail(run, "no memory for the labels of the voxels");
+    int result = CLI_STAGE(run, "labels", bvx_label_voxels(run->context, mesh, grid, labels, palette),
+                           cli_first_name(run));
+    if (result == CLI_DONE) {
+        cli_stage_begin(run, "write");
+        result = finish_voxels(run,
+                               bvx_write_labels(run->context, grid, labels, palette,
+                                                bvx_format_of_name(run->options->output), &file),
+                               &file, grid);
+    }
+    free(labels);
+    return result;
+}
+
 int cli_write_field(cli_run *run, const bvx_field *field)
 {
     int32_t const format = bvx_format_of_name(run->options->output);

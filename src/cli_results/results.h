@@ -70,6 +70,8 @@ void cli_tell_tree_output(const cli_run *run, const cli_tree *t, cli_made *made)
 /* Open the outputs of a grid, write it as run->options.output and keep it. */
 int cli_open_grid_output(cli_run *run, const char *path);
 int cli_write_grid(cli_run *run, const bvx_grid *grid);
+/* The same with labels by the nearest material or colour of a mesh. */
+int cli_write_segments(cli_run *run, const bvx_grid *grid, const bvx_mesh *mesh);
 /* The same of distances. */
 int cli_write_field(cli_run *run, const bvx_field *field);
 /* Write what a call of the library made as the output of this number, or say why it failed; frees it. */
@@ -168,10 +170,11 @@ typedef struct cli_drill {
 struct cli_voxels {
     const char *name; /* of the input */
     const bvx_grid *grid;
-    const bvx_mesh *source; /* what they were made from, or NULL; and then */
-    const bvx_grid *solid;  /* its own voxels, on the grid's window */
-    const bvx_field *field; /* measured by cli_measure_source, or NULL */
-    double offset;          /* of walls from the mesh, negative inside; 0: none moved */
+    const bvx_mesh *source;    /* what they were made from, or NULL; and then */
+    const bvx_grid *solid;     /* its own voxels, on the grid's window */
+    const bvx_field *field;    /* measured by cli_measure_source, or NULL */
+    const bvx_mesh *labels_of; /* a mesh whose colours or materials become labels, or NULL */
+    double offset;             /* of walls from the mesh, negative inside; 0: none moved */
     cli_drill drill;
     bvx_mesh mesh; /* made by cli_write_voxels; zeroed */
     cli_reduction reduction;

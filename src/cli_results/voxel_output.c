@@ -158,7 +158,8 @@ int cli_write_voxels(cli_run *run, cli_voxels *v)
         return cli_write_mesh(run, &v->mesh);
     }
     CLI_TRY(cli_check_grid_format(run, run->options->output, &v->grid->lattice));
-    return cli_write_grid(run, v->grid);
+    return v->labels_of != NULL ? cli_write_segments(run, v->grid, v->labels_of)
+                                : cli_write_grid(run, v->grid);
 }
 
 void cli_tell_voxels(const cli_run *run, const cli_voxels *v, cli_made *made)

@@ -164,7 +164,7 @@ static void place_piece_in_blocks(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-static inline int32_t block_index(uint32_t block, int axis)
+static inline int32_t wall_block_index(uint32_t block, int axis)
 {
     return (int32_t)(block >> axis * NEAR_BITS & ((1u << NEAR_BITS) - 1));
 }
@@ -191,8 +191,8 @@ static int is_in_marked_block(const near_job *t, const uint32_t c[3])
         return 0;
     if (corner[0] == corner[1] && corner[0] == corner[2]) return (int)(corner[0] >> (3 * NEAR_BITS + 1));
     for (int a = 0; a < 3; a++) {
-        int32_t const p = block_index(corner[0], a), q = block_index(corner[1], a);
-        int32_t const r = block_index(corner[2], a);
+        int32_t const p = wall_block_index(corner[0], a), q = wall_block_index(corner[1], a);
+        int32_t const r = wall_block_index(corner[2], a);
         int32_t const low = p < q ? p : q, high = p < q ? q : p;
         from[a] = r < low ? r : low;
         to[a] = r > high ? r : high;

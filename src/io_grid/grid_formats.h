@@ -26,7 +26,9 @@ static inline uint64_t bvxi_grid_byte(const bvxi_grid_source *source, const void
 }
 
 bvx_status bvxi_read_binvox(const bvxi_grid_source *source, bvx_grid *grid);
-bvx_status bvxi_read_vox(const bvxi_grid_source *source, bvx_grid *grid);
+/* labels NULL: the grid only. */
+bvx_status bvxi_read_vox(const bvxi_grid_source *source, bvx_grid *grid, bvx_buffer *labels,
+                         uint8_t *palette);
 bvx_status bvxi_read_bvx(const bvxi_grid_source *source, bvx_grid *grid);
 
 /* The box that a file says it holds: refused (with the format's name in the message) when it is no
@@ -124,12 +126,17 @@ bvx_status bvxi_unpack_grid(bvx_context *ctx, const bvx_grid *grid, uint8_t *byt
 
 /* write_dense.c: NPY, NRRD, VTI. */
 bvx_status bvxi_write_dense(bvx_context *ctx, const bvx_grid *grid, int32_t format, bvx_buffer *file);
+/* NRRD of labels with the colours of those that voxels have. */
+bvx_status bvxi_write_segments(bvx_context *ctx, const bvx_grid *grid, const uint8_t *labels,
+                               const uint8_t *palette, bvx_buffer *file);
 /* Refuse a grid whose first voxel has a corner or centre that is not
  * finite: text of a format could not give it. */
 bvx_status bvxi_check_written_corner(bvx_context *ctx, const char *format, const bvx_grid *grid);
 
 bvx_status bvxi_write_binvox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);
-bvx_status bvxi_write_vox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);
+/* labels NULL: all voxels are white. */
+bvx_status bvxi_write_vox(bvx_context *ctx, const bvx_grid *grid, const uint8_t *labels,
+                          const uint8_t *palette, bvx_buffer *file);
 bvx_status bvxi_write_bvx(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);
 /* The voxels of a grid, or the distances of a field, whose band is the grid. */
 bvx_status bvxi_write_vdb(bvx_context *ctx, const bvx_grid *grid, const bvx_field *field, bvx_buffer *file);

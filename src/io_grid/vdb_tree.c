@@ -3,7 +3,7 @@
  * Source: Museth. VDB: High-Resolution Sparse Volumes with Dynamic Topology. 2013 */
 #include "io_grid/vdb_tree.h"
 
-static uint64_t block_index(const bvxi_vdb_blocks *b, const int32_t at[3])
+static uint64_t vdb_block_index(const bvxi_vdb_blocks *b, const int32_t at[3])
 {
     return ((uint64_t)at[2] * (uint64_t)b->n[1] + (uint64_t)at[1]) * (uint64_t)b->n[0] + (uint64_t)at[0];
 }
@@ -12,7 +12,7 @@ int bvxi_vdb_kind(const bvxi_vdb_blocks *b, const int32_t at[3])
 {
     for (int a = 0; a < 3; a++)
         if (at[a] >= b->n[a]) return BVXI_VDB_OUTSIDE;
-    return b->kind[block_index(b, at)];
+    return b->kind[vdb_block_index(b, at)];
 }
 
 /* The leaves of 64 voxels along x at once: what is set in some, and in all, of their rows. */
@@ -64,7 +64,7 @@ static bvx_status find_blocks(bvx_context *ctx, bvxi_vdb_tree *t)
         for (at[2] = 0; at[2] < b->n[2]; at[2]++)
             for (at[1] = 0; at[1] < b->n[1]; at[1]++)
                 for (at[0] = 0; at[0] < b->n[0]; at[0] += step) {
-                    uint8_t *const kind = &b->kind[block_index(b, at)];
+                    uint8_t *const kind = &b->kind[vdb_block_index(b, at)];
                     int32_t const left = b->n[0] - at[0];
 
                     if (l == 0) find_leaves(t, at, kind, left < step ? left : step);

@@ -7,8 +7,8 @@
 /* ---- Read ---- */
 
 /* Versions 150 and 200. Chunks lie one after the other in MAIN; those for models are PACK (how many there are), SIZE and
- * XYZI, those of a scene nTRN (a place and a turn), nGRP (several nodes) and nSHP (a model). All others (colours,
- * materials) are passed. A model alone begins at the origin, wherever a scene has it. A node has one parent, so no
+ * XYZI, those of a scene nTRN (a place and a turn), nGRP (several nodes) and nSHP (a model), the palette RGBA. All others
+ * (materials) are passed. A model alone begins at the origin, wherever a scene has it. A node has one parent, so no
  * scene has more places than nodes. Everything is checked before there is a grid; a grid is at most 2 MiB, of a
  * scene 16 MiB for each place of a model. */
 
@@ -40,7 +40,9 @@ typedef struct vox_scene {
     vox_node *node;         /* by their numbers */
     uint64_t sizes, models; /* SIZE and XYZI chunks */
     uint64_t nodes;
-    uint64_t said; /* by PACK; 0: nothing was said */
+    uint64_t said;          /* by PACK; 0: nothing was said */
+    const uint8_t *palette; /* of labels 1 to 255; NULL: the one that holds without */
+    uint8_t *labels;        /* of the box; NULL: a grid is read */
 } vox_scene;
 
 static bvx_status vox_take_node(vox_scene *scene, const uint8_t *chunk, uint32_t n)
@@ -93,7 +95,8 @@ static bvx_status vox_take_chunk(const bvxi_grid_source *source, const uint8_t *
             scene->model[scene->models].voxels = content + 4;
         }
         scene->models++;
-    } else return vox_take_node(scene, chunk, n);
+    } else if (memcmp(chunk, "RGBA", 4) == 0 && n >= 1020) scene->palette = content;
+    else return vox_take_node(scene, chunk, n);
     return BVX_OK;
 }
 
@@ -341,9 +344,11 @@ static bvx_status vox_box(const vox_scene *scene, int64_t low[3], uint64_t dims[
     return BVX_OK;
 }
 
-static void vox_set_model(bvx_grid *grid, const bvx_window *part, const vox_model *model,
+static void vox_set_model(const vox_scene *scene, bvx_grid *grid, const bvx_window *part, uint64_t number,
                           const vox_place *place, const int64_t low[3])
 {
+    const vox_model *const model = &scene->model[number];
+
     for (uint64_t i = 0; i < model->count; i++) {
         const uint8_t *const p = model->voxels + 4 * i;
         int32_t const v[3] = {p[0], p[1], p[2]};
@@ -352,6 +357,9 @@ static void vox_set_model(bvx_grid *grid, const bvx_window *part, const vox_mode
         if (place != NULL) vox_in_scene(place, model->size, v, at);
         for (int a = 0; a < 3; a++) at[a] -= low[a];
         bvxi_set_file_run(grid, part, at[0], at[0] + 1, at[1], at[2]);
+        /* A voxel of no colour is set too. */
+        if (scene->labels != NULL)
+            scene->labels[(at[2] * grid->size[1] + at[1]) * grid->size[0] + at[0]] = p[3] != 0 ? p[3] : 1;
     }
 }
 
@@ -380,7 +388,25 @@ static bvx_status vox_open(const bvxi_grid_source *source, vox_scene *scene)
     return BVX_OK;
 }
 
-bvx_status bvxi_read_vox(const bvxi_grid_source *source, bvx_grid *grid)
+/* The palette of files without one: steps of 51 down from white, then of 17 in red, green, blue and grey. */
+static void vox_palette(const uint8_t *own, uint8_t *palette)
+{
+    memset(palette, 0, 1024);
+    if (own != NULL) memcpy(palette + 4, own, 1020);
+    for (uint32_t i = 0; i < 255 && own == NULL; i++) {
+        static const uint8_t shade[10] = {238, 221, 187, 170, 136, 119, 85, 68, 34, 17};
+        uint8_t *const to = palette + 4 * (i + 1);
+        uint32_t const step = i - 215;
+
+        for (uint32_t a = 0, part = 36; a < 3; a++, part /= 6)
+            to[a] = i < 215                            ? (uint8_t)(255 - 51 * (i / part % 6))
+                    : step / 10 == a || step / 10 == 3 ? shade[step % 10]
+                                                       : 0;
+        to[3] = 255;
+    }
+}
+
+bvx_status bvxi_read_vox(const bvxi_grid_source *source, bvx_grid *grid, bvx_buffer *labels, uint8_t *palette)
 {
     static const double spacing[3] = {1, 1, 1};
     vox_scene scene = {.source = source};
@@ -403,10 +429,17 @@ bvx_status bvxi_read_vox(const bvxi_grid_source *source, bvx_grid *grid)
     memset(whole.low, 0, sizeof whole.low);
     memcpy(whole.size, box.dims, sizeof whole.size);
     BVXI_TRY(bvxi_open_file_grid(source, &box, &whole, &part, grid));
-    if (alone) vox_set_model(grid, &part, &scene.model[0], NULL, low);
+    if (labels != NULL) {
+        /* The box is of so many words that its voxels can be counted. */
+        BVXI_TRY(bvxi_make_buffer(source->ctx, dims[0] * dims[1] * dims[2], "the labels", labels));
+        scene.labels = labels->bytes;
+        memset(scene.labels, 0, (size_t)labels->size);
+        vox_palette(scene.palette, palette);
+    }
+    if (alone) vox_set_model(&scene, grid, &part, 0, NULL, low);
     for (uint64_t i = 0; i < scene.nodes && !alone; i++) {
         const vox_node *const n = &scene.node[i];
-        if (vox_is_placed(n)) vox_set_model(grid, &part, &scene.model[n->model], &n->place, low);
+        if (vox_is_placed(n)) vox_set_model(&scene, grid, &part, n->model, &n->place, low);
     }
     return BVX_OK;
 }
@@ -415,8 +448,8 @@ bvx_status bvxi_read_vox(const bvxi_grid_source *source, bvx_grid *grid)
 
 /* Version 150. Chunks of a name, the bytes of their content and of their children: MAIN around SIZE (three sides) and
  * XYZI (a count, then x, y, z and a colour number for each voxel). z is up there too. More than 256 voxels a side are
- * models of 256, which a scene puts side by side. There is no place for a lattice. All voxels have colour 1,
- * white in the palette that holds when none is written. The file is laid out twice, to count and to fill. */
+ * models of 256, which a scene puts side by side. There is no place for a lattice. Without labels all voxels have
+ * colour 1, white in the palette that holds when none is written. The file is laid out twice, to count and to fill. */
 
 enum { VOX_MAX_SIDE = 256, VOX_VERSION = 150, VOX_COLOUR = 1, VOX_MOST_MODELS = 1 << 20 };
 
@@ -428,7 +461,8 @@ static void vox_put_head(bvxi_output *o, const char *name, uint64_t content, uin
 }
 
 /* A box of voxels, whose first word of a row is whole, as a model. */
-static void vox_put_model(bvxi_output *o, const bvx_grid *grid, const int32_t low[3], const int32_t size[3])
+static void vox_put_model(bvxi_output *o, const bvx_grid *grid, const uint8_t *labels, const int32_t low[3],
+                          const int32_t size[3])
 {
     int32_t const first = low[0] / BVXI_WORD_BITS, last = (low[0] + size[0] - 1) / BVXI_WORD_BITS;
     uint64_t count = 0;
@@ -444,8 +478,13 @@ static void vox_put_model(bvxi_output *o, const bvx_grid *grid, const int32_t lo
             for (int32_t y = 0; y < size[1]; y++)
                 for (int32_t k = first; k <= last; k++)
                     for (uint64_t w = bvxi_grid_row(grid, low[1] + y, low[2] + z)[k]; w != 0; w &= w - 1) {
-                        uint8_t const voxel[4] = {(uint8_t)(k * BVXI_WORD_BITS + bvxi_lowest(w) - low[0]),
-                                                  (uint8_t)y, (uint8_t)z, VOX_COLOUR};
+                        int32_t const x = k * BVXI_WORD_BITS + bvxi_lowest(w);
+                        uint64_t const at = ((uint64_t)(low[2] + z) * (uint64_t)grid->size[1] +
+                                             (uint64_t)(low[1] + y)) *
+                                                (uint64_t)grid->size[0] +
+                                            (uint64_t)x;
+                        uint8_t const voxel[4] = {(uint8_t)(x - low[0]), (uint8_t)y, (uint8_t)z,
+                                                  labels != NULL ? labels[at] : VOX_COLOUR};
                         if (pass == 1) bvxi_output_add(o, voxel, 4);
                         else count++;
                     }
@@ -478,7 +517,8 @@ static void vox_put_place(bvxi_output *o, uint64_t number, const int32_t middle[
     }
 }
 
-static void vox_put_file(bvxi_output *o, const bvx_grid *grid, const int32_t n[3], uint64_t children)
+static void vox_put_file(bvxi_output *o, const bvx_grid *grid, const uint8_t *labels, const uint8_t *palette,
+                         const int32_t n[3], uint64_t children)
 {
     int32_t const all = n[0] * n[1] * n[2];
     static const int32_t here[3] = {0, 0, 0};
@@ -507,7 +547,7 @@ static void vox_put_file(bvxi_output *o, const bvx_grid *grid, const int32_t n[3
                 middle[a] = low[a] + size[a] / 2;
             }
             if (scene == 0) {
-                vox_put_model(o, grid, low, size);
+                vox_put_model(o, grid, labels, low, size);
                 continue;
             }
             vox_put_place(o, 2 + 2 * (uint64_t)i, middle);
@@ -519,9 +559,14 @@ static void vox_put_file(bvxi_output *o, const bvx_grid *grid, const int32_t n[3
             bvxi_output_u32(o, 0);
         }
     }
+    if (labels == NULL) return;
+    vox_put_head(o, "RGBA", 1024, 0);
+    bvxi_output_add(o, palette + 4, 1020);
+    bvxi_output_u32(o, 0);
 }
 
-bvx_status bvxi_write_vox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file)
+bvx_status bvxi_write_vox(bvx_context *ctx, const bvx_grid *grid, const uint8_t *labels,
+                          const uint8_t *palette, bvx_buffer *file)
 {
     enum { VOX_START = 20 };
     bvxi_output o = {NULL, 0};
@@ -536,7 +581,7 @@ bvx_status bvxi_write_vox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *fi
             "VOX: %d x %d x %d voxels are more than 2^20 models of 256 a side; write windows of the grid",
             (int64_t)grid->size[0], (int64_t)grid->size[1], (int64_t)grid->size[2]);
     BVXI_TRY(bvxi_progress(ctx, "write", 0.0));
-    vox_put_file(&o, grid, n, 0);
+    vox_put_file(&o, grid, labels, palette, n, 0);
     if (o.size > UINT32_MAX)
         return bvxi_fail_for(
             ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
@@ -544,7 +589,7 @@ bvx_status bvxi_write_vox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *fi
             o.size);
     BVXI_TRY(bvxi_make_buffer(ctx, o.size, "the VOX file", &made));
     o.bytes = made.bytes;
-    vox_put_file(&o, grid, n, o.size - VOX_START);
+    vox_put_file(&o, grid, labels, palette, n, o.size - VOX_START);
     *file = made;
     return BVX_OK;
 }

@@ -16,10 +16,12 @@ enum {
 };
 
 typedef struct dense_written {
-    const bvx_grid *grid;   /* its window is written */
-    const bvx_field *field; /* NULL: the grid's voxels */
-    int32_t vectors;        /* of the field */
-    uint32_t bytes;         /* of a number */
+    const bvx_grid *grid;            /* its window is written */
+    const bvx_field *field;          /* NULL: the grid's voxels */
+    int32_t vectors;                 /* of the field */
+    const uint8_t *labels, *palette; /* in place of the voxels; NULL: those */
+    uint8_t used[256];               /* labels that voxels have */
+    uint32_t bytes;                  /* of a number */
 } dense_written;
 
 typedef struct dense_format {
@@ -80,8 +82,17 @@ static void put_nrrd(const dense_written *w, bvxi_output *out)
     bvxi_output_print(out, w->vectors
                                ? "\ncenterings: none cell cell cell\nkinds: vector domain domain domain"
                                : "\ncenterings: cell cell cell\nkinds: domain domain domain");
-    bvxi_output_print(out, "%s\nencoding: raw\n" BVXI_NRRD_CORNER_KEY ":=(%v)\n\n",
+    bvxi_output_print(out, "%s\nencoding: raw\n" BVXI_NRRD_CORNER_KEY ":=(%v)\n",
                       w->field != NULL ? "\nendian: little" : "", corner, ",");
+    for (uint64_t i = 1, n = 0; i < 256 && w->labels != NULL; i++) {
+        double rgb[3];
+
+        if (!w->used[i]) continue;
+        for (int k = 0; k < 3; k++) rgb[k] = (double)w->palette[4 * i + (uint64_t)k] / 255.0;
+        bvxi_output_print(out, "Segment%u_LabelValue:=%u\nSegment%u_Color:=%v\n", n, i, n, rgb, " ");
+        n++;
+    }
+    bvxi_output_print(out, "\n");
 }
 
 static void put_vti(const dense_written *w, bvxi_output *out)
@@ -158,7 +169,11 @@ static bvx_status write_numbers(bvx_context *ctx, const dense_written *w, const 
                                 uint64_t voxels, uint8_t *bytes)
 {
     field_file_job job = {w->field, bytes, 1, 1, w->bytes, w->vectors ? 3 : 1};
-    if (w->field == NULL) return bvxi_unpack_grid(ctx, w->grid, bytes);
+    if (w->labels == NULL && w->field == NULL) return bvxi_unpack_grid(ctx, w->grid, bytes);
+    if (w->labels != NULL) {
+        memcpy(bytes, w->labels, (size_t)voxels);
+        return BVX_OK;
+    }
     if (format->planes) job.plane = voxels;
     else job.stride = job.each;
     return bvxi_for(ctx, "write", bvxi_grid_rows(w->grid), 1 + WRITTEN_GRAIN / (uint64_t)w->grid->size[0],
@@ -201,6 +216,16 @@ bvx_status bvxi_write_dense(bvx_context *ctx, const bvx_grid *grid, int32_t form
 {
     dense_written const w = {.grid = grid, .bytes = 1};
     return write_file(ctx, "bvx_write_grid", &w, format, file);
+}
+
+bvx_status bvxi_write_segments(bvx_context *ctx, const bvx_grid *grid, const uint8_t *labels,
+                               const uint8_t *palette, bvx_buffer *file)
+{
+    dense_written w = {.grid = grid, .bytes = 1, .labels = labels, .palette = palette};
+    uint64_t const voxels = bvxi_grid_rows(grid) * (uint64_t)grid->size[0];
+
+    for (uint64_t i = 0; i < voxels; i++) w.used[labels[i]] = 1;
+    return write_file(ctx, "bvx_write_labels", &w, BVX_FORMAT_NRRD, file);
 }
 
 static bvx_status run_write_field(bvx_context *context, const bvx_field *field, int32_t vectors,

@@ -114,4 +114,20 @@ static const uint16_t glb_linear_light[256] = {
     57105, 57646, 58190, 58737, 59287, 59840, 60396, 60955, 61517, 62082, 62650, 63221, 63795, 64372, 64952,
     65535};
 
+/* The byte whose linear light is nearest: that table, searched by halves. */
+static inline uint8_t glb_colour_byte(double light)
+{
+    double const wanted = light > 0.0 ? light < 1.0 ? light * 65535.0 : 65535.0 : 0.0;
+    int low = 0, high = 255;
+
+    while (high - low > 1) {
+        int const middle = (low + high) / 2;
+        if ((double)glb_linear_light[middle] <= wanted) low = middle;
+        else high = middle;
+    }
+    return (uint8_t)(wanted - (double)glb_linear_light[low] <= (double)glb_linear_light[high] - wanted
+                         ? low
+                         : high);
+}
+
 #endif

@@ -3,6 +3,7 @@
  * Texts are those of the file: nothing in them is looked at but the names of extensions. An image's bytes are
  * its own, wherever they stood; one whose file was not found has none and keeps its uri. The block is laid out
  * twice by the same steps, to count and to fill. */
+#include "io_mesh/glb.h"
 #include "io_mesh/gltf.h"
 
 enum { GLTF_EXTENSIONS = 256, GLTF_IMAGE_REPEATS = 4 };
@@ -195,6 +196,27 @@ static void gltf_put_file(const bvxi_gltf *f, bvx_assets *assets, bvxi_output *o
     bvxi_output_add(out, f->buffer[0].bytes, (size_t)f->buffer[0].size);
 }
 
+/* What each material is coloured, without its texture: white where nothing is said. */
+static const uint8_t *gltf_put_base_colours(const bvxi_gltf *f, bvxi_output *out)
+{
+    const uint8_t *const to = (const uint8_t *)gltf_put_place(out);
+
+    for (uint32_t i = 0; i < f->list_count[BVXI_GLTF_MATERIAL]; i++) {
+        uint32_t const look = bvxi_json_member(&f->json, f->list[BVXI_GLTF_MATERIAL][i],
+                                               "pbrMetallicRoughness");
+        uint32_t const base = bvxi_json_member(&f->json, look, "baseColorFactor");
+        uint8_t colour[4] = {255, 255, 255, 255};
+
+        for (uint32_t k = 0, at = base + 1; k < 4 && k < bvxi_json_count(&f->json, base); k++) {
+            double const light = bvxi_json_number(&f->json, at);
+            colour[k] = k < 3 ? glb_colour_byte(light) : bvxi_colour_byte(light);
+            at = f->json.value[at].next;
+        }
+        bvxi_output_add(out, colour, 4);
+    }
+    return to;
+}
+
 static void gltf_lay_out(const bvxi_gltf *f, bvx_assets *assets, bvxi_asset_image *images, bvxi_output *out)
 {
     assets->materials = gltf_put_array(&f->json, "materials", out);
@@ -209,6 +231,7 @@ static void gltf_lay_out(const bvxi_gltf *f, bvx_assets *assets, bvxi_asset_imag
         if (image.size > 0) bvxi_output_add(out, f->image[i].bytes, (size_t)image.size);
         if (images != NULL) images[i] = image;
     }
+    assets->base_colours = gltf_put_base_colours(f, out);
     gltf_put_file(f, assets, out);
 }
 

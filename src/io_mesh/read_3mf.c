@@ -417,6 +417,7 @@ static void put_3mf_materials(const model_file *f, bvxi_output *out)
             ",", (double)l->colour[3] / 255.0, l->colour[3] < 255 ? ",\"alphaMode\":\"BLEND\"" : "");
     }
     bvxi_output_add(out, "]", 2);
+    for (uint64_t i = 0; i < f->label_count; i++) bvxi_output_add(out, f->labels[i].colour, 4);
 }
 
 bvx_status bvxi_read_3mf(bvxi_source *source, const bvx_read_options *options, uint32_t *lost, bvx_mesh *mesh)
@@ -437,6 +438,7 @@ bvx_status bvxi_read_3mf(bvxi_source *source, const bvx_read_options *options, u
     a->materials = (const char *)(a + 1);
     out = (bvxi_output){.bytes = (uint8_t *)(a + 1)};
     put_3mf_materials(&f, &out);
+    a->base_colours = (const uint8_t *)(a + 1) + out.size - 4 * f.label_count;
     mesh->assets = a;
     return BVX_OK;
 }

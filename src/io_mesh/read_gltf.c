@@ -378,22 +378,6 @@ static bvx_status gltf_put_uv(void *user, uint64_t element, const double *v)
     return BVX_OK;
 }
 
-/* The byte whose linear light is nearest: the writer's table, searched by halves. */
-static uint8_t gltf_colour_byte(double light)
-{
-    double const wanted = light > 0.0 ? light < 1.0 ? light * 65535.0 : 65535.0 : 0.0;
-    int low = 0, high = 255;
-
-    while (high - low > 1) {
-        int const middle = (low + high) / 2;
-        if ((double)glb_linear_light[middle] <= wanted) low = middle;
-        else high = middle;
-    }
-    return (uint8_t)(wanted - (double)glb_linear_light[low] <= (double)glb_linear_light[high] - wanted
-                         ? low
-                         : high);
-}
-
 static bvx_status gltf_put_colour(void *user, uint64_t element, const double *v)
 {
     const gltf_target *const t = user;
@@ -405,7 +389,7 @@ static bvx_status gltf_put_colour(void *user, uint64_t element, const double *v)
             return BVXI_FILE_FAIL_FOR(s, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
                                       "mesh %u: vertex %i has a colour that is not finite", (uint64_t)t->mesh,
                                       element);
-    for (int k = 0; k < 3; k++) to[k] = gltf_colour_byte(v[k]);
+    for (int k = 0; k < 3; k++) to[k] = glb_colour_byte(v[k]);
     to[3] = bvxi_colour_byte(v[3]);
     return BVX_OK;
 }

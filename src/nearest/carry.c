@@ -76,7 +76,7 @@ static void carry_piece(void *user, uint64_t begin, uint64_t end)
 
 /* ---- Checks ---- */
 
-static bvx_status check_carried_mesh(bvx_context *ctx, const char *function, const bvx_mesh *mesh)
+bvx_status bvxi_check_carried_mesh(bvx_context *ctx, const char *function, const bvx_mesh *mesh)
 {
     if (mesh->position_type != BVX_F32 && mesh->position_type != BVX_F64)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
@@ -122,7 +122,7 @@ static bvx_status check_source_uvs(bvx_context *ctx, const char *function, const
 /* Also fills w->to and w->shift. */
 static bvx_status check_target(bvx_context *ctx, const char *function, const bvx_mesh *target, carry_work *w)
 {
-    BVXI_TRY(check_carried_mesh(ctx, function, target));
+    BVXI_TRY(bvxi_check_carried_mesh(ctx, function, target));
     if (target->owned == 0)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CAPACITY,
                              "%s: its arrays are not the library's own, so it cannot be given others",
@@ -206,7 +206,7 @@ static bvx_status run_mesh_carry(bvx_context *context, const bvx_mesh *source, b
                              "%s: source and target are one mesh", function);
 
     w.source = source;
-    BVXI_TRY(check_carried_mesh(context, of_source, source));
+    BVXI_TRY(bvxi_check_carried_mesh(context, of_source, source));
     bvx_mesh_view_of(source, &w.from);
     BVXI_TRY(check_target(context, "bvx_mesh_carry, target", target, &w));
     if (source->colours == NULL && source->uvs == NULL && source->uv_triangles == NULL) return BVX_OK;

@@ -156,6 +156,9 @@ void bvxi_closest_shut(bvx_context *ctx, bvx_closest *closest);
 void bvxi_closest_ask(const bvx_closest *closest, const double point[3], uint32_t *hint,
                       bvx_closest_point *found);
 
+/* carry.c: refuse the fields of a mesh that no view of it shows. */
+bvx_status bvxi_check_carried_mesh(bvx_context *ctx, const char *function, const bvx_mesh *mesh);
+
 /* Where on triangle t its closest point q to p lies, as in bvx_closest_point.feature. */
 int32_t bvxi_closest_feature(const double p[3], const double t[3][3], const double q[3]);
 

@@ -77,12 +77,6 @@ uint64_t bvxi_states_bytes(const bvx_octree *tree, int32_t levels);
 /* Find what is outside. */
 bvx_status bvxi_octree_states(bvx_context *ctx, bvx_octree *tree, uint32_t *const *up);
 
-/* ---- choose.c ---- */
-
-/* How many voxels the model of time takes to be touched at a resolution. */
-bvx_status bvxi_refine_estimate(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t resolution,
-                                double *touched);
-
 /* Is a touched voxel of a level split, as far as levels and window say? */
 static inline int bvxi_refine_wants(const bvxi_refine_job *job, int32_t level, const int32_t v[3])
 {

@@ -231,19 +231,20 @@ static const bvxi_option faces_rows[] = {
     BVXI_WHOLE(bvx_faces_options, open_sides, 0, 63),
 };
 
-/* The grid without the outermost voxels at open sides. */
+/* The grid, or those voxels of it that are named, without the outermost ones at open sides. */
 static bvx_status open_own(bvx_context *ctx, bvxi_faces *f, bvx_grid *own)
 {
+    const bvx_grid *const of = f->options.of != NULL ? f->options.of : f->grid;
     int32_t const open = f->options.open_sides, *const size = f->grid->size;
     uint64_t const words = bvxi_grid_words(f->grid);
     uint64_t *row;
 
     f->own = f->grid;
-    if (open == 0) return BVX_OK;
+    if (open == 0 && of == f->grid) return BVX_OK;
     *own = *f->grid;
     f->own = own;
     BVXI_TRY(BVXI_ARRAY(ctx, words, "the window's own voxels", own->words));
-    memcpy(own->words, f->grid->words, (size_t)words * 8);
+    for (uint64_t i = 0; i < words; i++) own->words[i] = f->grid->words[i] & of->words[i];
     row = own->words;
     for (int32_t k = 0; k < size[2]; k++)
         for (int32_t j = 0; j < size[1]; j++, row += own->words_per_row) {
@@ -271,6 +272,10 @@ static bvx_status run_extract_faces(bvx_context *ctx, const bvx_grid *grid, cons
     BVXI_TRY(bvxi_grid_check(ctx, f->function, grid));
     BVXI_TRY(bvxi_grid_check_past(ctx, f->function, grid));
     BVXI_TRY(bvxi_check_options(ctx, f->function, o, BVXI_OPTIONS(faces_rows)));
+    if (o->of != NULL) {
+        BVXI_TRY(bvxi_grid_check(ctx, "bvx_extract_faces, of", o->of));
+        BVXI_TRY(bvxi_grid_same(ctx, f->function, grid, o->of));
+    }
     for (int32_t a = 0; a < 3; a++) {
         f->spacing[a] = grid->lattice.spacing[a];
         f->origin[a] = o->local_frame ? 0.0 : grid->lattice.origin[a];

@@ -106,6 +106,25 @@ static bvx_status carry(void *user, bvx_context *ctx)
     return status;
 }
 
+static bvx_status label(void *user, bvx_context *ctx)
+{
+    static uint8_t labels[1 << 19], palette[1024];
+    bvx_buffer file = {0}, back = {0};
+    bvx_status status;
+
+    (void)user;
+    assert_true((uint64_t)solid.size[0] * (uint64_t)solid.size[1] * (uint64_t)solid.size[2] <= sizeof labels);
+    status = bvx_label_voxels(ctx, &source, &solid, labels, palette);
+    if (status == BVX_OK) status = bvx_write_labels(ctx, &solid, labels, palette, BVX_FORMAT_VOX, &file);
+    if (status == BVX_OK)
+        status = bvx_read_labels(ctx, file.bytes, file.size, BVX_FORMAT_VOX, &back, palette);
+    if (status == BVX_OK)
+        mark = bvx_hash(back.bytes, (size_t)back.size, bvx_hash(palette, sizeof palette, 0));
+    bvx_buffer_free(ctx, &file);
+    bvx_buffer_free(ctx, &back);
+    return status;
+}
+
 static bvx_status cast(void *user, bvx_context *ctx)
 {
     static bvx_ray_hit hits[QUERIES];
@@ -141,8 +160,8 @@ static bvx_status compare(void *user, bvx_context *ctx)
 }
 
 static fault_row queries[] = {
-    {"find", find, 1, 1, 0},     {"carry", carry, 1, 1, 0},     {"cast", cast, 1, 1, 0},
-    {"sample", sample, 0, 1, 0}, {"compare", compare, 1, 1, 0},
+    {"find", find, 1, 1, 0},   {"carry", carry, 1, 1, 0},   {"cast", cast, 1, 1, 0},
+    {"label", label, 1, 1, 0}, {"sample", sample, 0, 1, 0}, {"compare", compare, 1, 1, 0},
 };
 
 /* ---- Tests ---- */
@@ -168,7 +187,7 @@ static void test_queries_under_every_memory_limit(void **state)
 static void test_queries_live_in_an_arena(void **state)
 {
     (void)state;
-    live_in_arenas(FAULT_ROWS(queries), 1 << 20, 40);
+    live_in_arenas(FAULT_ROWS(queries), 1 << 22, 40);
 }
 
 /* Results that live on while others come and go do not hold the arena's scratch. */

@@ -87,6 +87,25 @@ static void fuzz_distances(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m,
         fuzz_require(surface->colours != NULL, "colours that were not carried");
 }
 
+/* Labels of voxels come back from a file with their colours. */
+static void fuzz_label(bvx_context *ctx, const bvx_mesh *surface, const bvx_grid *grid)
+{
+    uint64_t const voxels = (uint64_t)grid->size[0] * (uint64_t)grid->size[1] * (uint64_t)grid->size[2];
+    uint8_t *const labels = malloc((size_t)voxels), palette[1024], other[1024];
+    bvx_buffer file = {0}, back = {0};
+
+    fuzz_require(labels != NULL, "memory");
+    if (surface->colours != NULL && fuzz_good(ctx, bvx_label_voxels(ctx, surface, grid, labels, palette)) &&
+        fuzz_good(ctx, bvx_write_labels(ctx, grid, labels, palette, BVX_FORMAT_VOX, &file)) &&
+        fuzz_good(ctx, bvx_read_labels(ctx, file.bytes, file.size, BVX_FORMAT_VOX, &back, other)))
+        fuzz_require(back.size == voxels && memcmp(back.bytes, labels, (size_t)voxels) == 0 &&
+                         memcmp(palette + 4, other + 4, 1020) == 0,
+                     "labels that are others in a file");
+    bvx_buffer_free(ctx, &file);
+    bvx_buffer_free(ctx, &back);
+    free(labels);
+}
+
 /* Bounds are finite and not negative, the tensor is one of a body, and more threads change no byte. */
 static void fuzz_measure(bvx_context *ctx, bvx_context *other, fuzz_input *in, const bvx_mesh_view *view)
 {
@@ -301,6 +320,7 @@ static void fuzz_one(fuzz_input *in)
             break;
         case 3:
             if (surface.triangle_count > 0) fuzz_distances(ctx, in, &m, &surface);
+            fuzz_label(ctx, &surface, &solid);
             break;
         case 4: fuzz_chosen_tree(ctx, in, &m); break;
         case 5: fuzz_pictures(ctx, other, in, &m, &solid); break;

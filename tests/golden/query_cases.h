@@ -164,6 +164,28 @@ static void mesh_questions(golden *g, const bvx_mesh_view *view, bvx_mesh *surfa
         golden_hex(g, "distance", mixed_doubles(0, &r.mean_a_to_b, 6));
 }
 
+/* Labels by colours of a mesh, more than there are labels, and back from a file. */
+static void golden_labels(golden *g, const bvx_mesh *surface, const bvx_grid *grid)
+{
+    static uint8_t colours[4 * 20000], labels[1 << 17], palette[1024];
+    bvx_mesh painted = *surface;
+    bvx_buffer file = {0}, back = {0};
+    size_t const voxels = (size_t)grid->size[0] * (size_t)grid->size[1] * (size_t)grid->size[2];
+
+    if (surface->vertex_count > 20000 || voxels > sizeof labels) return;
+    for (uint64_t i = 0; i < surface->vertex_count * 4; i++) colours[i] = (uint8_t)(i * 37 % 251);
+    painted.colours = colours;
+    if (golden_good(g, bvx_label_voxels(g->context, &painted, grid, labels, palette)))
+        golden_hex(g, "labels", bvx_hash(labels, voxels, bvx_hash(palette, sizeof palette, 0)));
+    if (golden_good(g, bvx_write_labels(g->context, grid, labels, palette, BVX_FORMAT_VOX, &file)) &&
+        golden_good(g, bvx_read_labels(g->context, file.bytes, file.size, BVX_FORMAT_VOX, &back, palette)))
+        golden_hex(g, "labels_read", bvx_hash(back.bytes, back.size, bvx_hash(palette, sizeof palette, 0)));
+    if (golden_good(g, bvx_write_labels(g->context, grid, labels, palette, BVX_FORMAT_NRRD, &file)))
+        golden_hex(g, "segments", bvx_hash(file.bytes, file.size, 0));
+    bvx_buffer_free(g->context, &file);
+    bvx_buffer_free(g->context, &back);
+}
+
 static void question_cases(golden *g)
 {
     bvx_mesh_view view;
@@ -187,6 +209,7 @@ static void question_cases(golden *g)
             golden_u64(g, "vertices", vertices);
         if (golden_good(g, bvx_extract_faces(g->context, &parity, NULL, &faces)))
             golden_u64(g, "faces", faces.triangle_count);
+        golden_labels(g, &surface, &parity);
         if (golden_good(g, bvx_find_seed(g->context, &conservative, &view, 0, &seed)))
             golden_hex(g, "seed", mixed_integers(0, seed.voxel, 3));
         if (golden_good(g, bvx_find_pockets(g->context, &conservative, &view, pocket, 1, &pockets)) &&

@@ -127,9 +127,17 @@ refuses 2 'box.npy is not a mesh' info box.npy --crossings
 refuses 2 'waves.raw is not a mesh' info "$root/fixtures/waves.raw" --shape 2,2,2 --sample-type u8 --crossings
 # A model of MagicaVoxel: one voxel of colour 5. A file of bitvox has no colours.
 printf 'VOX \226\0\0\0MAIN\0\0\0\0\054\0\0\0SIZE\014\0\0\0\0\0\0\0\001\0\0\0\001\0\0\0\001\0\0\0XYZI\010\0\0\0\0\0\0\0\001\0\0\0\0\0\0\005' >five.vox
-warns 'five.vox: the colours of its voxels are not kept' convert five.vox -o five.vox
-works 'a .vox without colours' convert five.vox -o again.vox
+warns 'five.vox: the colours of its voxels are not kept' convert five.vox -o six.vox
+works 'a .vox without colours' convert six.vox -o again.vox
 holds 'without a word' test ! -s err
+works 'its faces are of that colour' faces five.vox -o five.glb
+holds 'which the palette of files without one has' grep -q -a -F '"name":"#ffff33"' five.glb
+works 'and come back as labels of a mesh' voxelize five.glb -o back.vox --resolution 2
+holds 'with the colour in a palette' sh -c "od -An -v -tx1 back.vox | tr -d ' \n' | grep -q 524742410004000000000000ffff33ff"
+works 'as segments too' voxelize five.glb -o back.nrrd --segments --resolution 2
+holds 'with the colour as they have it' grep -q -a '^Segment0_Color:=1 1 0.2$' back.nrrd
+refuses 1 'neither colours of its vertices nor materials' voxelize "$knot" -o plain.nrrd --segments --resolution 4
+refuses 2 'labels are written as .nrrd or .vox' voxelize five.glb -o back.npy --segments
 works 'info of a grid' info box.npy
 holds 'info: dims' says '^  dims +12 x 8 x 8$'
 holds 'info: voxels and share' says '^  voxels +128 set, 16.7 % of all$'

@@ -17,7 +17,7 @@ OWN = {
     ("render", "--below"): "an end of bvx_threshold", ("convert", "--below"): "an end of bvx_threshold",
     ("voxelize", "--least-part"): "bvx_keep_options.at_least", ("faces", "--least-part"): "bvx_keep_options.at_least",
     ("render", "--least-part"): "bvx_keep_options.at_least", ("convert", "--least-part"): "bvx_keep_options.at_least",
-    ("voxelize", "--vectors"): "the other way round: no_vectors",
+    ("voxelize", "--segments"): "another call, bvx_label_voxels", ("voxelize", "--vectors"): "the other way round: no_vectors",
     ("voxelize", "--half-width"): "0 is for bvx_field_options.half_width = infinity", ("fill", "--add-shell"): "a union of grids",
     ("fill", "--connectivity"): "an argument of bvx_grid_fill", ("fill", "--mesh"): "an argument of bvx_find_pockets",
     ("components", "--fill-cavities"): "another call", ("boolean", "--resample"): "another call",

@@ -176,6 +176,16 @@ static bvx_status mesh_carry(const world *w)
 {
     return bvx_mesh_carry(w->ctx, w->body, w->second != NULL ? &coloured : NULL);
 }
+static bvx_status label_voxels(const world *w)
+{
+    static uint8_t colours[4 * 4096];
+    bvx_mesh painted = {0};
+
+    if (w->body != NULL) painted = *w->body;
+    painted.colours = colours;
+    return bvx_label_voxels(w->ctx, w->body != NULL ? &painted : NULL, w->grid, (uint8_t *)w->out,
+                            (uint8_t *)w->second);
+}
 static bvx_status grid_cast(const world *w)
 {
     return bvx_grid_cast(w->ctx, w->grid, a_ray, 1, 100, (bvx_ray_hit *)w->out);
@@ -517,6 +527,20 @@ static bvx_status write_grid(const world *w)
 {
     return bvx_write_grid(w->ctx, w->grid, BVX_FORMAT_BVX, (bvx_buffer *)w->out);
 }
+static uint8_t labels[512]; /* of the grid */
+static bvx_buffer vox;
+static bvx_status write_labels(const world *w)
+{
+    return bvx_write_labels(w->ctx, w->grid, labels, (const uint8_t *)w->second, BVX_FORMAT_VOX,
+                            (bvx_buffer *)w->out);
+}
+static bvx_status read_labels(const world *w)
+{
+    /* Of what is wrong with the file that others read it has the same. */
+    return bvx_read_labels(w->ctx, w->file->bytes != NULL ? vox.bytes : NULL,
+                           w->file->size != 0 ? vox.size : 0, BVX_FORMAT_VOX, (bvx_buffer *)w->out,
+                           (uint8_t *)w->second);
+}
 static bvx_status write_octree(const world *w)
 {
     return bvx_write_octree(w->ctx, w->tree, 0, BVX_FORMAT_BVX, (bvx_buffer *)w->out);
@@ -684,6 +708,8 @@ static const call calls[] = {
     CALL(write_mesh, BODY | OPTIONS, TO_BUFFER),
     CALL(write_grid, GRID, TO_BUFFER),
     CALL(write_octree, TREE, TO_BUFFER),
+    CALL(write_labels, GRID | SECOND, TO_BUFFER),
+    CALL(read_labels, BYTES | SECOND, TO_BUFFER),
     CALL(write_field, FIELD, TO_BUFFER),
     CALL(write_lattice, GRID, TO_BUFFER),
     CALL(write_head, LATTICE, TO_BUFFER),
@@ -698,6 +724,7 @@ static const call calls[] = {
     CALL(read_mesh, OPTIONS, TO_MESH),
     CALL(read_sections, OPTIONS | RESERVED, TO_SECTIONS),
     CALL(mesh_carry, BODY | SECOND | SLOT, PLAIN),
+    CALL(label_voxels, BODY | GRID | SECOND, PLAIN),
 };
 enum { CALLS = sizeof calls / sizeof calls[0] };
 
@@ -718,7 +745,7 @@ static bvx_complex complex_;
 static bvx_mesh body;
 static bvx_image image;
 static bvx_buffer npy, json;
-static uint64_t second[64];
+static uint64_t second[128];
 static result out;
 
 static world right_world(bvx_context *ctx)
@@ -785,11 +812,14 @@ static void make_world(bvx_context *ctx)
     MADE(bvx_render_mesh(ctx, &mesh, &p, &image));
     MADE(bvx_write_grid(ctx, &solid, BVX_FORMAT_NPY, &npy));
     MADE(bvx_write_lattice(ctx, &solid, &json));
+    for (int i = 0; i < 512; i++) labels[i] = (uint8_t)bvx_grid_get(&solid, i % 8, i / 8 % 8, i / 64);
+    MADE(bvx_write_labels(ctx, &solid, labels, (const uint8_t *)second, BVX_FORMAT_VOX, &vox));
 }
 
 static void free_world(bvx_context *ctx)
 {
     bvx_buffer_free(ctx, &npy);
+    bvx_buffer_free(ctx, &vox);
     bvx_buffer_free(ctx, &json);
     bvx_image_free(ctx, &image);
     bvx_complex_free(ctx, &complex_);

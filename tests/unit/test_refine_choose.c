@@ -88,30 +88,6 @@ static void test_a_chosen_pair_refines(void)
     }
 }
 
-/* ---- the model ---- */
-
-/* The count that the model rests on, against the uniform surface. */
-static void test_touched_voxels_are_estimated(void)
-{
-    static const int32_t resolutions[] = {16, 50, 128, 200};
-
-    for (int rings = 6; rings <= 40; rings += 17) {
-        bvx_mesh_view const view = star_of(rings, 2 * rings);
-        for (size_t i = 0; i < sizeof resolutions / sizeof resolutions[0]; i++) {
-            bvx_lattice lattice;
-            bvx_grid grid = {0};
-            uint64_t touched;
-            double estimate;
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit(ctx, &view, resolutions[i], &lattice));
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_surface(ctx, &view, &lattice, NULL, &grid));
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_count(ctx, &grid, &touched));
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_refine_estimate(ctx, &view, resolutions[i], &estimate));
-            TEST_ASSERT_TRUE(estimate > 0.95 * (double)touched && estimate < 1.3 * (double)touched);
-            bvx_grid_free(ctx, &grid);
-        }
-    }
-}
-
 /* Deep lattices do not get bases of their own size, shallow ones need no
  * levels above the last two, windows want little base. */
 static void test_bases_grow_slower_than_resolutions(void)
@@ -196,7 +172,6 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_the_last_level_has_the_resolution);
     RUN_TEST(test_a_chosen_pair_refines);
-    RUN_TEST(test_touched_voxels_are_estimated);
     RUN_TEST(test_bases_grow_slower_than_resolutions);
     RUN_TEST(test_threads_do_not_show);
     RUN_TEST(test_refusals);

@@ -23,8 +23,9 @@ typedef struct model {
     bvx_volume_view volume;
     bvx_complex complex_;
     bvx_image image;
-    bvx_buffer ply, npy, bvx, octree, csv, json;
-    uint8_t *colours; /* of mesh */
+    bvx_buffer ply, npy, bvx, octree, csv, json, vox;
+    uint8_t *labels, palette[1024]; /* of solid */
+    uint8_t *colours;               /* of mesh */
     float *samples;
     int32_t size;
 } model;
@@ -40,6 +41,7 @@ typedef struct results {
     bvx_image image;
     bvx_volume volume;
     bvx_complex complex_;
+    uint8_t palette[1024];
 } results;
 
 static model models[2];
@@ -98,6 +100,8 @@ ROW(write_mesh, bvx_write_mesh(c, &m->mesh, 1, NULL, BVX_FORMAT_OBJ, &r->file))
 ROW(write_ply, bvx_write_mesh(c, &m->mesh, 1, NULL, BVX_FORMAT_PLY, &r->file))
 ROW(write_levels, bvx_write_mesh(c, &m->mesh, 1, NULL, BVX_FORMAT_GLB, &r->file))
 ROW(write_binvox, bvx_write_grid(c, &m->solid, BVX_FORMAT_BINVOX, &r->file))
+ROW(write_labels, bvx_write_labels(c, &m->solid, m->labels, m->palette, BVX_FORMAT_VOX, &r->file))
+ROW(read_labels, bvx_read_labels(c, m->vox.bytes, m->vox.size, BVX_FORMAT_VOX, &r->file, r->palette))
 ROW(write_octree, bvx_write_octree(c, m->tree, 0, BVX_FORMAT_BVX, &r->file))
 ROW(write_field, bvx_write_field(c, &m->field, 0, BVX_FORMAT_NPY, &r->file))
 ROW(write_lattice, bvx_write_lattice(c, &m->solid, &r->file))
@@ -328,6 +332,8 @@ static const struct row {
     {"bvx_write_mesh, .glb", write_levels},
     {"bvx_write_grid", write_binvox},
     {"bvx_write_octree", write_octree},
+    {"bvx_write_labels", write_labels},
+    {"bvx_read_labels", read_labels},
     {"bvx_write_field", write_field},
     {"bvx_write_lattice", write_lattice},
     {"bvx_write_head", write_head},
@@ -648,6 +654,12 @@ static void make_model(model *m, int32_t size)
     MADE(bvx_write_grid(ctx, &m->solid, BVX_FORMAT_BVX, &m->bvx));
     MADE(bvx_write_lattice(ctx, &m->solid, &m->json));
     MADE(bvx_write_octree(ctx, m->tree, 0, BVX_FORMAT_BVX, &m->octree));
+    m->labels = calloc((size_t)(size * size * size), 1);
+    for (int i = 0; i < size * size * size; i++)
+        m->labels[i] = bvx_grid_get(&m->solid, i % size, i / size % size, i / size / size)
+                           ? (uint8_t)(1 + i % 9)
+                           : 0;
+    MADE(bvx_write_labels(ctx, &m->solid, m->labels, m->palette, BVX_FORMAT_VOX, &m->vox));
     MADE(bvx_write_sections(ctx, &m->sections, BVX_FORMAT_CSV, &m->csv));
 #undef MADE
 }
@@ -655,7 +667,7 @@ static void make_model(model *m, int32_t size)
 static void free_model(model *m)
 {
     bvx_complex_free(ctx, &m->complex_);
-    bvx_buffer *const files[] = {&m->ply, &m->npy, &m->bvx, &m->octree, &m->csv, &m->json};
+    bvx_buffer *const files[] = {&m->ply, &m->npy, &m->bvx, &m->octree, &m->csv, &m->json, &m->vox};
 
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) bvx_buffer_free(ctx, files[i]);
     bvx_image_free(ctx, &m->image);
@@ -666,6 +678,7 @@ static void free_model(model *m)
     bvx_mesh_free(ctx, &m->mesh);
     bvx_grid_free(ctx, &m->solid);
     free(m->colours);
+    free(m->labels);
     free(m->samples);
     memset(m, 0, sizeof *m);
 }

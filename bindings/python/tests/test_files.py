@@ -171,6 +171,36 @@ def test_grids_round_trip(tmp_path, ending):
     assert np.array_equal(window.to_numpy(), grid.to_numpy()[2:10, 3:12, 4:14])
 
 
+def test_labels_keep_materials_and_colors(tmp_path):
+    path = tmp_path / "two.gltf"  # one triangle of a red material
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "a b.bin").write_bytes(np.array([0, 0, 1, 1, 0, 0, 0, 1, 0], "<f4").tobytes())
+    path.write_text(gltf().replace('"materials": [{}]', '"materials": [{"pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1]}}]'))
+    grid = bitvox.Grid.from_numpy(np.arange(24).reshape(2, 3, 4) % 3 > 0, spacing=0.5)
+    labels, palette = bitvox.label_voxels(path, grid)
+    assert np.array_equal(labels, grid.to_numpy().astype(np.uint8)) and palette[1].tolist() == [255, 0, 0, 255]
+    ramp = bitvox.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], colors=[[0, 0, 0], [255, 0, 0], [0, 255, 0]])
+    labels, palette = bitvox.label_voxels(ramp, bitvox.Grid.from_numpy(np.ones((30, 30, 1)), spacing=1 / 30))
+    assert labels.min() == 1 and labels.max() > 60 and abs(palette[labels[14, 3, 0]].astype(int) - [123, 30, 0, 255]).max() < 40
+    many = np.where(grid.to_numpy(), np.arange(24).reshape(2, 3, 4), 0)
+    bitvox.write_labels(tmp_path / "a.vox", grid, many, [(i, 2 * i, 255 - i) for i in range(30)])
+    back, colors = bitvox.read_labels(tmp_path / "a.vox")
+    assert np.array_equal(back, many) and colors[7].tolist() == [7, 14, 248, 255] and bitvox.read(tmp_path / "a.vox") == grid
+    bitvox.write_labels(tmp_path / "a.nrrd", grid, many, colors)
+    assert np.array_equal(bitvox.read_volume(tmp_path / "a.nrrd").to_numpy(), many)
+    assert b"\nSegment1_LabelValue:=2\nSegment1_Color:=0.00784" in (tmp_path / "a.nrrd").read_bytes()
+    parts = [bitvox.faces(grid, of=bitvox.Grid.from_numpy(many == i, spacing=0.5)).n_faces for i in np.unique(many)[1:]]
+    assert sum(parts) == bitvox.faces(grid).n_faces
+    with pytest.raises(bitvox.ArgumentError, match="neither"):
+        bitvox.label_voxels(bitvox.Mesh(ramp.vertices, ramp.faces), grid)
+    with pytest.raises(bitvox.ArgumentError, match="label 0"):
+        bitvox.write_labels(tmp_path / "b.vox", grid, many * 0, colors)
+    with pytest.raises(bitvox.ArgumentError, match="shape"):
+        bitvox.write_labels(tmp_path / "b.vox", grid, many[:1], colors)
+    with pytest.raises(bitvox.ArgumentError, match="palette"):
+        bitvox.write_labels(tmp_path / "b.vox", grid, many, [1, 2, 3])
+
+
 def test_npy_is_numpys(tmp_path):
     array = ball_grid(12)
     bitvox.Grid.from_numpy(array).save(tmp_path / "a.npy")

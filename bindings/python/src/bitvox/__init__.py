@@ -23,7 +23,7 @@ from ._errors import (
     UnsupportedError as UnsupportedError, VersionError as VersionError,
 )
 from ._field import Field as Field, field as field
-from ._files import Writer as Writer, dumps as dumps, loads as loads, read as read, write as write, write_levels as write_levels
+from ._files import Writer as Writer, dumps as dumps, loads as loads, read as read, read_labels as read_labels, write as write, write_labels as write_labels, write_levels as write_levels
 from ._grid import Attached as Attached, Grid as Grid
 from ._image import Image as Image, render as render
 from ._labels import Complex as Complex, Segment as Segment, Surfaces as Surfaces, read_segments as read_segments
@@ -42,7 +42,7 @@ from ._run import version as _version
 from ._sections import Loop as Loop, Sections as Sections, from_sections as from_sections, slice_mesh as slice_mesh
 from ._stages import (
     Closest as Closest, boolean as boolean, carry as carry, check as check, compare as compare, content_hash as content_hash, faces as faces,
-    find_pockets as find_pockets, find_seed as find_seed, Inspection as Inspection, inspect as inspect, merge as merge, repair as repair, surface as surface, surface_counts as surface_counts,
+    find_pockets as find_pockets, find_seed as find_seed, Inspection as Inspection, inspect as inspect, label_voxels as label_voxels, merge as merge, repair as repair, surface as surface, surface_counts as surface_counts,
     voxelize as voxelize,
 )
 from ._trimesh import register_with_trimesh as register_with_trimesh

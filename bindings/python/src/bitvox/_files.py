@@ -6,6 +6,7 @@ import os
 import warnings
 from typing import TYPE_CHECKING, Any, BinaryIO, Iterable, Sequence, Union
 
+from . import _arrays as arrays
 from ._bytes import by_file, bytes_of_open, format_of, new_beside, read_bytes, umask, write_bytes
 from ._calls import call, entered
 from ._errors import ArgumentError, UnsupportedError
@@ -439,6 +440,67 @@ def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None
     write_bytes(path, data)
     if beside is not None:
         write_bytes(path + ".json", beside)
+
+
+def write_labels(path: str | os.PathLike[str], grid: Grid, labels: Any, palette: Any, *, format: str | None = None) -> None:
+    """Write a grid whose voxels have labels with colors: a .vox with its palette, or a .nrrd with 3D Slicer's segments.
+
+    Parameters
+    ----------
+    path
+        its ending gives the format, unless ``format`` does. Beside .vox FILE.json gets the lattice.
+    grid
+        which voxels are set; they have the labels 1 to 255.
+    labels
+        uint8 ``[x, y, z]``, as of `label_voxels`; 0 elsewhere.
+    palette
+        red, green, blue (and alpha) of label i in row i.
+
+    Examples
+    --------
+    >>> grid = bitvox.Grid.from_numpy(np.ones((2, 2, 2)))
+    >>> bitvox.write_labels('red.vox', grid, np.ones((2, 2, 2)), [(0, 0, 0), (255, 0, 0)])
+    >>> bitvox.read_labels('red.vox')[1][1].tolist()
+    [255, 0, 0, 255]
+    """
+    np = arrays.numpy("write_labels")
+    path = os.fsdecode(path)
+    kind = format_of(path, format)
+    held = np.ascontiguousarray(np.asarray(labels).transpose(), np.uint8)
+    rows, colors = np.asarray(palette, np.uint8), np.full((256, 4), 255, np.uint8)
+    if held.shape != tuple(grid.shape[::-1]):
+        raise ArgumentError(f"labels have the shape {held.shape[::-1]}, the grid has {tuple(grid.shape)}")
+    if rows.ndim != 2 or rows.shape[0] > 256 or rows.shape[1] not in (3, 4):
+        raise ArgumentError(f"palette has the shape {rows.shape}; it must be at most 256 rows of 3 or 4 numbers")
+    colors[: len(rows), : rows.shape[1]] = rows
+    out = ffi.gc(ffi.new("bvx_buffer *"), lib.bvxpy_free_buffer)
+    with Run() as run:
+        run.check(lib.bvx_write_labels(run.context, grid._c, ffi.from_buffer("uint8_t[]", held), ffi.from_buffer("uint8_t[]", colors), number_of(kind), out))
+    write_bytes(path, bytes(ffi.buffer(out.bytes, out.size)))
+    if kind in _BESIDE:
+        write_bytes(path + ".json", lattice_json(grid))
+
+
+def read_labels(path: str | os.PathLike[str]) -> tuple[Any, Any]:
+    """Labels and colors of a .vox, whose voxels ``bitvox.read`` gives as a grid: uint8 ``[x, y, z]`` and ``[256, 4]``.
+
+    Examples
+    --------
+    >>> grid = bitvox.voxelize('knot.ply', resolution=16)
+    >>> grid.save('knot.vox')  # without colors: white
+    >>> labels, palette = bitvox.read_labels('knot.vox')
+    >>> labels.shape == grid.shape, int(labels.max()), palette[1].tolist()
+    (True, 1, [255, 255, 255, 255])
+    """
+    np = arrays.numpy("read_labels")
+    data, palette, grid = read_bytes(path), np.zeros((256, 4), np.uint8), new_grid()
+    held, out = ffi.from_buffer(data), ffi.gc(ffi.new("bvx_buffer *"), lib.bvxpy_free_buffer)
+    with Run() as run:
+        kind = number_of(format_of(os.fsdecode(path), None))
+        run.check(lib.bvx_read_labels(run.context, held, len(held), kind, out, ffi.from_buffer("uint8_t[]", palette)))
+        run.check(lib.bvx_read_grid(run.context, held, len(held), kind, ffi.NULL, grid))
+    shape = Grid._made(grid).shape
+    return np.frombuffer(bytes(ffi.buffer(out.bytes, out.size)), np.uint8).reshape(shape[::-1]).transpose(2, 1, 0).copy("K"), palette
 
 
 def lattice_json(grid: Grid) -> bytes:

@@ -355,7 +355,8 @@ def refine(
     base
         voxels along the longest axis before any is halved, or the `Lattice` of level 0. Default 8.
     levels
-        how many times voxels that triangles touch are halved. Default 6; with ``resolution``: as it takes least time.
+        how many times voxels that triangles touch are halved. Default 6; with ``resolution``: until the base has at most 256
+        voxels a side.
     resolution
         voxels of the last level along the longest axis, at least, in place of ``base``.
     window

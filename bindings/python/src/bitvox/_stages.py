@@ -339,7 +339,7 @@ def surface_counts(grid: Grid, *, face_rule: FaceRule = "separate") -> tuple[int
 
 
 def faces(grid: Grid, *, merge: bool = False, open_sides: str | Iterable[str] = (), dtype: Any = None, local_frame: bool = False,
-          threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Mesh:
+          of: Grid | None = None, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Mesh:
     """The voxels themselves as a mesh: each face between a set and an empty voxel, outwards, as two triangles.
 
     Parameters
@@ -353,6 +353,8 @@ def faces(grid: Grid, *, merge: bool = False, open_sides: str | Iterable[str] = 
         each neighbor have every face of the whole once.
     dtype, local_frame
         as for `surface`.
+    of
+        only faces of these voxels of the grid, such as those of one label; same lattice and window.
 
     Examples
     --------
@@ -362,7 +364,9 @@ def faces(grid: Grid, *, merge: bool = False, open_sides: str | Iterable[str] = 
     options = options_of("faces_options")
     options.merged, options.local_frame = int(bool(merge)), int(bool(local_frame))
     put_open_sides(options, open_sides)
-    found = grid_of(grid)
+    found, some = grid_of(grid), None if of is None else grid_of(of)
+    if some is not None:
+        options.of = some._c
     return with_positions(options, dtype, lambda run, made: lib.bvx_extract_faces(run.context, found._c, options, made),
                           threads=threads, memory_limit=memory_limit, progress=progress)
 
@@ -447,6 +451,40 @@ def carry(source: Any, target: Any, *, threads: int | None = None, memory_limit:
 
 
 carry_over = carry  # for functions that have an option of this name
+
+
+def label_voxels(mesh: Any, grid: Grid, *, threads: int | None = None, memory_limit: int | None = None,
+                 progress: Progress = None) -> tuple[Array, Array]:
+    """Labels of a grid's voxels by the material or color of the mesh's nearest point, and the color of each label.
+
+    Parameters
+    ----------
+    mesh
+        a mesh with ``colors``, or a glTF or 3MF file's with materials.
+    grid
+        of the same coordinates, such as ``bitvox.voxelize(mesh)``.
+
+    Returns
+    -------
+    labels
+        uint8 ``[x, y, z]``, x fastest in memory; 0 where no voxel is set. A mesh without colors of vertices: 1 + the index of the
+        material. Else a label is a color, of 255 at most.
+    palette
+        uint8 red, green, blue, alpha ``[256, 4]``.
+
+    Examples
+    --------
+    >>> mesh = bitvox.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], colors=[[255, 0, 0]] * 3)
+    >>> labels, palette = bitvox.label_voxels(mesh, bitvox.Grid.from_numpy(np.ones((2, 2, 2))))
+    >>> int(labels.max()), palette[1].tolist()
+    (1, [255, 0, 0, 255])
+    """
+    np = arrays.numpy("label_voxels")
+    source, found = Mesh.of(mesh), grid_of(grid)
+    labels, palette = np.zeros(found.shape[::-1], np.uint8), np.zeros((256, 4), np.uint8)
+    with Run(threads, memory_limit, progress) as run:
+        run.check(lib.bvx_label_voxels(run.context, source._struct(run), found._c, ffi.from_buffer("uint8_t[]", labels), ffi.from_buffer("uint8_t[]", palette)))
+    return labels.transpose(2, 1, 0), palette
 
 
 def check(mesh: Any, *, weld: bool = False, threads: int | None = None, memory_limit: int | None = None,
