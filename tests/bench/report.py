@@ -231,6 +231,7 @@ tables = (
     ("morph.md", "Morphology and distances of grids"),
     ("volumes.md", "Scalar volumes"),
     ("labels.md", "Surfaces of labels"),
+    ("makers.md", "Hulls, levels that enclose, mass, what can be made"),
     ("components.md", "Parts of grids"),
     ("peers_components.md", "Parts of grids by others"),
     ("peers_morph.md", "Morphology by others"),

@@ -7,8 +7,8 @@
 #     BENCH_RUNS=N          runs of each of our jobs [25]
 #     BENCH_PEERS=0         leave the other libraries out
 #     BENCH_PYTHON=PROGRAM  a Python that has the other libraries, instead of the venv
-#     BENCH_ONLY=a,b        these parts alone, without a report: core files voxels field grids morph volumes labels components levels
-#                           sections paper, and calls: the smallest call of each kind, in Python too where BENCH_PYTHON has the package
+#     BENCH_ONLY=a,b        these parts alone, without a report: core files voxels field grids morph volumes labels makers components
+#                           levels sections paper, and calls: the smallest call of each kind, in Python too where BENCH_PYTHON has the package
 #     BENCH_VDB_FLAGS=...   for the C++ compiler: where OpenVDB is, when not in the usual folders
 set -u
 cd "$(dirname "$0")/../.." || exit 1
@@ -106,6 +106,11 @@ measure_labels() {
     rm -f "$out"/voronoi_*
 }
 
+measure_makers() {
+    echo "== hulls, levels that enclose, mass, what can be made"
+    "$BENCHES/bench_makers" "$MESHES" >"$out/makers.md" && cat "$out/makers.md"
+}
+
 measure_components() {
     rm -f "$out"/components.md "$out"/peers_components.md
     echo "== parts of grids"
@@ -172,7 +177,7 @@ measure_calls() {
 
 if [ "$BENCH_ONLY" != calls ]; then find_python; fi
 if [ -z "$BENCH_ONLY" ]; then rm -f "$out/report.md" "$out/report.json"; fi
-for part in $(echo "${BENCH_ONLY:-core,files,voxels,field,grids,morph,volumes,labels,components,levels,sections,paper}" | tr , ' '); do
+for part in $(echo "${BENCH_ONLY:-core,files,voxels,field,grids,morph,volumes,labels,makers,components,levels,sections,paper}" | tr , ' '); do
     started=$(date +%s)
     "measure_$part"
     echo "== $part took $(($(date +%s) - started)) s"
