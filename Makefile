@@ -21,7 +21,7 @@ DEMO ?= fixtures/knot.ply
 .SUFFIXES:
 .SECONDARY:
 .DELETE_ON_ERROR:
-.PHONY: all help demo site wheels windows-wheel format format-check house python js js-page test-python test-js test test-quick test-other test-machines test-windows deps deps-proof deps-js deps-windows san san-memory san-threads abi golden matrix bare coverage mcdc fuzz analyze bench packaging deb install uninstall amalgamation clean force \
+.PHONY: all help demo site wheels windows-wheel format format-check house python js js-page test-python test-js test test-other test-machines test-windows deps deps-proof deps-js deps-windows san san-memory san-threads abi golden matrix bare coverage mcdc fuzz analyze bench packaging deb install uninstall amalgamation clean force \
         print-folder print-needed golden-program library program test-programs sanitizer-probe fault-programs fuzz-programs bench-programs row-products
 
 all: library program
@@ -327,13 +327,10 @@ deps-windows: deps ## and what the tests of the program for Windows need: mingw,
 deps-js: ## and what the npm package needs: emscripten, nodejs, chromium
 	@BUILD=$(BUILD) sh tests/tools/deps.sh js
 
-test: ## all tests of this machine and compiler (half an hour of processor time); ends with "N passed, N failed"
+test: ## the library and the program by this compiler (20 minutes of processor time); ends with "N passed, N failed"
 	@$(environment) sh tests/tools/run_tests.sh here
 
-test-quick: ## without the Python package
-	@$(environment) sh tests/tools/run_tests.sh quick
-
-test-other: deps-windows ## other compilers, 32-bit x86, big-endian s390x, sanitizers (25 minutes of processor time), a part of test-windows
+test-other: deps-windows ## the Python package, other compilers, 32-bit x86, big-endian s390x, sanitizers, a part of test-windows
 	@$(environment) sh tests/tools/run_tests.sh other
 
 test-windows: deps-windows ## the program for Windows under wine: every script and golden values (mingw, wine)

@@ -9,8 +9,8 @@
 # are missing is skipped and says so. The last line counts.
 #
 # The golden values are compared in three tiers; minutes are processor time on one x86-64 machine, most of it for compiling.
-#     make test-quick  this compiler: by default, by one thread and the portable code, by eight threads; 10 s beside the tests
-#     make test        and gcc at -O0 and -O3, clang, 32-bit x86, big-endian s390x under an emulator; 4 minutes beside the tests
+#     make test        this compiler: by default, by one thread and the portable code, by eight threads; 10 s beside the tests
+#     make test-other  gcc at -O0 and -O3, clang, 32-bit x86, big-endian s390x under an emulator; 4 minutes beside the tests
 #     make matrix      every row below; 25 to 30 minutes, of which the emulators take ten
 set -u
 cd "$(dirname "$0")/../.." || exit 1

@@ -1,8 +1,7 @@
 #!/bin/sh
-# run_tests.sh quick|here|other|san|memory|threads|machines|windows - build and run the tests; the last line is "N passed, N failed[, N skipped]".
-#     quick  this compiler alone: unit, fault, golden, program, examples, checks of sources and libraries
-#     here   quick, and the Python package in a clean environment
-#     other  what this machine and compiler do not show: golden values by other compilers and flags, faults and fuzzed readers under
+# run_tests.sh here|other|san|memory|threads|machines|windows - build and run the tests; the last line is "N passed, N failed[, N skipped]".
+#     here   this compiler: unit, fault, golden, program, examples, checks of sources and libraries
+#     other  the Python package in a clean environment, and what this machine and compiler do not show: golden values by other compilers and flags, faults and fuzzed readers under
 #            sanitizers, golden values and what a machine changes on 32-bit x86 and on big-endian s390x
 #     windows  the program by mingw under wine: every script of tests/program but the one of make install, golden values
 #     machines  all unit tests and golden values on 32-bit x86 and on big-endian s390x (half an hour under an emulator)
@@ -265,8 +264,7 @@ count_examples() {
     for source in $(names_of_examples); do count_script "example/$(basename "$source" .c)"; done
 }
 
-# Scripts get the program in BITVOX; they count their own checks or stand for one by their exit status. They run beside each other,
-# on a copy of the program, since one of them makes and installs it anew.
+# Scripts get the program in BITVOX; they count their own checks or stand for one by their exit status. They run beside each other.
 list_program() {
     for script in tests/program/*.sh tests/program/*.py; do
         rm -f "$(log_of "program/$(basename "$script")").end"
@@ -329,15 +327,20 @@ make_locale() {
 
 # ---- Tiers ----
 
-build_here() {
-    if has_cmocka; then fault=fault-programs; else fault=; fi
-    build native all test-programs $fault
-    native=$folder
-    if [ "$CC ${CFLAGS:-}" = "cc -O3" ]; then check 'native/no warnings' no_warnings "$(log_of 'native/build all')"; fi
+# The program that is tested is a copy, since one of the scripts makes and installs it anew.
+build_tested() { # GOALS...
+    build native "$@"
     mkdir -p "$BUILD/tested"
     cp -f "$BUILD/bitvox" "$BUILD/tested/bitvox"
     BITVOX=$(cd "$BUILD/tested" && pwd)/bitvox
     export BITVOX
+}
+
+build_here() {
+    if has_cmocka; then fault=fault-programs; else fault=; fi
+    build_tested all test-programs $fault
+    native=$folder
+    if [ "$CC ${CFLAGS:-}" = "cc -O3" ]; then check 'native/no warnings' no_warnings "$(log_of 'native/build all')"; fi
 }
 
 # Of the library and the program, file by file at the level that users build with; rows with UNITS see fewer kinds.
@@ -351,7 +354,6 @@ list_here() {
     list_golden native '' --threads 8
     list_examples
     list_program
-    list_python
     list_command gltf sh tests/tools/test_gltf.sh "$native"
     list_command checks sh tests/tools/check_house.sh "$native"
 }
@@ -570,41 +572,36 @@ if [ -d "$BUILD/locale" ]; then
 fi
 
 case $tier in
-quick)
-    build_here
-    tests_here
-    count_checks
-    ;;
 here)
-    # The package's tools are fetched and its wheel is compiled while the library is: one waits for the network, the other does not. So
-    # are packages of the system, which are installed when nothing compiles.
-    prepare_python &
-    beside=$!
+    # Packages of the system are fetched while the library compiles, and installed when nothing does.
     sh tests/tools/deps.sh fetch &
     fetching=$!
-    trap 'kill $beside $fetching 2>/dev/null; exit 130' INT TERM
+    trap 'kill $fetching 2>/dev/null; exit 130' INT TERM
     build_here
-    wait $beside
     wait $fetching
     sh tests/tools/deps.sh
-    if [ "$(cut -d ' ' -f 1 "$(log_of python).end")" != 77 ]; then python_parts='wheels pytest-1 pytest-2'; fi
     tests_here
-    count_python
     count_checks
     ;;
 other)
-    # All is built first and then runs from one line, so that no processor waits at the end.
+    # All is built first and then runs from one line, so that no processor waits at the end. The Python package's tools are fetched and
+    # its wheel is compiled meanwhile: one waits for the network, the other does not.
     sh tests/tools/get_unity.sh "${UNITY_DIR:-$BUILD/unity}"
+    build_tested all
+    prepare_python &
+    python_beside=$!
     BVX_QUICK=1
     export BVX_QUICK
     allow 1800 # every allocation of the long stages, several times slower than without sanitizers; all golden rows under an emulator
     if has_cmocka; then fault=fault-programs; else fault=; fi
     build_beside &
     beside=$!
-    trap 'kill $beside 2>/dev/null; exit 130' INT TERM
+    trap 'kill $beside $python_beside 2>/dev/null; exit 130' INT TERM
     build_windows
     build_machines brief
     wait $beside
+    wait $python_beside
+    if [ "$(cut -d ' ' -f 1 "$(log_of python).end")" != 77 ]; then python_parts='wheels pytest-1 pytest-2'; fi
     build san fuzz-programs $fault
     san=$folder
     build_other_compilers
@@ -615,6 +612,8 @@ other)
         list_fuzz san ''
         list_machines
         list_other_compilers
+        list_python
+        list_command 'add an option' python3 tests/tools/test_add_option.py
         list_command 'projects that use CMake' sh tests/tools/packaging.sh quick
         list_windows brief
     } >"$logs/lines"
@@ -622,6 +621,8 @@ other)
     if [ -n "$fault" ]; then count_kind san fault; else skip san/fault "the library cmocka is missing"; fi
     count_fuzz san
     count_machines
+    count_python
+    count_script 'add an option'
     count_script 'projects that use CMake'
     count_windows brief
     count_other_compilers

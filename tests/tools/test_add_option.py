@@ -1,6 +1,6 @@
 """test_add_option.py - CONTRIBUTING.md's "Add an option", step by step: what it says is done to a copy of the tree, which is built and run.
 
-python3 tests/program/test_add_option.py
+python3 tests/tools/test_add_option.py
 
 CC is the compiler [cc], BUILD the folder of the build [build], whose Python environment builds the package where there is one. Each ```diff
 block names a file and holds lines that stay, go (-) and come (+); those that stay and go must stand in the file exactly once. Ends with
