@@ -152,7 +152,7 @@ static void put_nvdb_grid(const nvdb_file *f, const char *name, uint64_t size, u
     bvxi_store_u32(g + 20, NVDB_BREADTH_FIRST);
     bvxi_store_u32(g + 28, 1); /* grid */
     bvxi_store_u64(g + 32, size);
-    memcpy(g + 40, name, bvxi_text_length(name));
+    memcpy(g + 40, name, (size_t)bvxi_text_length(name));
     for (int a = 0; a < 3; a++) {
         double const s = t->active->lattice.spacing[a];
 
@@ -204,7 +204,7 @@ static void put_nvdb_head(const nvdb_file *f, uint8_t *head, const char *name, u
     bvxi_store_u32(meta + 152, 1); /* root */
     memcpy(meta + 156, g + NVDB_GRID + 44, 12);
     bvxi_store_u32(meta + 172, NVDB_VERSION);
-    memcpy(meta + NVDB_META, name, length);
+    memcpy(meta + NVDB_META, name, (size_t)length);
 }
 
 bvx_status bvxi_write_nvdb(bvx_context *ctx, const bvx_grid *grid, const bvx_field *field, bvx_buffer *file)
@@ -227,7 +227,7 @@ bvx_status bvxi_write_nvdb(bvx_context *ctx, const bvx_grid *grid, const bvx_fie
     }
     BVXI_TRY(bvxi_progress(ctx, "write", 0.5));
     BVXI_TRY(bvxi_make_buffer(ctx, head + end, "the NVDB file", file));
-    memset(file->bytes, 0, head + end);
+    memset(file->bytes, 0, (size_t)(head + end));
     f.grid = file->bytes + head;
     put_nvdb_nodes(&f, tiles);
     put_nvdb_grid(&f, name, end, voxels);

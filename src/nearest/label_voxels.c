@@ -196,7 +196,7 @@ static bvx_status run_label_voxels(bvx_context *ctx, const bvx_mesh *mesh, const
         by_rank[w.voxel[i]] = (uint8_t)(w.by_material ? (w.keys[i] < materials ? w.keys[i] : materials) + 1
                                                       : w.keys[i]);
     uint64_t const rows = bvxi_grid_rows(grid), x = (uint64_t)grid->size[0];
-    memset(labels, 0, rows * x);
+    memset(labels, 0, (size_t)(rows * x));
     for (uint64_t r = 0; r < rows; r++)
         for (int32_t k = 0; k < grid->words_per_row; k++)
             for (uint64_t bits = grid->words[r * (uint64_t)grid->words_per_row + (uint64_t)k]; bits != 0;

@@ -124,7 +124,7 @@ warns "no voxel's centre is within" voxelize box.obj -o x.npy --mode field --spa
 # ---- refusals ----
 
 rm -f x.*
-refuses 2 'fields are written as .npy, .nrrd, .vti or .vdb' voxelize box.obj -o x.bvx --mode field
+refuses 2 'fields are written as .npy, .nrrd, .vti, .vdb or .nvdb' voxelize box.obj -o x.bvx --mode field
 refuses 2 'is for solids' voxelize box.obj -o x.npy --mode field --fill vote
 refuses 2 'is for fields' voxelize box.obj -o x.npy --sign vote
 refuses 2 'is for fields' voxelize box.obj -o x.npy --mode thin --vectors

@@ -320,7 +320,7 @@ for option in --solid '--resolution 64' '--sign vote' --sharp '--shell 3' --oute
 done
 refuses 2 'keeps vertices of the mesh, and --solid' lod "$knot" -o x_%d.ply --keep-vertices --solid
 refuses 2 'is not an option of lod' lod "$knot" -o x_%d.ply --source mesh
-refuses 2 'is not an option of simplify' simplify "$knot" -o x_%d.ply --open keep
+refuses 2 'simplify has no use for --open' simplify "$knot" -o x_%d.ply --open keep
 refuses 2 'is for volumes' lod "$knot" -o x_%d.ply --level 16
 refuses 2 'more than the 16777216' lod "$knot" -o x_%d.ply --resolution 20000000
 refuses 2 'need %d' lod "$knot" -o x.ply --count 2

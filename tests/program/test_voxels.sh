@@ -455,7 +455,7 @@ refuses 2 '--radius replaces' morph erode body.bvx -o x.bvx --radius 1 --steps 2
 refuses 2 'no use for --thickness' morph erode body.bvx -o x.bvx --thickness 1
 refuses 2 'needs --thickness' morph hollow body.bvx -o x.bvx
 refuses 2 'is for meshes' morph open body.bvx -o x.bvx --resolution 64
-refuses 2 'written as .npy, .nrrd, .vti or .vdb' morph distance body.bvx -o x.bvx
+refuses 2 'written as .npy, .nrrd, .vti, .vdb or .nvdb' morph distance body.bvx -o x.bvx
 refuses 2 'is for distances' morph erode body.bvx -o x.bvx --beyond nothing
 refuses 2 'one of: 6, 18, 26' morph erode body.bvx -o x.bvx --neighbourhood 8
 
