@@ -154,7 +154,7 @@ const cli_command cli_faces = {
         "that it voxelizes first, and writes each side between a set voxel and an empty one as two triangles "
         "(.ply\n"
         ".obj .stl .off .glb). The mesh is closed and has the voxels' volume; 'bitvox lod' makes smoother "
-        "ones. Of a .vox with colours a .glb has a node and a material for each.\n"
+        "ones.\nOf a .vox with colours a .glb has a node and a material for each.\n"
         "With --merge there are far fewer triangles, which cover the same but whose edges do not pair up.",
     .example = "bitvox faces fixtures/knot.ply -o blocks.ply --resolution 48 --merge",
     .most = "--resolution --spacing --fill --level --range --label --merge --keep-largest "

@@ -115,7 +115,8 @@ int cli_check_carry(cli_run *run, const bvx_mesh *mesh)
 /* 1: two triangles at a vertex have different texture coordinates there. Without memory nothing is known. */
 static int has_seams(const bvx_mesh *mesh)
 {
-    const float **const first = mesh->uv_triangles != NULL ? calloc(mesh->vertex_count, sizeof *first) : NULL;
+    const float **const first = mesh->uv_triangles != NULL ? calloc((size_t)mesh->vertex_count, sizeof *first)
+                                                           : NULL;
     int found = 0;
 
     for (uint64_t i = 0; first != NULL && !found && i < mesh->triangle_count * 3; i++) {
