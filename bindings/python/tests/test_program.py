@@ -28,7 +28,7 @@ OF_VOLUMES = {"range": bitvox.Volume.threshold, "label": bitvox.Volume.label, "s
 OF_MESHES = {"output-origin": bitvox.write}
 # Options of the program that a function of Python has under another name, or that are functions or methods of their own.
 NAMES = {
-    "voxelize": ([bitvox.voxelize, bitvox.voxelize_points, bitvox.field, bitvox.surface, *VOLUME], {"origin": "corner", "value-type": "dtype", "no-sharp": "sharp", **OF_MESHES, **OF_VOLUMES}),
+    "voxelize": ([bitvox.voxelize, bitvox.voxelize_points, bitvox.field, bitvox.surface, *VOLUME], {"origin": "corner", "value-type": "dtype", "no-sharp": "sharp", "segments": bitvox.write_labels, **OF_MESHES, **OF_VOLUMES}),
     "lod": ([bitvox.lod, *VOLUME], {"attributes": "attribute_weight", "keep-vertices": "vertices", "no-sharp": "sharp", "normals": bitvox.write, **OF_MESHES, **OF_VOLUMES}),
     "simplify": ([bitvox.simplify], {"attributes": "attribute_weight", "keep-vertices": "vertices", "normals": bitvox.write, **OF_MESHES}),
     "repair": ([bitvox.repair], {"normals": bitvox.write, "no-sharp": "sharp", **OF_MESHES}),

@@ -132,6 +132,7 @@ def _with_progress():
         "faces": lambda **p: bitvox.faces(grid, **p),
         "merge": lambda **p: bitvox.merge([part], **p),
         "carry": lambda **p: bitvox.carry(colored, mesh, **p),
+        "label_voxels": lambda **p: bitvox.label_voxels(colored, grid, **p),
         "check": lambda **p: bitvox.check(mesh, **p),
         "compare": lambda **p: bitvox.compare(mesh, mesh, samples=100, **p),
         "compare grids": lambda **p: bitvox.compare(grid, shell, **p),
@@ -314,13 +315,14 @@ def everything(mesh, grid):
         grid.topology(), [level.content_hash() for level in bitvox.lod(mesh, triangles=(300, 100))],
         bitvox.simplify(mesh, error="1%").content_hash(),
         bitvox.voxelize_points(mesh.vertices, resolution=12, body=True, close_gaps=1).content_hash(), bitvox.inspect(mesh, resolution=16)[:2],
+        bitvox.label_voxels(painted, grid)[0].tobytes(),
     ]
 
 
 def test_everything_calls_every_function():
     """What a stage brings later belongs there too."""
     called = set(re.findall(r"\.(\w+)\(", inspect.getsource(everything)))
-    elsewhere = {"read", "read_volume", "read_segments", "write", "write_levels", "register_with_trimesh", "settings", "read_points"}  # files and settings have tests of their own
+    elsewhere = {"read", "read_volume", "read_segments", "read_labels", "write", "write_labels", "write_levels", "register_with_trimesh", "settings", "read_points"}  # files and settings have tests of their own
     assert {name for name in public_names(bitvox) if inspect.isfunction(getattr(bitvox, name))} - called == elsewhere
     of_grids = {name for name, thing in vars(bitvox.Grid).items() if not name.startswith("_") and inspect.isfunction(thing)}
     assert of_grids - called == {"to_pyvista", "to_trimesh", "to_napari", "voxels", "plot", "save"}

@@ -105,6 +105,14 @@ def named(at):
     return volume
 
 
+def segments(at):
+    """Voxels with the colors of a mesh."""
+    mesh, path = bitvox.read(at / "colored.ply"), at / "segments.nrrd"
+    grid = bitvox.voxelize(mesh, resolution=16)
+    bitvox.write_labels(path, grid, *bitvox.label_voxels(mesh, grid))
+    return path.read_bytes()
+
+
 def written(surfaces, path):
     """The file that labels are saved in."""
     surfaces.save(path)
@@ -121,6 +129,7 @@ def only(thing, **options):
 ROWS = {
     "voxelize": (
         ("KNOT --resolution 24 --padding 2 --window 2,3,4,20,21,12", "bvx", lambda at: bitvox.voxelize(KNOT, resolution=24, padding=2, window=BOX)),
+        ("colored.ply --resolution 16 --segments", "nrrd", segments),
         ("KNOT --spacing 0.25 --origin -5,-5,-3", "bvx", lambda at: bitvox.voxelize(KNOT, spacing=0.25, corner=(-5, -5, -3))),
         ("torn.ply --resolution 24 --fill flood --close-gaps 2", "bvx",
          lambda at: bitvox.voxelize(at / "torn.ply", resolution=24, fill="flood", close_gaps=2)),

@@ -484,6 +484,11 @@ def write_labels(path: str | os.PathLike[str], grid: Grid, labels: Any, palette:
 def read_labels(path: str | os.PathLike[str]) -> tuple[Any, Any]:
     """Labels and colors of a .vox, whose voxels ``bitvox.read`` gives as a grid: uint8 ``[x, y, z]`` and ``[256, 4]``.
 
+    Parameters
+    ----------
+    path
+        of the .vox.
+
     Examples
     --------
     >>> grid = bitvox.voxelize('knot.ply', resolution=16)
