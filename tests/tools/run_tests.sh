@@ -39,10 +39,10 @@ compiles() { # COMPILER AND FLAGS..., program on standard input
 
 # Unit tests of what a machine changes: the order of bytes, the width of sizes and of integers, vectors. All other stages are in its
 # golden values.
-machine_tests='test_3mf test_binvox test_bits test_bvx test_calls test_check_written test_cross test_cut_triangle test_decimal test_errors
+machine_tests='test_3mf test_binvox test_bits test_bvx test_calls test_check_written test_cut_triangle test_decimal test_errors
     test_finite test_formats test_grid test_hash test_lattice test_lattice_json test_memory test_nrrd test_parts test_png_npy test_points
-    test_position_type test_radix test_read_gltf test_read_npy test_read_obj test_read_off test_read_ply test_read_sections test_read_stl
-    test_read_volume test_sample test_simd test_solid test_tables test_threads test_tree_file test_view test_vox test_vti test_weld
+    test_position_type test_radix test_read_gltf test_read_npy test_read_obj test_read_off test_read_ply test_read_stl
+    test_read_volume test_sample test_simd test_solid test_tables test_threads test_tree_file test_view test_vox test_vti
     test_write_field test_write_glb test_write_kept test_write_levels test_write_mesh test_write_off test_write_vdb test_write_vtu'
 kept= # names of unit tests, or all
 
