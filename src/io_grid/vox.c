@@ -81,7 +81,7 @@ static bvx_status vox_take_chunk(const bvxi_grid_source *source, const uint8_t *
     } else if (memcmp(chunk, "SIZE", 4) == 0) {
         if (n != 12)
             return BVXI_BYTE_FAIL(source, chunk, BVX_ERR_FORMAT, "SIZE has %u bytes, not 12", (uint64_t)n);
-        if (scene->model != NULL && scene->sizes == scene->models) scene->model[scene->models].size = content;
+        if (scene->model != NULL) scene->model[scene->sizes].size = content;
         scene->sizes++;
     } else if (memcmp(chunk, "XYZI", 4) == 0) {
         uint64_t const count = n < 4 ? 0 : bvxi_load_u32(content, 0);

@@ -230,6 +230,29 @@ static void fuzz_read_into_words(bvx_context *ctx, const uint8_t *file, size_t s
                  "a grid that differs in words of the caller's");
 }
 
+/* The same file with its colours: labels are where voxels are set, unless the caller's limit is in the way. */
+static void fuzz_read_labels(bvx_context *ctx, const uint8_t *file, size_t size, const bvx_grid *whole)
+{
+    uint8_t palette[1024];
+    bvx_buffer labels = {0};
+    bvx_status const status = bvx_read_labels(ctx, file, size, BVX_FORMAT_VOX, &labels, palette);
+
+    fuzz_require((status == BVX_OK) == (labels.bytes != NULL), "labels behind an error");
+    fuzz_require(whole != NULL ? status == BVX_OK || status == BVX_ERR_BUDGET : status != BVX_OK,
+                 "labels of what is no grid, or none of a grid");
+    if (status == BVX_OK) {
+        uint64_t i = 0;
+
+        for (int32_t z = 0; z < whole->size[2]; z++)
+            for (int32_t y = 0; y < whole->size[1]; y++)
+                for (int32_t x = 0; x < whole->size[0]; x++, i++)
+                    fuzz_require((labels.bytes[i] != 0) == bvx_grid_get(whole, x, y, z),
+                                 "a label and its voxel that differ");
+        fuzz_require(i == labels.size, "labels of another box");
+    }
+    bvx_buffer_free(ctx, &labels);
+}
+
 static int fuzz_read_grid(bvx_context *ctx, const uint8_t *file, size_t size, int format)
 {
     static const bvx_grid empty = {0};
@@ -255,6 +278,7 @@ static int fuzz_read_grid(bvx_context *ctx, const uint8_t *file, size_t size, in
     fuzz_read_into_words(ctx, file, size, number, good ? &g : NULL);
     if (has_samples) fuzz_read_volume(ctx, file, size, number, &o, good ? &g : NULL);
     if (format == FUZZ_NRRD) fuzz_read_packed(ctx, file, size);
+    if (format == FUZZ_VOX) fuzz_read_labels(ctx, file, size, good ? &g : NULL);
     bvx_grid_free(ctx, &g);
     return good;
 }

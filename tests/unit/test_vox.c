@@ -266,12 +266,13 @@ static void add_shape(vox_file *f, uint32_t number, uint32_t model)
 }
 
 /* A row of three along x, and a voxel; group 1 holds both, the row turned to run down z. */
-static void start_scene(vox_file *f, const char *turn, const char *place)
+static void start_scene(vox_file *f, int sizes_first, const char *turn, const char *place)
 {
     start(f, 200);
     add_size(f, 3, 1, 1);
+    if (sizes_first) add_size(f, 1, 1, 1);
     add_voxels(f, "\0\0\0\1\2\0\0\1", 2);
-    add_size(f, 1, 1, 1);
+    if (!sizes_first) add_size(f, 1, 1, 1);
     add_voxels(f, "\0\0\0\1", 1);
     add_place(f, 0, 1, NULL, "0 0 5");
     add_group(f, 1, 2, 4);
@@ -299,18 +300,21 @@ static void test_vox_scenes(void)
     bvx_grid g;
     uint64_t count;
 
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        start_scene(&f, cases[i].turn, cases[i].place);
+    /* Each also with the sides of both models before their voxels. */
+    for (size_t i = 0; i < 2 * sizeof cases / sizeof cases[0]; i++) {
+        size_t const n = i / 2;
+
+        start_scene(&f, i % 2 == 1, cases[n].turn, cases[n].place);
         finish(&f);
         TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_packed(f.bytes, f.size, BVX_FORMAT_VOX, NULL, &g),
                                         bvx_last_message(ctx));
-        TEST_ASSERT_EQUAL_INT32_ARRAY(cases[i].size, g.size, 3);
+        TEST_ASSERT_EQUAL_INT32_ARRAY(cases[n].size, g.size, 3);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_count(ctx, &g, &count));
         TEST_ASSERT_EQUAL_UINT64(3, count);
         for (int end = 0; end < 2; end++)
             TEST_ASSERT_TRUE(
-                bvx_grid_get(&g, cases[i].end[end][0], cases[i].end[end][1], cases[i].end[end][2]));
-        for (int a = 0; a < 3; a++) TEST_ASSERT_TRUE(g.lattice.origin[a] == cases[i].origin[a]);
+                bvx_grid_get(&g, cases[n].end[end][0], cases[n].end[end][1], cases[n].end[end][2]));
+        for (int a = 0; a < 3; a++) TEST_ASSERT_TRUE(g.lattice.origin[a] == cases[n].origin[a]);
         bvx_grid_free(ctx, &g);
     }
 }
@@ -327,16 +331,16 @@ static void test_vox_scenes_refused(void)
     vox_file f;
 
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        start_scene(&f, cases[i].turn, cases[i].place);
+        start_scene(&f, 0, cases[i].turn, cases[i].place);
         check_vox_refused(&f, i < 6 ? BVX_ERR_FORMAT : BVX_ERR_UNSUPPORTED, cases[i].words);
     }
     /* A node with two parents, and one in itself; a child and a model that are not there. */
     for (uint32_t child = 0; child < 7; child++) {
-        start_scene(&f, NULL, NULL);
+        start_scene(&f, 0, NULL, NULL);
         f.size -= 32; /* the last shape */
         add_shape(&f, 5, child == 6 ? 2 : 1);
         if (child == 6) check_vox_refused(&f, BVX_ERR_FORMAT, "a shape without a model");
-        start_scene(&f, NULL, NULL);
+        start_scene(&f, 0, NULL, NULL);
         for (size_t at = 0; at + 12 < f.size; at++)
             if (memcmp(f.bytes + at, "nGRP", 4) == 0)
                 put_u32(f.bytes + at + 12 + 16, child < 4 ? child : 99, 0);
@@ -344,7 +348,7 @@ static void test_vox_scenes_refused(void)
             check_vox_refused(&f, BVX_ERR_FORMAT, "is not there, or has a parent already");
     }
     /* Cut at every byte of the scene: refused, or the models that are still there. */
-    start_scene(&f, "9", "1 0 0");
+    start_scene(&f, 0, "9", "1 0 0");
     for (size_t size = 100; size < f.size; size++) {
         vox_file cut = f;
         bvx_grid g = {0};
