@@ -239,7 +239,7 @@ static void fuzz_read_labels(bvx_context *ctx, const uint8_t *file, size_t size,
 
     fuzz_require((status == BVX_OK) == (labels.bytes != NULL), "labels behind an error");
     fuzz_require(whole != NULL ? status == BVX_OK || status == BVX_ERR_BUDGET : status != BVX_OK,
-                 "labels of what is no grid, or none of a grid");
+                 "labels of a file that is not a grid, or none of a grid");
     if (status == BVX_OK) {
         uint64_t i = 0;
 
