@@ -81,24 +81,6 @@ static inline uint32_t child_projection_misses(const int32_t (*p)[3], int u, int
     return missed;
 }
 
-/* Octants on one side of the plane. at: its value at the centre; step: what it gains along each axis within
- * half, not negative; grows: bit a where it grows towards + along axis a. */
-static inline uint32_t child_plane_misses(int64_t at, const int64_t step[3], uint32_t grows)
-{
-    int64_t sum[8];
-    uint32_t missed = 0;
-    sum[0] = 0;
-    for (uint32_t k = 1; k < 8; k++)
-        sum[k] = (k & 1 ? step[0] : 0) + (k & 2 ? step[1] : 0) + (k & 4 ? step[2] : 0);
-    for (uint32_t o = 0; o < 8; o++) {
-        /* The best corner goes with the growing axes, the worst against them: both on one side, and the
-         * octant is beside. */
-        uint32_t const with = ~(o ^ grows) & 7;
-        missed |= (uint32_t)((at + sum[with] < 0) | (at - sum[7 ^ with] > 0)) << o;
-    }
-    return missed;
-}
-
 static uint32_t child_plane_misses_wide(const int64_t n[3], const int32_t p[3], int64_t half)
 {
     bvxi_wide at = bvxi_wide_mul(-n[0], p[0]);
@@ -133,8 +115,22 @@ static uint32_t children_beside_plane(const int32_t (*p)[3], int64_t half, int64
         int64_t const at = -(n[0] * p[0][0] + n[1] * p[0][1] + n[2] * p[0][2]);
         int64_t step[3];
         for (int a = 0; a < 3; a++) step[a] = (n[a] < 0 ? -n[a] : n[a]) * half;
-        return child_plane_misses(
-            at, step, (uint32_t)(n[0] > 0) | (uint32_t)(n[1] > 0) << 1 | (uint32_t)(n[2] > 0) << 2);
+
+        /* Octants on one side of the plane. at: its value at the centre; step: what it gains along each
+         * axis within half, not negative; grows: bit a where it grows towards + along axis a. */
+        uint32_t const grows = (uint32_t)(n[0] > 0) | (uint32_t)(n[1] > 0) << 1 | (uint32_t)(n[2] > 0) << 2;
+        int64_t sum[8];
+        uint32_t missed = 0;
+        sum[0] = 0;
+        for (uint32_t k = 1; k < 8; k++)
+            sum[k] = (k & 1 ? step[0] : 0) + (k & 2 ? step[1] : 0) + (k & 4 ? step[2] : 0);
+        for (uint32_t o = 0; o < 8; o++) {
+            /* The best corner goes with the growing axes, the worst against them: both on one side, and the
+             * octant is beside. */
+            uint32_t const with = ~(o ^ grows) & 7;
+            missed |= (uint32_t)((at + sum[with] < 0) | (at - sum[7 ^ with] > 0)) << o;
+        }
+        return missed;
     }
     return child_plane_misses_wide(n, p[0], half);
 }
