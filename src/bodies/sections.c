@@ -326,27 +326,6 @@ static void add_section_copy(const bvx_sections *given, const bvx_sections_optio
     }
 }
 
-static bvx_status copy_section(bvx_context *ctx, const char *function, const bvx_sections *one,
-                               const bvx_sections_options *o, const lone_count *n, bvxi_lone *lone)
-{
-    bvx_sections *const to = &lone->copies;
-    double axis[3][3];
-
-    /* Before anything is taken: a stack within the limits may be beyond them three times over. */
-    if (COPIES * n->points > INT32_MAX || COPIES * n->loops > INT32_MAX)
-        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: %u points of one section; a slab of it takes them three times, and the "
-                             "limit is 2^31",
-                             function, n->points);
-    BVXI_TRY(bvxi_section_frame(ctx, function, one->normal, axis));
-    memcpy(to->normal, one->normal, sizeof to->normal);
-    BVXI_TRY(BVXI_ARRAY(ctx, 3 * (COPIES * n->points), "the points of a slab", to->points));
-    BVXI_TRY(BVXI_ARRAY(ctx, COPIES * n->loops, "the loops of a slab", to->loops));
-    BVXI_TRY(BVXI_ARRAY(ctx, COPIES, "the positions of a slab", to->positions));
-    for (int k = 0; k < COPIES; k++) add_section_copy(one, o, n, axis[2], 0.5 * (k - 1) * o->thickness, to);
-    return BVX_OK;
-}
-
 /* section: the only one that has loops of the body, or BVXI_NONE: look for it. */
 static bvx_status bvxi_lone_open(bvx_context *ctx, const char *function, const bvx_sections *given,
                                  uint32_t section, const bvx_sections_options *o, bvxi_lone *lone)
@@ -369,7 +348,23 @@ static bvx_status bvxi_lone_open(bvx_context *ctx, const char *function, const b
 
     /* A stack of one plane, made and dropped: it refuses what a slab of copies would. */
     if (!o->mend) BVXI_TRY(BVXI_SCOPE(ctx, bvxi_stack_open(ctx, function, &one, o, &stack)));
-    BVXI_TRY(copy_section(ctx, function, &one, o, &n, lone));
+
+    bvx_sections *const to = &lone->copies;
+    double axis[3][3];
+
+    /* Before anything is taken: a stack within the limits may be beyond them three times over. */
+    if (COPIES * n.points > INT32_MAX || COPIES * n.loops > INT32_MAX)
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: %u points of one section; a slab of it takes them three times, and the "
+                             "limit is 2^31",
+                             function, n.points);
+    BVXI_TRY(bvxi_section_frame(ctx, function, one.normal, axis));
+    memcpy(to->normal, one.normal, sizeof to->normal);
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * (COPIES * n.points), "the points of a slab", to->points));
+    BVXI_TRY(BVXI_ARRAY(ctx, COPIES * n.loops, "the loops of a slab", to->loops));
+    BVXI_TRY(BVXI_ARRAY(ctx, COPIES, "the positions of a slab", to->positions));
+    for (int k = 0; k < COPIES; k++) add_section_copy(&one, o, &n, axis[2], 0.5 * (k - 1) * o->thickness, to);
+
     lone->times = COPIES;
     lone->sections = lone->copies;
     return BVX_OK;

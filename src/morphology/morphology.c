@@ -42,19 +42,6 @@ static void copy_into_wide(const bvx_grid *grid, const int32_t room[3], int32_t 
         }
 }
 
-static void cut_from_wide(const bvxi_bit_box *wide, const int32_t room[3], bvx_grid *result)
-{
-    size_t const words = (size_t)result->words_per_row;
-    uint64_t const tail = bvxi_tail_mask(result->size[0]);
-    for (size_t z = 0; z < (size_t)result->size[2]; z++)
-        for (size_t y = 0; y < (size_t)result->size[1]; y++) {
-            size_t const at = (z + (size_t)room[2]) * (size_t)wide->size[1] + y + (size_t)room[1];
-            uint64_t *const row = bvxi_grid_row(result, (int32_t)y, (int32_t)z);
-            memcpy(row, wide->words + at * (size_t)wide->row_words + (size_t)room[0], words * 8);
-            row[words - 1] &= tail;
-        }
-}
-
 /* source -> first -> second, as many times as it takes; *last becomes the box that holds the result. */
 static bvx_status run_between(bvx_context *ctx, const bvxi_morph *morph, const bvxi_bit_box *source,
                               const bvxi_bit_box *first, const bvxi_bit_box *second,
@@ -114,7 +101,16 @@ static bvx_status run_in_wide_box(bvx_context *ctx, const bvxi_morph *morph, con
     BVXI_TRY(alloc_box(ctx, morph->stage, &other));
     copy_into_wide(grid, room, morph->beyond, &wide);
     BVXI_TRY(run_between(ctx, morph, &wide, &other, &wide, &last));
-    cut_from_wide(last, room, result);
+
+    size_t const words = (size_t)result->words_per_row;
+    uint64_t const tail = bvxi_tail_mask(result->size[0]);
+    for (size_t z = 0; z < (size_t)result->size[2]; z++)
+        for (size_t y = 0; y < (size_t)result->size[1]; y++) {
+            size_t const at = (z + (size_t)room[2]) * (size_t)last->size[1] + y + (size_t)room[1];
+            uint64_t *const row = bvxi_grid_row(result, (int32_t)y, (int32_t)z);
+            memcpy(row, last->words + at * (size_t)last->row_words + (size_t)room[0], words * 8);
+            row[words - 1] &= tail;
+        }
     return BVX_OK;
 }
 
