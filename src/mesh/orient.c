@@ -3,20 +3,13 @@
  * A determinant is linear in each of its columns, so the coordinates along each axis may have a unit of their
  * own: the lowest binary digit that any of them has. In these units they are whole numbers, their differences
  * too, and the sign of a sum of products of differences is that of what is added less that of what is
- * subtracted, both kept as numbers without a sign. Coordinates of few digits (grids, most floats) fit 64 bits
- * and their products 128; the others take as many limbs as their range needs.
+ * subtracted, both kept as numbers without a sign, of as many limbs as their range needs.
  *
  * Bits: a finite double is a multiple of 2^-1074 below 2^1024, so it has at most 2098 binary digits, a
  * difference 2099 (66 limbs of 32), a product of three 6297, and six of them 6300 (3 * 66 + 1 limbs). */
 #include "mesh/orient.h"
-#include "lattice/wide.h"
 
-enum {
-    ORIENT_LIMBS = 66,
-    ORIENT_SUM_LIMBS = 3 * ORIENT_LIMBS + 1,
-    /* Products of two axes' differences fit 63 bits, with the third axis 126. */
-    ORIENT_FEW_BITS = 60
-};
+enum { ORIENT_LIMBS = 66, ORIENT_SUM_LIMBS = 3 * ORIENT_LIMBS + 1 };
 
 /* mantissa * 2^exponent; odd, or 0 */
 typedef struct orient_double {
@@ -93,19 +86,6 @@ static void orient_open_axis(const double *const points[], int count, int k, ori
     axis->bits = low <= high ? high - low : 0;
 }
 
-/* ---- Few digits ---- */
-
-/* Difference of value i to value last, of an axis of few bits. */
-static int64_t orient_small_difference(const orient_axis *axis, int i, int last)
-{
-    const orient_double *const a = &axis->value[i], *const b = &axis->value[last];
-    int64_t const x = a->mantissa != 0 ? a->mantissa * (INT64_C(1) << (a->exponent - axis->low)) : 0;
-    int64_t const y = b->mantissa != 0 ? b->mantissa * (INT64_C(1) << (b->exponent - axis->low)) : 0;
-    return x - y;
-}
-
-/* ---- Many digits ---- */
-
 /* Write the size of a value into zeroed limbs. */
 static void orient_place(const orient_double *v, int32_t low, uint32_t *limb)
 {
@@ -127,7 +107,7 @@ static int orient_compare(const uint32_t *a, const uint32_t *b, int32_t count)
 }
 
 /* Values of equal sign are subtracted, the smaller from the larger, others added. */
-static void orient_large_difference(const orient_axis *axis, int i, int last, orient_number *r)
+static void orient_difference(const orient_axis *axis, int i, int last, orient_number *r)
 {
     const orient_double *const a = &axis->value[i], *const b = &axis->value[last];
     int const add = (a->mantissa < 0) != (b->mantissa < 0);
@@ -210,72 +190,44 @@ static void orient_sums_add(orient_sums *s, int32_t sign, const orient_number *a
 
 /* ---- Signs ---- */
 
-/* Of the differences along three axes, each with its limbs. */
-static int orient_large(const orient_axis axis[3])
-{
-    orient_number d[3][3]; /* of each axis, of each point */
-    orient_sums sums;
-    for (int k = 0; k < 3; k++)
-        for (int i = 0; i < 3; i++) orient_large_difference(&axis[k], i, 3, &d[k][i]);
-    orient_sums_open(&sums, d[0][0].count + d[1][0].count + d[2][0].count + 1);
-    for (int i = 0; i < 3; i++) {
-        int const k = (i + 1) % 3, l = (i + 2) % 3;
-        orient_sums_add(&sums, 1, &d[0][i], &d[1][k], &d[2][l]);
-        orient_sums_add(&sums, -1, &d[0][i], &d[1][l], &d[2][k]);
-    }
-    return orient_compare(sums.plus, sums.minus, sums.count);
-}
-
 int bvxi_orient_exact(const double a[3], const double b[3], const double c[3], const double d[3])
 {
     const double *const points[4] = {a, b, c, d};
-    orient_axis axis[3];
-    int64_t u[3], v[3], w[3];
-    int x = 0, y, z;
+    orient_axis axis;
+    orient_number from_d[3][3]; /* of each axis, of each point */
+    orient_sums sums;
 
     /* Facets along the axes are common, and need no digits. */
     for (int k = 0; k < 3; k++)
         if (a[k] == d[k] && b[k] == d[k] && c[k] == d[k]) return 0;
 
-    for (int k = 0; k < 3; k++) orient_open_axis(points, 4, k, &axis[k]);
-    /* The axis of most digits is multiplied last. */
-    for (int k = 1; k < 3; k++)
-        if (axis[k].bits > axis[x].bits) x = k;
-    y = (x + 1) % 3;
-    z = (x + 2) % 3;
-    if (axis[x].bits > ORIENT_FEW_BITS || axis[y].bits + axis[z].bits > ORIENT_FEW_BITS)
-        return orient_large(axis);
-
-    for (int i = 0; i < 3; i++) {
-        u[i] = orient_small_difference(&axis[x], i, 3);
-        v[i] = orient_small_difference(&axis[y], i, 3);
-        w[i] = orient_small_difference(&axis[z], i, 3);
+    for (int k = 0; k < 3; k++) {
+        orient_open_axis(points, 4, k, &axis);
+        for (int i = 0; i < 3; i++) orient_difference(&axis, i, 3, &from_d[k][i]);
     }
-    bvxi_wide sum = bvxi_wide_mul(u[0], v[1] * w[2] - v[2] * w[1]);
-    sum = bvxi_wide_add(sum, bvxi_wide_mul(u[1], v[2] * w[0] - v[0] * w[2]));
-    sum = bvxi_wide_add(sum, bvxi_wide_mul(u[2], v[0] * w[1] - v[1] * w[0]));
-    return bvxi_wide_sign(sum);
+    orient_sums_open(&sums, from_d[0][0].count + from_d[1][0].count + from_d[2][0].count + 1);
+    for (int i = 0; i < 3; i++) {
+        int const k = (i + 1) % 3, l = (i + 2) % 3;
+        orient_sums_add(&sums, 1, &from_d[0][i], &from_d[1][k], &from_d[2][l]);
+        orient_sums_add(&sums, -1, &from_d[0][i], &from_d[1][l], &from_d[2][k]);
+    }
+    return orient_compare(sums.plus, sums.minus, sums.count);
 }
 
 int bvxi_orient_flat_exact(const double a[3], const double b[3], const double c[3], int axis)
 {
     const double *const points[3] = {a, b, c};
-    orient_axis along[2];
-    /* The two axes that remain, the next one first, so that left stays left. */
-    orient_open_axis(points, 3, (axis + 1) % 3, &along[0]);
-    orient_open_axis(points, 3, (axis + 2) % 3, &along[1]);
-    if (along[0].bits > ORIENT_FEW_BITS || along[1].bits > ORIENT_FEW_BITS) {
-        orient_number d[2][2];
-        orient_sums sums;
-        /* The same in two dimensions: two vectors and two products. */
-        for (int k = 0; k < 2; k++)
-            for (int i = 0; i < 2; i++) orient_large_difference(&along[k], i, 2, &d[k][i]);
-        orient_sums_open(&sums, d[0][0].count + d[1][0].count + 1);
-        orient_sums_add(&sums, 1, &d[0][0], &d[1][1], NULL);
-        orient_sums_add(&sums, -1, &d[1][0], &d[0][1], NULL);
-        return orient_compare(sums.plus, sums.minus, sums.count);
+    orient_axis along;
+    orient_number d[2][2];
+    orient_sums sums;
+
+    /* The two axes that remain, the next one first, so that left stays left: two vectors and two products. */
+    for (int k = 0; k < 2; k++) {
+        orient_open_axis(points, 3, (axis + 1 + k) % 3, &along);
+        for (int i = 0; i < 2; i++) orient_difference(&along, i, 2, &d[k][i]);
     }
-    return bvxi_wide_sign(bvxi_wide_add(
-        bvxi_wide_mul(orient_small_difference(&along[0], 0, 2), orient_small_difference(&along[1], 1, 2)),
-        bvxi_wide_mul(-orient_small_difference(&along[1], 0, 2), orient_small_difference(&along[0], 1, 2))));
+    orient_sums_open(&sums, d[0][0].count + d[1][0].count + 1);
+    orient_sums_add(&sums, 1, &d[0][0], &d[1][1], NULL);
+    orient_sums_add(&sums, -1, &d[1][0], &d[0][1], NULL);
+    return orient_compare(sums.plus, sums.minus, sums.count);
 }
