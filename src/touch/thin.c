@@ -10,14 +10,12 @@
  * neighbours whose centres lie on different sides of a surface one is marked: the crossing between them lies
  * in one of their segments.
  * Most triangles of a scan hold no line, or one or two: blocks of two by two are judged some hundred at once, in
- * doubles that hold every number exactly. What is left, and what lies near to a centre, goes line by line; rows of
- * many are cut by divisions.
+ * doubles that hold every number exactly. What is left, and what lies near to a centre, goes row by row: divisions
+ * give the lines that the triangle covers.
  * With job->solid only crossings are marked that the solid does not show: neither of the two centres beside
  * them is in it.
  * Guarantee: exact; 6-separating. */
 #include "touch/touch_cells.h"
-
-enum { THIN_FEW = 4 }; /* lines of a row that are tried one by one */
 
 /* Axes: the line's, then the two across it in order of their displacement. */
 static const int thin_axes[3][3] = {{0, 1, 2}, {1, 0, 2}, {2, 0, 1}};
@@ -35,12 +33,6 @@ typedef struct thin_lines {
     bvxi_triangle t;
     bvxi_divider divider;
 } thin_lines;
-
-/* Three edge functions: at the first line, from line to line along u and
- * along v. Not negative inside, ties included. */
-typedef struct thin_edges {
-    int64_t at[3], along_u[3], along_v[3];
-} thin_edges;
 
 /* The triangle's extent along coordinate a. */
 static double thin_extent(const bvxi_triangle *t, int a)
@@ -123,39 +115,6 @@ static inline void cross_line(thin_lines *l, int32_t u, int32_t v)
     bvxi_touch_run(job, voxel[1], voxel[2], voxel[0], voxel[0], l->triangle);
 }
 
-static void make_edges(const thin_lines *l, thin_edges *e)
-{
-    int64_t const step = (int64_t)1 << l->tile->job->fraction_bits, half = step >> 1;
-
-    for (int i = 0; i < 3; i++) {
-        const int32_t *const p = l->t.p[i], *const q = l->t.p[i == 2 ? 0 : i + 1];
-        int64_t const du = (int64_t)q[1] - p[1], dv = (int64_t)q[2] - p[2];
-        /* 0 counts as inside by the rule of ties (covered_rows.h); elsewhere one less, so that not negative
-         * always means covered */
-        int64_t const bias = dv < 0 || (dv == 0 && du > 0) ? 0 : 1;
-        e->at[i] = du * (l->low[2] * step + half - p[2]) - dv * (l->low[1] * step + half - p[1]) - bias;
-        e->along_u[i] = -dv * step;
-        e->along_v[i] = du * step;
-    }
-}
-
-static void try_lines(thin_lines *l)
-{
-    thin_edges e;
-
-    make_edges(l, &e);
-    for (int32_t v = l->low[2]; v <= l->high[2]; v++) {
-        int64_t a = e.at[0], b = e.at[1], c = e.at[2];
-        for (int32_t u = l->low[1]; u <= l->high[1]; u++) {
-            if ((a | b | c) >= 0) cross_line(l, u, v);
-            a += e.along_u[0];
-            b += e.along_u[1];
-            c += e.along_u[2];
-        }
-        for (int i = 0; i < 3; i++) e.at[i] += e.along_v[i];
-    }
-}
-
 static void cut_lines(thin_lines *l)
 {
     int64_t const step = (int64_t)1 << l->tile->job->fraction_bits, half = step >> 1;
@@ -214,9 +173,7 @@ static void mark_thin_lines(thin_lines *l, const bvxi_touch_batch *b, uint32_t i
     if (!bvxi_triangle_setup(q[first], q[(first + 1) % 3], q[(first + 2) % 3], &l->t)) return;
     bvxi_triangle_walk(&l->t, axis);
     l->ready = 0;
-    /* A few lines are tried by additions; the ranges of many are divided out. */
     if (alone) cross_line(l, l->low[1], l->low[2]);
-    else if (l->high[1] - l->low[1] < THIN_FEW) try_lines(l);
     else cut_lines(l);
 }
 
@@ -325,7 +282,7 @@ BVXI_VECTOR_INLINE void place_first_blocks(const line_axis *s, uint32_t n)
     l->count = n;
 }
 
-/* The other blocks of triangles that have some; those of many lines are crossed line by line. */
+/* The other blocks of triangles that have some; those of many lines are crossed row by row. */
 BVXI_VECTOR_INLINE void place_more_blocks(const line_axis *s, uint32_t n)
 {
     line_blocks *const l = s->blocks;
