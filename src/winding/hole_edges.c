@@ -3,8 +3,8 @@
  * An edge waits until a triangle that runs along it the other way has come: the first few beside their lower
  * corner, others in a table. What waits at the end is open, as often as it is or, where directions are not to
  * matter, an odd rest once. This is done for corners by their numbers first, which leaves little of most
- * meshes, then for that by their places. Where a table searches too long, as for input that was made against
- * its hash, a tree takes its place (core/key_tree.h).
+ * meshes, then for that by their places, which a tree finds (core/key_tree.h). Where the table of edges searches
+ * too long, as for input that was made against its hash, a tree takes its place, too.
  * Guarantee: the same edges for any order of triangles, in any order. */
 #include "core/key_tree.h"
 #include "winding/holes.h"
@@ -269,38 +269,6 @@ static bvx_status cancel_triangles(bvx_context *ctx, const bvx_mesh_view *view, 
 
 /* ---- Corners at one place ---- */
 
-static uint64_t hash_of_place(const int32_t q[3])
-{
-    uint64_t h = (uint32_t)q[0] | (uint64_t)(uint32_t)q[1] << 32;
-    h *= UINT64_C(0x9e3779b97f4a7c15);
-    h = (h ^ h >> 32 ^ (uint32_t)q[2]) * UINT64_C(0xbf58476d1ce4e5b9);
-    return (h ^ h >> 29) * UINT64_C(0x94d049bb133111eb) >> 33;
-}
-
-/* Vertices by their places. table: a vertex index plus 1, or 0; NULL: the tree is used. */
-typedef struct place_table {
-    const bvxi_snapped *snapped;
-    uint32_t *table;
-    uint64_t size, searches, probes;
-    bvxi_key_tree tree;
-} place_table;
-
-/* For count different vertices. */
-static bvx_status open_place_table(bvx_context *ctx, const bvxi_snapped *s, uint64_t count, place_table *p)
-{
-    memset(p, 0, sizeof *p);
-    p->snapped = s;
-    p->size = count + count / 2 + 1;
-    return bvxi_alloc_zero(ctx, BVXI_SCRATCH, p->size * 4, "the vertices' places", &p->table);
-}
-
-static void close_place_table(bvx_context *ctx, place_table *p)
-{
-    bvxi_key_tree_close(ctx, &p->tree);
-    bvxi_drop(ctx, p->table);
-    p->table = NULL;
-}
-
 /* A bvxi_key_fn. */
 static void place_key(const void *user, uint64_t vertex, uint32_t key[BVXI_KEY_WORDS])
 {
@@ -308,52 +276,19 @@ static void place_key(const void *user, uint64_t vertex, uint32_t key[BVXI_KEY_W
     memcpy(key, s->xyz + 3 * vertex, 12);
 }
 
-static bvx_status plant_place_tree(bvx_context *ctx, place_table *p)
-{
-    BVXI_TRY(bvxi_key_tree_open(ctx, &p->tree, place_key, p->snapped, p->snapped->vertex_count));
-    /* Vertices enter in the order of slots; which one stands for a place does not matter to the edges. */
-    for (uint64_t i = 0; i < p->size; i++)
-        if (p->table[i] != 0) bvxi_key_tree_find(&p->tree, p->table[i] - 1);
-    bvxi_drop(ctx, p->table);
-    p->table = NULL;
-    return BVX_OK;
-}
-
-/* *first becomes the first vertex that was looked up at v's place. */
-static inline bvx_status vertex_at_place(bvx_context *ctx, place_table *p, uint32_t v, uint32_t *first)
-{
-    const int32_t *const xyz = p->snapped->xyz, *const q = xyz + 3 * (uint64_t)v;
-
-    /* Only vertices of edges that wait are looked up, so the table is small in most meshes. */
-    if (BVXI_UNLIKELY(p->table == NULL)) {
-        *first = (uint32_t)bvxi_key_tree_find(&p->tree, v);
-        return BVX_OK;
-    }
-    uint64_t slot = (hash_of_place(q) * p->size) >> 31;
-    for (uint32_t at;
-         (at = p->table[slot]) != 0 && at != v + 1 && memcmp(xyz + 3 * (uint64_t)(at - 1), q, 12) != 0;
-         p->probes++)
-        slot = slot + 1 == p->size ? 0 : slot + 1;
-    if (p->table[slot] == 0) p->table[slot] = v + 1;
-    *first = p->table[slot] - 1;
-    return BVXI_UNLIKELY(p->probes > bvxi_probe_limit(++p->searches)) ? plant_place_tree(ctx, p) : BVX_OK;
-}
-
 /* The edges that remain by number, by their places. */
 static bvx_status cancel_list(bvx_context *ctx, const bvxi_snapped *s, const uint64_t *list, uint64_t count,
                               edge_table *t)
 {
-    place_table p;
-    uint32_t from = 0, to = 0;
-    BVXI_TRY(open_place_table(ctx, s, 2 * count < s->vertex_count ? 2 * count : s->vertex_count, &p));
+    bvxi_key_tree places;
+    BVXI_TRY(bvxi_key_tree_open(ctx, &places, place_key, s, s->vertex_count));
     /* Edges that did not meet by number may meet by place, where vertices are not welded. */
     for (uint64_t i = 0; i < count; i++) {
-        BVXI_TRY(vertex_at_place(ctx, &p, (uint32_t)(list[i] >> 32), &from));
-        BVXI_TRY(vertex_at_place(ctx, &p, (uint32_t)list[i], &to));
-        put_hole_edge(t, from, to);
+        uint64_t const from = bvxi_key_tree_find(&places, list[i] >> 32);
+        put_hole_edge(t, (uint32_t)from, (uint32_t)bvxi_key_tree_find(&places, (uint32_t)list[i]));
         BVXI_TRY(make_room_for_edges(ctx, t));
     }
-    close_place_table(ctx, &p);
+    bvxi_key_tree_close(ctx, &places);
     return BVX_OK;
 }
 
@@ -363,12 +298,12 @@ static bvx_status cancel_places(bvx_context *ctx, const bvx_mesh_view *view, con
 {
     uint64_t const bytes = s->vertex_count * 4;
     uint32_t *same = NULL;
-    place_table p;
-    BVXI_TRY(open_place_table(ctx, s, s->vertex_count, &p));
+    bvxi_key_tree places;
+    BVXI_TRY(bvxi_key_tree_open(ctx, &places, place_key, s, s->vertex_count));
     /* Every vertex gets the one that stands for its place; then triangles cancel as they do by number. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices at one place", &same));
-    for (uint64_t v = 0; v < s->vertex_count; v++) BVXI_TRY(vertex_at_place(ctx, &p, (uint32_t)v, &same[v]));
-    close_place_table(ctx, &p);
+    for (uint64_t v = 0; v < s->vertex_count; v++) same[v] = (uint32_t)bvxi_key_tree_find(&places, v);
+    bvxi_key_tree_close(ctx, &places);
     BVXI_TRY(cancel_triangles(ctx, view, same, UINT64_MAX, t));
     bvxi_drop(ctx, same);
     return BVX_OK;
