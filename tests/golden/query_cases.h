@@ -179,9 +179,10 @@ static void golden_labels(golden *g, const bvx_mesh *surface, const bvx_grid *gr
         golden_hex(g, "labels", bvx_hash(labels, voxels, bvx_hash(palette, sizeof palette, 0)));
     if (golden_good(g, bvx_write_labels(g->context, grid, labels, palette, BVX_FORMAT_VOX, &file)) &&
         golden_good(g, bvx_read_labels(g->context, file.bytes, file.size, BVX_FORMAT_VOX, &back, palette)))
-        golden_hex(g, "labels_read", bvx_hash(back.bytes, back.size, bvx_hash(palette, sizeof palette, 0)));
+        golden_hex(g, "labels_read",
+                   bvx_hash(back.bytes, (size_t)back.size, bvx_hash(palette, sizeof palette, 0)));
     if (golden_good(g, bvx_write_labels(g->context, grid, labels, palette, BVX_FORMAT_NRRD, &file)))
-        golden_hex(g, "segments", bvx_hash(file.bytes, file.size, 0));
+        golden_hex(g, "segments", bvx_hash(file.bytes, (size_t)file.size, 0));
     bvx_buffer_free(g->context, &file);
     bvx_buffer_free(g->context, &back);
 }
