@@ -39,7 +39,6 @@ extern "C" {
     X(BVX_FORMAT_XYZ, 15, "xyz") \
     X(BVX_FORMAT_CSL, 20, "csl") \
     X(BVX_FORMAT_CSV, 21, "csv") \
-    X(BVX_FORMAT_SVG, 22, "svg") \
     X(BVX_FORMAT_GLTF, 23, "gltf") \
     X(BVX_FORMAT_3MF, 24, "3mf") \
     X(BVX_FORMAT_VDB, 25, "vdb") \
@@ -58,7 +57,7 @@ enum {
     BVX_VOLUMES_READ = 1 << BVX_FORMAT_NRRD | 1 << BVX_FORMAT_NPY | 1 << BVX_FORMAT_VTI | 1 << BVX_FORMAT_RAW,
     BVX_POINTS_READ = 1 << BVX_FORMAT_XYZ | 1 << BVX_FORMAT_PLY,
     BVX_SECTIONS_READ = 1 << BVX_FORMAT_CSL | 1 << BVX_FORMAT_CSV,
-    BVX_SECTIONS_WRITTEN = BVX_SECTIONS_READ | 1 << BVX_FORMAT_SVG
+    BVX_SECTIONS_WRITTEN = BVX_SECTIONS_READ
 };
 
 /** Bytes made by the library; freed by bvx_buffer_free. */
@@ -402,9 +401,8 @@ typedef struct bvx_read_sections_options {
 BVX_API bvx_status bvx_read_sections(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
                                      const bvx_read_sections_options *options, bvx_sections *sections);
 
-/** Write section contours: BVX_FORMAT_CSL, BVX_FORMAT_CSV (planes z = position, or normals) or BVX_FORMAT_SVG
- *  (a drawing: sections side by side, filled by even-odd, y up). Numbers of CSL and CSV read back to the same
- *  ones.
+/** Write section contours: BVX_FORMAT_CSL or BVX_FORMAT_CSV (planes z = position, or normals). Numbers read
+ *  back to the same ones.
  *  Returns BVX_ERR_EMPTY, BVX_ERR_RANGE, BVX_ERR_UNSUPPORTED.
  *  [Memory: the file] */
 BVX_API bvx_status bvx_write_sections(bvx_context *context, const bvx_sections *sections, int32_t format,

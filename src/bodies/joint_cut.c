@@ -64,28 +64,6 @@ static bvx_status cut_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t t, con
     return BVX_OK;
 }
 
-/* The bodies that the surface of all may be of where it crosses an edge, whose tetrahedra are in the ring:
- * its own and those around it. Where others close around the edge, its own would be a hole in them that leads
- * to the outside, and only those are left. */
-static uint64_t bodies_at_crossing(const bvxi_oblique *o, const bvxi_joint_cut *cut, const uint32_t v[2],
-                                   uint32_t m)
-{
-    uint64_t const own = cut->among[v[0]];
-    uint64_t around = 0;
-    int closed = 1;
-
-    for (uint64_t i = 0; i < o->ring_count; i++)
-        for (int k = 0; k < 4; k++) {
-            uint32_t const x = o->tetra[o->ring[i]].v[k];
-            if (x == v[0] || x == v[1] || x == m) continue;
-            around |= cut->among[x];
-            /* The outside or the body itself goes on beside the edge: then it is no hole. */
-            closed &= cut->among[x] != JOINT_OUTSIDE && (cut->among[x] & own) == 0;
-        }
-    around &= ~(uint64_t)JOINT_OUTSIDE;
-    return closed && around != 0 ? around : own | around;
-}
-
 /* An edge from a body to the outside: the crossing is on the surface of all, and of the body whose number is
  * the largest there. That is not always the edge's: so the curve along which two bodies meet on the surface
  * runs through its triangles and not along the lattice's edges. */
@@ -103,7 +81,25 @@ static bvx_status cut_from_outside(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_
     place_between(o, v, cut->among[v[0]], JOINT_OUTSIDE, at);
     BVXI_TRY(cut_edge(o, cut, t, v, JOINT_OUTSIDE, at));
     uint32_t const m = (uint32_t)o->vertex_count - 1;
-    uint64_t bodies = bodies_at_crossing(o, cut, v, m);
+
+    /* The bodies that the surface of all may be of where it crosses an edge, whose tetrahedra are in the
+     * ring: its own and those around it. Where others close around the edge, its own would be a hole in them
+     * that leads to the outside, and only those are left. */
+    uint64_t const own = cut->among[v[0]];
+    uint64_t around = 0;
+    int closed = 1;
+
+    for (uint64_t i = 0; i < o->ring_count; i++)
+        for (int k = 0; k < 4; k++) {
+            uint32_t const x = o->tetra[o->ring[i]].v[k];
+            if (x == v[0] || x == v[1] || x == m) continue;
+            around |= cut->among[x];
+            /* The outside or the body itself goes on beside the edge: then it is no hole. */
+            closed &= cut->among[x] != JOINT_OUTSIDE && (cut->among[x] & own) == 0;
+        }
+    around &= ~(uint64_t)JOINT_OUTSIDE;
+    uint64_t bodies = closed && around != 0 ? around : own | around;
+
     if ((bodies & (bodies - 1)) != 0)
         bodies = UINT64_C(1) << bvxi_joint_kind_among(o, o->vertex[m].at, bodies);
     cut->among[m] |= bodies;

@@ -64,27 +64,6 @@ bvx_status bvxi_section_options_check(bvx_context *ctx, const char *function, bv
     return BVX_OK;
 }
 
-/* Frustums between neighbours, cones where the body ends between sections. */
-static void measure_prismoids(bvxi_stack *s)
-{
-    double sum = 0.0;
-    uint32_t const n = s->plane_count;
-    const bvxi_plane *const p = s->plane;
-
-    for (uint32_t i = 0; i + 1 < n; i++) {
-        double const a = p[i].area, b = p[i + 1].area, h = p[i + 1].w - p[i].w;
-        /* A body that ends between two sections ends half way. */
-        double const height = p[i].contour_count == 0 || p[i + 1].contour_count == 0 ? 0.5 * h : h;
-        sum += height / 3.0 * ((a + b) + sqrt(a * b));
-    }
-    /* Tapered ends reach half a slab beyond the first and the last section. */
-    if (s->options.caps == BVX_CAPS_TAPER) {
-        sum += p[0].area * s->reach[0] / 3.0;
-        sum += p[n - 1].area * s->reach[1] / 3.0;
-    }
-    s->report.prismoid_volume = sum;
-}
-
 /* Vertices of the planes: rings, or in the field's way none until they are needed. */
 static bvx_status make_rings(bvxi_stack *s)
 {
@@ -123,22 +102,6 @@ static bvx_status make_surface(bvxi_stack *s, bvxi_slab **slabs, uint32_t *cross
                       BVXI_SCOPE(s->ctx, bvxi_nesting_crossed(s, *slabs, s->slab_count, crossed)));
 }
 
-static void drop_surface(bvxi_stack *s, uint64_t mark)
-{
-    (void)bvxi_scratch_end(s->ctx, mark, BVX_OK);
-    memset(&s->slab_mesh, 0, sizeof s->slab_mesh);
-    memset(&s->mesh, 0, sizeof s->mesh);
-    s->nesting.plane = NULL;
-    s->nesting.plane_count = s->nesting.plane_room = 0;
-    /* Cuts of subdivided cells are freed with the cells; those of the grid stay. */
-    for (uint32_t i = 0; i < s->plane_count; i++) {
-        bvxi_plane *const p = &s->plane[i];
-        p->cut = p->shared_cut;
-        p->cut_room = p->shared_room;
-        p->cut_count = p->grid_cut_count;
-    }
-}
-
 /* Where levels of a slab cross, the surface is made again without levels there. What is subdivided changes
  * with that, for the slabs beside it too, so the new surface is looked at again; that ends, since each time
  * at least one slab less has levels, and after some times none. The bar waits meanwhile. */
@@ -158,7 +121,20 @@ static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
             if (s->nesting.count[i] > 1) s->nesting.joined[i] = BVXI_LEVELS_JOINED;
         BVXI_TRY(BVXI_SHARE(s->ctx, 0.02, 0.95, make_surface(s, &slabs, &crossed)));
         if (crossed == 0) break;
-        drop_surface(s, mark);
+
+        (void)bvxi_scratch_end(s->ctx, mark, BVX_OK);
+        memset(&s->slab_mesh, 0, sizeof s->slab_mesh);
+        memset(&s->mesh, 0, sizeof s->mesh);
+        s->nesting.plane = NULL;
+        s->nesting.plane_count = s->nesting.plane_room = 0;
+        /* Cuts of subdivided cells are freed with the cells; those of the grid stay. */
+        for (uint32_t i = 0; i < s->plane_count; i++) {
+            bvxi_plane *const p = &s->plane[i];
+            p->cut = p->shared_cut;
+            p->cut_room = p->shared_room;
+            p->cut_count = p->grid_cut_count;
+        }
+
         s->report = before;
     }
     for (uint32_t i = 0; i + 1 < s->plane_count && s->nesting.count != NULL; i++)
@@ -229,7 +205,24 @@ static bvx_status build_stack(body_job *job, const bvx_sections *sections)
     if (s.plane_count == 1 && job->o->caps != BVX_CAPS_TAPER) {
         job->left = s.plane[0].section;
     } else {
-        measure_prismoids(&s);
+        /* Frustums between neighbours, cones where the body ends between sections. */
+        double sum = 0.0;
+        uint32_t const n = s.plane_count;
+        const bvxi_plane *const p = s.plane;
+
+        for (uint32_t i = 0; i + 1 < n; i++) {
+            double const a = p[i].area, b = p[i + 1].area, h = p[i + 1].w - p[i].w;
+            /* A body that ends between two sections ends half way. */
+            double const height = p[i].contour_count == 0 || p[i + 1].contour_count == 0 ? 0.5 * h : h;
+            sum += height / 3.0 * ((a + b) + sqrt(a * b));
+        }
+        /* Tapered ends reach half a slab beyond the first and the last section. */
+        if (s.options.caps == BVX_CAPS_TAPER) {
+            sum += p[0].area * s.reach[0] / 3.0;
+            sum += p[n - 1].area * s.reach[1] / 3.0;
+        }
+        s.report.prismoid_volume = sum;
+
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.15, 0.95, BVXI_SCOPE(job->ctx, build_body(&s, job->mesh))));
         if (mended.loops != 0) BVXI_TRY(BVXI_SHARE(job->ctx, 0.95, 1.0, check_body(job)));
     }
@@ -333,27 +326,6 @@ static void add_section_copy(const bvx_sections *given, const bvx_sections_optio
     }
 }
 
-static bvx_status copy_section(bvx_context *ctx, const char *function, const bvx_sections *one,
-                               const bvx_sections_options *o, const lone_count *n, bvxi_lone *lone)
-{
-    bvx_sections *const to = &lone->copies;
-    double axis[3][3];
-
-    /* Before anything is taken: a stack within the limits may be beyond them three times over. */
-    if (COPIES * n->points > INT32_MAX || COPIES * n->loops > INT32_MAX)
-        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: %u points of one section; a slab of it takes them three times, and the "
-                             "limit is 2^31",
-                             function, n->points);
-    BVXI_TRY(bvxi_section_frame(ctx, function, one->normal, axis));
-    memcpy(to->normal, one->normal, sizeof to->normal);
-    BVXI_TRY(BVXI_ARRAY(ctx, 3 * (COPIES * n->points), "the points of a slab", to->points));
-    BVXI_TRY(BVXI_ARRAY(ctx, COPIES * n->loops, "the loops of a slab", to->loops));
-    BVXI_TRY(BVXI_ARRAY(ctx, COPIES, "the positions of a slab", to->positions));
-    for (int k = 0; k < COPIES; k++) add_section_copy(one, o, n, axis[2], 0.5 * (k - 1) * o->thickness, to);
-    return BVX_OK;
-}
-
 /* section: the only one that has loops of the body, or BVXI_NONE: look for it. */
 static bvx_status bvxi_lone_open(bvx_context *ctx, const char *function, const bvx_sections *given,
                                  uint32_t section, const bvx_sections_options *o, bvxi_lone *lone)
@@ -376,7 +348,23 @@ static bvx_status bvxi_lone_open(bvx_context *ctx, const char *function, const b
 
     /* A stack of one plane, made and dropped: it refuses what a slab of copies would. */
     if (!o->mend) BVXI_TRY(BVXI_SCOPE(ctx, bvxi_stack_open(ctx, function, &one, o, &stack)));
-    BVXI_TRY(copy_section(ctx, function, &one, o, &n, lone));
+
+    bvx_sections *const to = &lone->copies;
+    double axis[3][3];
+
+    /* Before anything is taken: a stack within the limits may be beyond them three times over. */
+    if (COPIES * n.points > INT32_MAX || COPIES * n.loops > INT32_MAX)
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: %u points of one section; a slab of it takes them three times, and the "
+                             "limit is 2^31",
+                             function, n.points);
+    BVXI_TRY(bvxi_section_frame(ctx, function, one.normal, axis));
+    memcpy(to->normal, one.normal, sizeof to->normal);
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * (COPIES * n.points), "the points of a slab", to->points));
+    BVXI_TRY(BVXI_ARRAY(ctx, COPIES * n.loops, "the loops of a slab", to->loops));
+    BVXI_TRY(BVXI_ARRAY(ctx, COPIES, "the positions of a slab", to->positions));
+    for (int k = 0; k < COPIES; k++) add_section_copy(&one, o, &n, axis[2], 0.5 * (k - 1) * o->thickness, to);
+
     lone->times = COPIES;
     lone->sections = lone->copies;
     return BVX_OK;

@@ -4,11 +4,10 @@
 #include "cli_args/rows.h"
 
 /* Names come from the header's lists, in the order of their numbers; "" cannot be requested, NULL ends. */
-#define FILL_OF_SOLID(name, value, text)  (BVX_FILLS_OF_SOLID >> (value)&1) != 0 ? text : "",
-#define FILL_OF_FIELD(name, value, text)  (BVX_FILLS_OF_FIELD >> (value)&1) != 0 ? text : "",
-#define FILL_OF_REPAIR(name, value, text) (BVX_FILLS_OF_REPAIR >> (value)&1) != 0 ? text : "",
-#define FORMAT_ASKED_FOR(name, value, text) \
-    [value] = (value) == BVX_FORMAT_PNG ? "" : (value) == BVX_FORMAT_SVG ? NULL : text,
+#define FILL_OF_SOLID(name, value, text)    (BVX_FILLS_OF_SOLID >> (value)&1) != 0 ? text : "",
+#define FILL_OF_FIELD(name, value, text)    (BVX_FILLS_OF_FIELD >> (value)&1) != 0 ? text : "",
+#define FILL_OF_REPAIR(name, value, text)   (BVX_FILLS_OF_REPAIR >> (value)&1) != 0 ? text : "",
+#define FORMAT_ASKED_FOR(name, value, text) [value] = (value) == BVX_FORMAT_PNG ? "" : text,
 
 static const char *const error_names[] = {BVX_ERROR_LIST(CLI_NAME_OF) NULL};
 static const char *const topology_names[] = {BVX_TOPOLOGY_LIST(CLI_NAME_OF) NULL};

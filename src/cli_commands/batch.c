@@ -146,26 +146,6 @@ static int make_folder(cli_run *run, const char *folder)
 #endif
 }
 
-static void begin_file(cli_run *run, const batch *b, int i)
-{
-    for (int k = 0; k < run->report.warnings; k++) free(run->report.warning[k].text);
-    cli_text_free(&run->report.more);
-    memset(&run->report, 0, sizeof run->report);
-    for (int k = 0; k < run->outputs; k++) free(run->output[k].path);
-    run->outputs = 0;
-    memset(&run->progress, 0, sizeof run->progress);
-    run->context = NULL;
-    run->context_limit = 0;
-    /* Commands fill in options that were not given, so each file starts from those of the line. */
-    *run->options = b->asked;
-    run->options->input[0] = b->asked.input[i];
-    run->about = b->asked.input[i];
-    run->options->inputs = 1;
-    run->options->output = b->path[i];
-    run->options->format = 0;
-    run->options->output_dir = NULL;
-}
-
 static void keep_report(cli_run *run, batch *b, int status)
 {
     cli_text text = {NULL, 0, 0, 0};
@@ -187,7 +167,23 @@ static void keep_report(cli_run *run, batch *b, int status)
 
 static int run_file(cli_run *run, batch *b, int i)
 {
-    begin_file(run, b, i);
+    for (int k = 0; k < run->report.warnings; k++) free(run->report.warning[k].text);
+    cli_text_free(&run->report.more);
+    memset(&run->report, 0, sizeof run->report);
+    for (int k = 0; k < run->outputs; k++) free(run->output[k].path);
+    run->outputs = 0;
+    memset(&run->progress, 0, sizeof run->progress);
+    run->context = NULL;
+    run->context_limit = 0;
+    /* Commands fill in options that were not given, so each file starts from those of the line. */
+    *run->options = b->asked;
+    run->options->input[0] = b->asked.input[i];
+    run->about = b->asked.input[i];
+    run->options->inputs = 1;
+    run->options->output = b->path[i];
+    run->options->format = 0;
+    run->options->output_dir = NULL;
+
     int status = cli_check_options(run);
     if (status == CLI_DONE) status = cli_perform(run);
     cli_progress_end(run, status);

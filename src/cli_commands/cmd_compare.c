@@ -68,30 +68,6 @@ static void tell_grid_difference(const cli_run *run, const bvx_grid *g, const bv
              high[0], high[1], high[2]);
 }
 
-static void report_grid_difference(const cli_run *run, const bvx_grid_difference *d, cli_made *made)
-{
-    cli_text *const t = &made->members;
-
-    cli_text_add(t, ", \"difference\": {\"same\": %s, \"paths\": [",
-                 d->only_a + d->only_b == 0 ? "true" : "false");
-    cli_json_string(t, run->options->input[0]);
-    cli_text_add(t, ", ");
-    cli_json_string(t, run->options->input[1]);
-    cli_text_add(t, "]");
-    cli_json_count(t, "set_a", d->set_a);
-    cli_json_count(t, "set_b", d->set_b);
-    cli_json_count(t, "both", d->both);
-    cli_json_count(t, "only_a", d->only_a);
-    cli_json_count(t, "only_b", d->only_b);
-    cli_json_count(t, "components_only_a", d->components_only_a);
-    cli_json_count(t, "components_only_b", d->components_only_b);
-    cli_json_count(t, "largest_only_a", d->largest_only_a);
-    cli_json_count(t, "largest_only_b", d->largest_only_b);
-    cli_json_ints(t, "low", d->low);
-    cli_json_ints(t, "size", d->size);
-    cli_text_add(t, "}");
-}
-
 int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_grid_difference *d)
 {
     char about[512], more[600] = "";
@@ -114,7 +90,28 @@ static int compare_grids(cli_run *run, const cli_input in[2], cli_made *made)
     if (status != CLI_DONE) return status;
     run->report.lattice = in[0].grid.lattice;
     run->report.has_lattice = 1;
-    report_grid_difference(run, &d, made);
+
+    cli_text *const t = &made->members;
+
+    cli_text_add(t, ", \"difference\": {\"same\": %s, \"paths\": [",
+                 d.only_a + d.only_b == 0 ? "true" : "false");
+    cli_json_string(t, run->options->input[0]);
+    cli_text_add(t, ", ");
+    cli_json_string(t, run->options->input[1]);
+    cli_text_add(t, "]");
+    cli_json_count(t, "set_a", d.set_a);
+    cli_json_count(t, "set_b", d.set_b);
+    cli_json_count(t, "both", d.both);
+    cli_json_count(t, "only_a", d.only_a);
+    cli_json_count(t, "only_b", d.only_b);
+    cli_json_count(t, "components_only_a", d.components_only_a);
+    cli_json_count(t, "components_only_b", d.components_only_b);
+    cli_json_count(t, "largest_only_a", d.largest_only_a);
+    cli_json_count(t, "largest_only_b", d.largest_only_b);
+    cli_json_ints(t, "low", d.low);
+    cli_json_ints(t, "size", d.size);
+    cli_text_add(t, "}");
+
     tell_grid_difference(run, &in[0].grid, &d, made);
     return CLI_DONE;
 }

@@ -58,33 +58,6 @@ typedef struct faces_job {
     uint8_t colours[COLOURS * 4];
 } faces_job;
 
-/* One mesh a colour. A colour that lies inside everywhere has no face. */
-static int extract_colours(cli_run *run, faces_job *j)
-{
-    const bvx_grid *const g = &j->in.grid;
-    bvx_volume_view const labels = {.samples = j->in.labels.bytes,
-                                    .sample_type = BVX_SAMPLE_U8,
-                                    .low = {g->low[0], g->low[1], g->low[2]},
-                                    .size = {g->size[0], g->size[1], g->size[2]},
-                                    .lattice = g->lattice};
-
-    for (int i = 1; i < COLOURS; i++) {
-        const uint8_t *const colour = j->in.palette + 4 * i;
-        bvx_volume_report found;
-
-        CLI_TRY(cli_check_call(run, bvx_threshold_whole(run->context, &labels, i, i, &found, &j->of),
-                               cli_input_name(j->in.path)));
-        if (found.inside == 0) continue;
-        CLI_TRY(extract_mesh(run, &j->in, &j->of, j->count, &j->mesh[j->count]));
-        if (j->mesh[j->count].triangle_count == 0) continue;
-        memcpy(j->colours + 4 * j->count, colour, 4);
-        snprintf(j->name[j->count], COLOUR_ROOM, "#%02x%02x%02x", colour[0], colour[1], colour[2]);
-        j->names[j->count] = j->name[j->count];
-        j->count++;
-    }
-    return CLI_DONE;
-}
-
 static int write_colours(cli_run *run, void *work)
 {
     faces_job *const j = work;
@@ -111,7 +84,30 @@ static int make_faces(cli_run *run, void *work, cli_made *made)
         return cli_fail(run, "%s: the grid is empty and has no faces", cli_input_name(job->in.path));
     if (job->in.labels.bytes == NULL) return extract_mesh(run, &job->in, NULL, 0, job->mesh);
     made->write = write_colours;
-    return extract_colours(run, job);
+
+    /* One mesh a colour. A colour that lies inside everywhere has no face. */
+    const bvx_grid *const g = &job->in.grid;
+    bvx_volume_view const labels = {.samples = job->in.labels.bytes,
+                                    .sample_type = BVX_SAMPLE_U8,
+                                    .low = {g->low[0], g->low[1], g->low[2]},
+                                    .size = {g->size[0], g->size[1], g->size[2]},
+                                    .lattice = g->lattice};
+
+    for (int i = 1; i < COLOURS; i++) {
+        const uint8_t *const colour = job->in.palette + 4 * i;
+        bvx_volume_report found;
+
+        CLI_TRY(cli_check_call(run, bvx_threshold_whole(run->context, &labels, i, i, &found, &job->of),
+                               cli_input_name(job->in.path)));
+        if (found.inside == 0) continue;
+        CLI_TRY(extract_mesh(run, &job->in, &job->of, job->count, &job->mesh[job->count]));
+        if (job->mesh[job->count].triangle_count == 0) continue;
+        memcpy(job->colours + 4 * job->count, colour, 4);
+        snprintf(job->name[job->count], COLOUR_ROOM, "#%02x%02x%02x", colour[0], colour[1], colour[2]);
+        job->names[job->count] = job->name[job->count];
+        job->count++;
+    }
+    return CLI_DONE;
 }
 
 static void tell_faces(const cli_run *run, const void *work, cli_made *made)

@@ -163,8 +163,12 @@ static void add_voxel(cli_text *t, const int32_t v[3])
     cli_text_add(t, "[%" PRId32 ", %" PRId32 ", %" PRId32 "]", v[0], v[1], v[2]);
 }
 
-static void report_fill(const fill_job *job, cli_made *made)
+static void tell_fill(const cli_run *run, const void *work, cli_made *made)
 {
+    const fill_job *const job = work;
+    (void)run;
+    tell_seeds(job, made);
+
     const bvx_seed *const s = &job->search;
     cli_text *const t = &made->members;
 
@@ -190,14 +194,7 @@ static void report_fill(const fill_job *job, cli_made *made)
         cli_text_add(t, "}");
     }
     cli_text_add(t, "}");
-}
 
-static void tell_fill(const cli_run *run, const void *work, cli_made *made)
-{
-    const fill_job *const job = work;
-    (void)run;
-    tell_seeds(job, made);
-    report_fill(job, made);
     if (job->reaches_side)
         cli_advise(made, BVX_WARN_ENDS,
                    "%s: the fill reaches the window's sides: these voxels do not hold it",

@@ -199,8 +199,14 @@ static int leave_out(cli_run *run, cli_chain *c, bvx_status status, int number, 
     return CLI_DONE;
 }
 
-static bvx_status build_level(cli_run *run, cli_chain *c, int number)
+static int make_level(cli_run *run, cli_chain *c, int number, cli_made *made)
 {
+    int const i = c->count;
+    cli_mesh_entry *const entry = &run->report.mesh[i];
+    char stage[32];
+
+    cli_stage_begin(run, "level %d", number);
+
     const cli_lod_options *const own = run->own;
     int32_t const resolution = c->by_triangles ? 0 : cli_level_resolution(run, c, number);
     uint64_t const target = c->by_triangles ? (uint64_t)run->options->triangles.value[number] : 0;
@@ -212,17 +218,8 @@ static bvx_status build_level(cli_run *run, cli_chain *c, int number)
     l.reports = &c->lod[c->count];
     /* One level a call, each a stage of its own; messages name it by its own number. */
     l.first_level = number;
-    return bvx_build_lods(run->context, &c->solid, &l, 1, &c->mesh[c->count]);
-}
+    bvx_status const status = bvx_build_lods(run->context, &c->solid, &l, 1, &c->mesh[c->count]);
 
-static int make_level(cli_run *run, cli_chain *c, int number, cli_made *made)
-{
-    int const i = c->count;
-    cli_mesh_entry *const entry = &run->report.mesh[i];
-    char stage[32];
-
-    cli_stage_begin(run, "level %d", number);
-    bvx_status const status = build_level(run, c, number);
     entry->milliseconds = cli_stage_end(run) * 1e3;
     if (cannot_be(run, status)) return leave_out(run, c, status, number, made);
     if (status != BVX_OK) {

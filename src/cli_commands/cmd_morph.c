@@ -265,30 +265,6 @@ static int stays(const cli_run *run, const morph_job *job, int solid, double dis
     return solid && distance <= own->hollow.thickness;
 }
 
-/* Grown, shrunk and hollowed by the distance to the mesh itself, not to the centres of voxels. */
-static void change_by_distance(cli_run *run, morph_job *job)
-{
-    const bvx_field *const f = &job->field;
-    const float *const distances = f->distances;
-    const int32_t *const n = f->band.size;
-    uint64_t value = 0;
-
-    job->hollow.hollowed = job->hollow.drained = 0;
-    for (int32_t z = 0; z < n[2]; z++)
-        for (int32_t y = 0; y < n[1]; y++)
-            for (int32_t x = 0; x < n[0]; x++) {
-                int const solid = bvx_grid_get(&job->in.grid, x, y, z);
-                /* Values stand in the order of the band's voxels, so one counter follows them. */
-                double const d = bvx_grid_get(&f->band, x, y, z) ? fabs((double)distances[value++])
-                                                                 : (double)INFINITY;
-                int const kept = stays(run, job, solid, d);
-                int const drilled = kept && job->hole.words != NULL && bvx_grid_get(&job->hole, x, y, z);
-                bvx_grid_set(&job->out, x, y, z, kept && !drilled);
-                job->hollow.hollowed += solid && !kept;
-                job->hollow.drained += (uint64_t)drilled;
-            }
-}
-
 static void take_drill(const cli_run *run, morph_job *job)
 {
     const morph_options *const own = run->own;
@@ -318,7 +294,28 @@ static bvx_status move_walls(cli_run *run, morph_job *job)
         status = drill_hole(run, job, &job->hole);
     if (status == BVX_OK) status = bvx_grid_create(run->context, &job->in.grid.lattice, NULL, &job->out);
     if (status != BVX_OK) return status;
-    change_by_distance(run, job);
+
+    /* Grown, shrunk and hollowed by the distance to the mesh itself, not to the centres of voxels. */
+    const bvx_field *const f = &job->field;
+    const float *const distances = f->distances;
+    const int32_t *const n = f->band.size;
+    uint64_t value = 0;
+
+    job->hollow.hollowed = job->hollow.drained = 0;
+    for (int32_t z = 0; z < n[2]; z++)
+        for (int32_t y = 0; y < n[1]; y++)
+            for (int32_t x = 0; x < n[0]; x++) {
+                int const solid = bvx_grid_get(&job->in.grid, x, y, z);
+                /* Values stand in the order of the band's voxels, so one counter follows them. */
+                double const d = bvx_grid_get(&f->band, x, y, z) ? fabs((double)distances[value++])
+                                                                 : (double)INFINITY;
+                int const kept = stays(run, job, solid, d);
+                int const drilled = kept && job->hole.words != NULL && bvx_grid_get(&job->hole, x, y, z);
+                bvx_grid_set(&job->out, x, y, z, kept && !drilled);
+                job->hollow.hollowed += solid && !kept;
+                job->hollow.drained += (uint64_t)drilled;
+            }
+
     take_drill(run, job);
     job->voxels.field = &job->field;
     return BVX_OK;

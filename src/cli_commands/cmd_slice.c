@@ -28,7 +28,7 @@ static int check_slice_options(cli_run *run)
     int kind;
 
     CLI_TRY(cli_input_kind(run, o->input[0], &kind));
-    if (format != BVX_FORMAT_CSL && format != BVX_FORMAT_CSV && format != BVX_FORMAT_SVG)
+    if (format != BVX_FORMAT_CSL && format != BVX_FORMAT_CSV)
         return cli_usage(
             run,
             "%s: the name does not end in a contour format that can be written (" CLI_CONTOURS_WRITTEN ")",
@@ -113,12 +113,11 @@ const cli_command cli_slice = {
     .does = "the contours of a mesh or grid on parallel planes",
     .details =
         "Reads a closed mesh (" CLI_MESHES_READ ") or a grid (" CLI_GRIDS "),\n"
-        "also with .gz, and writes where planes meet its surface, exactly: .csl, .csv (planes across z), or a drawing\n"
-        "(.svg). 'bitvox sections' makes a body of the contours again, unless the mesh crosses itself, "
-        "which\n"
+        "also with .gz, and writes where planes meet its surface, exactly: .csl or .csv (planes across z).\n"
+        "'bitvox sections' makes a body of the contours again, unless the mesh crosses itself, which\n"
         "'bitvox repair' mends first, as it closes holes and turns flipped triangles.",
     .example = "bitvox slice fixtures/knot.ply -o knot.csl --spacing 0.1\n"
-               "bitvox slice fixtures/knot.ply -o knot.svg --axis x --spacing 0.2",
+               "bitvox slice fixtures/knot.ply -o across.csl --axis x --spacing 0.2",
     .rows = slice_rows,
     .own = sizeof(slice_options),
     .job = {.size = sizeof(slice_job), .make = make_slice, .tell = tell_slice, .owns = slice_owns}};

@@ -353,25 +353,6 @@ static void tell_cloud(const cli_run *run, const bvx_points_report *r, cli_made 
 
 /* ---- --mode field ---- */
 
-static void tell_field(const cli_options *o, const bvx_field *f, uint64_t inside, cli_made *made)
-{
-    cli_text *const t = &made->members;
-
-    cli_text_add(&made->text, "  field       %s within %.9g\n  sign        %s",
-                 o->vectors ? "vectors" : "distances", f->half_width, cli_fill_names[f->sign]);
-    if (f->sign != BVX_FILL_NONE) cli_text_add(&made->text, ", %" PRIu64 " centres inside", inside);
-    cli_text_add(&made->text, "\n");
-
-    cli_text_add(t, ", \"field\": {\"sign\": \"%s\"", cli_fill_names[f->sign]);
-    cli_json_value(t, "half_width", f->half_width);
-    cli_json_count(t, "values", f->value_count);
-    cli_json_count(t, "inside", inside);
-    cli_json_truth(t, "vectors", o->vectors);
-    cli_text_add(t, ", \"value_type\": \"f%d\"}", f->value_type == BVX_F64 ? 64 : 32);
-    if (f->value_count == 0)
-        cli_advise(made, BVX_WARN_EMPTY, "no voxel's centre is within %.9g of the mesh", f->half_width);
-}
-
 static bvx_status make_field(const cli_run *run, voxel_job *job, cli_made *made)
 {
     const cli_voxelize_options *const own = run->own;
@@ -390,7 +371,23 @@ static bvx_status make_field(const cli_run *run, voxel_job *job, cli_made *made)
 
     made->field = field;
     made->set = field->value_count;
-    tell_field(run->options, field, inside, made);
+
+    cli_text *const t = &made->members;
+
+    cli_text_add(&made->text, "  field       %s within %.9g\n  sign        %s",
+                 run->options->vectors ? "vectors" : "distances", field->half_width,
+                 cli_fill_names[field->sign]);
+    if (field->sign != BVX_FILL_NONE) cli_text_add(&made->text, ", %" PRIu64 " centres inside", inside);
+    cli_text_add(&made->text, "\n");
+
+    cli_text_add(t, ", \"field\": {\"sign\": \"%s\"", cli_fill_names[field->sign]);
+    cli_json_value(t, "half_width", field->half_width);
+    cli_json_count(t, "values", field->value_count);
+    cli_json_count(t, "inside", inside);
+    cli_json_truth(t, "vectors", run->options->vectors);
+    cli_text_add(t, ", \"value_type\": \"f%d\"}", field->value_type == BVX_F64 ? 64 : 32);
+    if (field->value_count == 0)
+        cli_advise(made, BVX_WARN_EMPTY, "no voxel's centre is within %.9g of the mesh", field->half_width);
     return BVX_OK;
 }
 

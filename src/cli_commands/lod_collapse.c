@@ -164,8 +164,25 @@ static void tell_lod_head(const cli_run *run, const lod_collapse *l, cli_made *m
     cli_tell(made, "\n");
 }
 
-static void report_levels(const lod_collapse *l, cli_made *made)
+static int make_collapse(cli_run *run, void *work, cli_made *made)
 {
+    lod_collapse *const l = work;
+    made->untitled = 1;
+    made->write = cli_write_collapse;
+    CLI_TRY(cli_input_kind(run, run->options->input[0], &l->run.kind));
+    CLI_TRY(check_solid_options(run, l->run.kind));
+    CLI_TRY(cli_check_collapse(run, &l->run));
+    CLI_TRY(cli_open_collapse(run, &l->run));
+    CLI_TRY(build_levels(run, l));
+    return cli_finish_collapse(run, &l->run);
+}
+
+static void tell_collapse(const cli_run *run, const void *work, cli_made *made)
+{
+    const lod_collapse *const l = work;
+    tell_lod_head(run, l, made);
+    cli_tell_collapse(run, &l->run, made);
+
     cli_text *const t = &made->members;
 
     cli_text_add(t, ", \"levels\": {\"method\": \"collapse\", \"solid\": %s",
@@ -189,27 +206,6 @@ static void report_levels(const lod_collapse *l, cli_made *made)
     cli_json_value(t, "milliseconds", l->run.seconds * 1e3);
     cli_text_add(t, "}");
     if (l->report.solid) cli_report_repair(t, &l->report.repair, 0);
-}
-
-static int make_collapse(cli_run *run, void *work, cli_made *made)
-{
-    lod_collapse *const l = work;
-    made->untitled = 1;
-    made->write = cli_write_collapse;
-    CLI_TRY(cli_input_kind(run, run->options->input[0], &l->run.kind));
-    CLI_TRY(check_solid_options(run, l->run.kind));
-    CLI_TRY(cli_check_collapse(run, &l->run));
-    CLI_TRY(cli_open_collapse(run, &l->run));
-    CLI_TRY(build_levels(run, l));
-    return cli_finish_collapse(run, &l->run);
-}
-
-static void tell_collapse(const cli_run *run, const void *work, cli_made *made)
-{
-    const lod_collapse *const l = work;
-    tell_lod_head(run, l, made);
-    cli_tell_collapse(run, &l->run, made);
-    report_levels(l, made);
 }
 
 const cli_job cli_lod_collapse = {

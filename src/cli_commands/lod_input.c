@@ -63,8 +63,13 @@ static int count_solid(cli_run *run, const cli_chain *c)
                     cli_first_name(run));
 }
 
-static int make_solid(cli_run *run, cli_chain *c)
+static int open_mesh(cli_run *run, cli_chain *c)
 {
+    CLI_TRY(cli_read_mesh(run, run->options->input[0], &c->input));
+    CLI_TRY(cli_check_carry(run, &c->input));
+    c->input_triangles = c->input.triangle_count;
+    bvx_mesh_view_of(&c->input, &c->view);
+
     const char *const path = cli_first_name(run);
     bvx_voxelize_options v = {.struct_size = sizeof v};
 
@@ -80,15 +85,6 @@ static int make_solid(cli_run *run, cli_chain *c)
     c->solid_seconds = cli_stage_end(run);
     CLI_TRY(cli_check_call(run, status, path));
     return count_solid(run, c);
-}
-
-static int open_mesh(cli_run *run, cli_chain *c)
-{
-    CLI_TRY(cli_read_mesh(run, run->options->input[0], &c->input));
-    CLI_TRY(cli_check_carry(run, &c->input));
-    c->input_triangles = c->input.triangle_count;
-    bvx_mesh_view_of(&c->input, &c->view);
-    return make_solid(run, c);
 }
 
 /* The surface of all voxels; only its count where nothing is measured. */

@@ -102,29 +102,6 @@ static void tell_facts_of_sections(const bvx_sections *s, const section_facts *f
     cli_tell_box(made, f->box.low, f->box.high);
 }
 
-static void report_sections(const char *path, const bvx_sections *s, const section_facts *f, cli_made *made)
-{
-    cli_text *const t = &made->members;
-
-    cli_text_add(t, ", \"contours\": {\"path\": ");
-    cli_json_string(t, path);
-    cli_json_count(t, "sections", s->section_count);
-    cli_json_count(t, "empty_sections", f->empty);
-    cli_json_count(t, "loops", s->loop_count);
-    cli_json_count(t, "points", s->point_count);
-    cli_json_triple(t, "normal", s->normal);
-    cli_json_value(t, "first_position", f->first);
-    cli_json_value(t, "last_position", f->last);
-    cli_json_value(t, "mean_distance", f->step);
-    cli_json_triple(t, "low", f->box.low);
-    cli_json_triple(t, "high", f->box.high);
-    cli_text_add(t, ", \"labels\": [");
-    for (uint64_t i = 0; i < f->labels; i++)
-        cli_text_add(t, "%s{\"label\": %" PRId32 ", \"loops\": %" PRIu64 ", \"points\": %" PRIu64 "}",
-                     i == 0 ? "" : ", ", f->label[i].label, f->label[i].loops, f->label[i].points);
-    cli_text_add(t, "]}");
-}
-
 int cli_tell_sections(cli_run *run, const char *path, cli_made *made)
 {
     bvx_sections sections = {0};
@@ -136,7 +113,26 @@ int cli_tell_sections(cli_run *run, const char *path, cli_made *made)
     if (status == CLI_DONE) {
         cli_box_of_points(sections.points, BVX_F64, sections.point_count, &f.box);
         tell_facts_of_sections(&sections, &f, made);
-        report_sections(path, &sections, &f, made);
+
+        cli_text *const t = &made->members;
+
+        cli_text_add(t, ", \"contours\": {\"path\": ");
+        cli_json_string(t, path);
+        cli_json_count(t, "sections", sections.section_count);
+        cli_json_count(t, "empty_sections", f.empty);
+        cli_json_count(t, "loops", sections.loop_count);
+        cli_json_count(t, "points", sections.point_count);
+        cli_json_triple(t, "normal", sections.normal);
+        cli_json_value(t, "first_position", f.first);
+        cli_json_value(t, "last_position", f.last);
+        cli_json_value(t, "mean_distance", f.step);
+        cli_json_triple(t, "low", f.box.low);
+        cli_json_triple(t, "high", f.box.high);
+        cli_text_add(t, ", \"labels\": [");
+        for (uint64_t i = 0; i < f.labels; i++)
+            cli_text_add(t, "%s{\"label\": %" PRId32 ", \"loops\": %" PRIu64 ", \"points\": %" PRIu64 "}",
+                         i == 0 ? "" : ", ", f.label[i].label, f.label[i].loops, f.label[i].points);
+        cli_text_add(t, "]}");
     }
     free(f.label);
     bvx_sections_free(run->context, &sections);

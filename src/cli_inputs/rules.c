@@ -115,32 +115,6 @@ const char *cli_given_of(const cli_run *run, const char *names)
     return NULL;
 }
 
-static int refuse_by(cli_run *run, const char *message, const char *option, const char *beside,
-                     const char *word)
-{
-    char text[512];
-    size_t n = 0;
-
-    for (const char *p = message; *p != 0 && n + 1 < sizeof text; p++) {
-        /* Not by printf: an option or a name may hold a percent sign. */
-        const char *const put = *p != '%'     ? NULL
-                                : p[1] == 'o' ? option
-                                : p[1] == 'b' ? beside
-                                : p[1] == 'i' ? cli_first_name(run)
-                                : p[1] == 'f' ? run->options->output
-                                : p[1] == 'a' ? cli_way_around(run->options->output, 1)
-                                : p[1] == 'w' ? word
-                                              : NULL;
-
-        if (put == NULL) text[n++] = *p;
-        else n += (size_t)snprintf(text + n, sizeof text - n, "%s", put);
-        p += put != NULL;
-        if (n >= sizeof text) n = sizeof text - 1;
-    }
-    text[n] = 0;
-    return cli_usage(run, "%s", text);
-}
-
 static int check_rows(cli_run *run, const cli_rule *rules, uint32_t facts, const char *word)
 {
     for (const cli_rule *r = rules; r->message != NULL || r->also != NULL; r++) {
@@ -153,7 +127,28 @@ static int check_rows(cli_run *run, const cli_rule *rules, uint32_t facts, const
         if (r->given != NULL && (option = cli_given_of(run, r->given)) == NULL) continue;
         if (r->beside != NULL && (beside = cli_given_of(run, r->beside)) == NULL) continue;
         if (r->lacking != NULL && cli_given_of(run, r->lacking) != NULL) continue;
-        return refuse_by(run, r->message, option, beside, word);
+
+        char text[512];
+        size_t n = 0;
+
+        for (const char *p = r->message; *p != 0 && n + 1 < sizeof text; p++) {
+            /* Not by printf: an option or a name may hold a percent sign. */
+            const char *const put = *p != '%'     ? NULL
+                                    : p[1] == 'o' ? option
+                                    : p[1] == 'b' ? beside
+                                    : p[1] == 'i' ? cli_first_name(run)
+                                    : p[1] == 'f' ? run->options->output
+                                    : p[1] == 'a' ? cli_way_around(run->options->output, 1)
+                                    : p[1] == 'w' ? word
+                                                  : NULL;
+
+            if (put == NULL) text[n++] = *p;
+            else n += (size_t)snprintf(text + n, sizeof text - n, "%s", put);
+            p += put != NULL;
+            if (n >= sizeof text) n = sizeof text - 1;
+        }
+        text[n] = 0;
+        return cli_usage(run, "%s", text);
     }
     return CLI_DONE;
 }

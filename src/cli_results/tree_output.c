@@ -54,8 +54,17 @@ static int make_surface_mesh(cli_run *run, cli_tree *t)
                : cli_fail(run, "%s: no voxel has these states", run->options->output);
 }
 
-static int write_tree_file(cli_run *run, const cli_tree *t)
+int cli_write_tree(cli_run *run, void *tree)
 {
+    cli_tree *const t = tree;
+    if (t->kind == CLI_GRID) {
+        CLI_TRY(cli_expand_tree(run, t->tree, &t->window, run->options->output, &t->grid));
+        bvx_grid_count(run->context, &t->grid, &run->report.set);
+        run->report.has_set = 1;
+        return cli_write_grid(run, &t->grid);
+    }
+    if (t->kind == CLI_MESH) CLI_TRY(make_surface_mesh(run, t));
+
     const char *const path = run->options->output;
     bvx_buffer file = {0};
     if (t->kind == CLI_MESH) return cli_write_mesh(run, &t->surface);
@@ -67,19 +76,6 @@ static int write_tree_file(cli_run *run, const cli_tree *t)
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     cli_stage_end(run);
     return result;
-}
-
-int cli_write_tree(cli_run *run, void *tree)
-{
-    cli_tree *const t = tree;
-    if (t->kind == CLI_GRID) {
-        CLI_TRY(cli_expand_tree(run, t->tree, &t->window, run->options->output, &t->grid));
-        bvx_grid_count(run->context, &t->grid, &run->report.set);
-        run->report.has_set = 1;
-        return cli_write_grid(run, &t->grid);
-    }
-    if (t->kind == CLI_MESH) CLI_TRY(make_surface_mesh(run, t));
-    return write_tree_file(run, t);
 }
 
 void cli_free_tree(cli_run *run, cli_tree *t)

@@ -8,6 +8,6 @@
 #define CLI_GRIDS            ".npy .binvox .vox .nrrd .vti .bvx" /* read and written */
 #define CLI_GRIDS_WRITTEN    CLI_GRIDS " .vdb .nvdb"
 #define CLI_CONTOURS_READ    ".csl .csv"
-#define CLI_CONTOURS_WRITTEN ".csl .csv .svg"
+#define CLI_CONTOURS_WRITTEN ".csl .csv"
 
 #endif

@@ -277,29 +277,6 @@ static uint64_t count_space_runs(const bvx_grid *grid, int32_t empty)
     return n;
 }
 
-static bvx_status join_spaces(bvx_context *ctx, bvxi_spaces *s)
-{
-    const bvx_grid *const g = s->grid;
-    int32_t const step = (g->size[2] + 7) / 8, words = g->words_per_row;
-    uint64_t const flip = s->empty ? ~UINT64_C(0) : 0, tail = bvxi_tail_mask(g->size[0]);
-    const uint64_t *from = g->words;
-
-    for (int32_t z = 0; z < g->size[2]; z++) {
-        /* Eight calls of progress over the grid, as a slice may be small. */
-        if (z % step == 0) BVXI_TRY(bvxi_progress(ctx, s->stage, (double)z / (double)g->size[2]));
-        for (int32_t y = 0; y < g->size[1]; y++, from += words) {
-            uint64_t *const row = bvxi_components_row(&s->parts, y, z);
-            /* The row is made where the components want it: no inverted grid is needed. */
-            for (int32_t k = 0; k < words; k++) row[k] = from[k] ^ flip;
-            row[words - 1] &= tail;
-            bvxi_components_add(&s->parts, y, z);
-        }
-    }
-    bvxi_components_number(&s->parts);
-    s->count = s->parts.component_count;
-    return BVX_OK;
-}
-
 bvx_status bvxi_spaces_open(bvx_context *ctx, const char *function, const char *stage, const bvx_grid *grid,
                             int32_t empty, int32_t connectivity, bvxi_spaces *spaces)
 {
@@ -310,7 +287,26 @@ bvx_status bvxi_spaces_open(bvx_context *ctx, const char *function, const char *
     spaces->grid = grid;
     spaces->stage = stage;
     spaces->empty = empty;
-    return join_spaces(ctx, spaces);
+
+    const bvx_grid *const g = spaces->grid;
+    int32_t const step = (g->size[2] + 7) / 8, words = g->words_per_row;
+    uint64_t const flip = spaces->empty ? ~UINT64_C(0) : 0, tail = bvxi_tail_mask(g->size[0]);
+    const uint64_t *from = g->words;
+
+    for (int32_t z = 0; z < g->size[2]; z++) {
+        /* Eight calls of progress over the grid, as a slice may be small. */
+        if (z % step == 0) BVXI_TRY(bvxi_progress(ctx, spaces->stage, (double)z / (double)g->size[2]));
+        for (int32_t y = 0; y < g->size[1]; y++, from += words) {
+            uint64_t *const row = bvxi_components_row(&spaces->parts, y, z);
+            /* The row is made where the components want it: no inverted grid is needed. */
+            for (int32_t k = 0; k < words; k++) row[k] = from[k] ^ flip;
+            row[words - 1] &= tail;
+            bvxi_components_add(&spaces->parts, y, z);
+        }
+    }
+    bvxi_components_number(&spaces->parts);
+    spaces->count = spaces->parts.component_count;
+    return BVX_OK;
 }
 
 void bvxi_spaces_each(const bvxi_spaces *spaces, bvxi_spaces_fn *take, void *user)

@@ -40,18 +40,6 @@ bvx_status bvxi_seed_check(bvx_context *ctx, const char *function, const bvx_gri
     return BVX_OK;
 }
 
-static bvx_status check_seeds(bvx_context *ctx, const bvx_grid *walls, const int32_t *seeds, uint64_t count)
-{
-    for (uint64_t i = 0; i < count; i++) {
-        const int32_t *const s = seeds + 3 * i;
-        BVXI_TRY(bvxi_seed_check(ctx, grid_fill_name, walls, s, i));
-        if (bvx_grid_get(walls, s[0], s[1], s[2]))
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: seed %i at (%d, %d, %d) lies on a set voxel",
-                             grid_fill_name, i, (int64_t)s[0], (int64_t)s[1], (int64_t)s[2]);
-    }
-    return BVX_OK;
-}
-
 static bvx_status fill_from_seeds(bvx_context *ctx, const bvx_grid *walls, const int32_t *seeds,
                                   uint64_t count, int32_t connectivity, bvx_grid *filled)
 {
@@ -81,7 +69,15 @@ static bvx_status run_grid_fill(bvx_context *context, const bvx_grid *walls, con
     if (seeds == NULL && seed_count != 0) return bvxi_fail_null(context, grid_fill_name, "seeds");
     BVXI_TRY(bvxi_check_connectivity(context, grid_fill_name, connectivity));
     BVXI_TRY(bvxi_grid_apart(context, grid_fill_name, walls, filled));
-    BVXI_TRY(check_seeds(context, walls, seeds, seed_count));
+
+    for (uint64_t i = 0; i < seed_count; i++) {
+        const int32_t *const s = seeds + 3 * i;
+        BVXI_TRY(bvxi_seed_check(context, grid_fill_name, walls, s, i));
+        if (bvx_grid_get(walls, s[0], s[1], s[2]))
+            return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: seed %i at (%d, %d, %d) lies on a set voxel",
+                             grid_fill_name, i, (int64_t)s[0], (int64_t)s[1], (int64_t)s[2]);
+    }
+
     memcpy(window.low, walls->low, sizeof window.low);
     memcpy(window.size, walls->size, sizeof window.size);
     bvxi_grid_renew(context, &walls->lattice, &window, filled);

@@ -117,15 +117,6 @@ static const bvxi_option keep_rows[] = {
     BVXI_RESERVED(bvx_keep_options, reserved),
 };
 
-static bvx_status check_keep_options(bvx_context *ctx, const bvx_grid *grid, bvx_keep_options *o)
-{
-    BVXI_TRY(bvxi_check_options(ctx, keep_name, o, BVXI_OPTIONS(keep_rows)));
-    if (o->seeds == NULL && o->seed_count != 0) return bvxi_fail_null(ctx, keep_name, "seeds");
-    for (uint64_t i = 0; i < o->seed_count; i++)
-        BVXI_TRY(bvxi_seed_check(ctx, keep_name, grid, o->seeds + 3 * i, i));
-    return BVX_OK;
-}
-
 static bvx_status keep_parts(bvx_context *ctx, const bvx_grid *grid, const bvx_keep_options *o,
                              bvx_grid *made)
 {
@@ -156,7 +147,12 @@ static bvx_status run_grid_keep(bvx_context *context, const bvx_grid *grid, cons
     if (result == NULL) return bvxi_fail_null(context, keep_name, "result");
     BVXI_TRY(bvxi_take_options(context, keep_name, options, &o, sizeof o));
     BVXI_TRY(bvxi_grid_check(context, keep_name, grid));
-    BVXI_TRY(check_keep_options(context, grid, &o));
+
+    BVXI_TRY(bvxi_check_options(context, keep_name, &o, BVXI_OPTIONS(keep_rows)));
+    if (o.seeds == NULL && o.seed_count != 0) return bvxi_fail_null(context, keep_name, "seeds");
+    for (uint64_t i = 0; i < o.seed_count; i++)
+        BVXI_TRY(bvxi_seed_check(context, keep_name, grid, o.seeds + 3 * i, i));
+
     BVXI_TRY(open_keep_result(context, keep_name, grid, result, &made));
     return bvxi_grid_put(context, keep_parts(context, grid, &o, &made), &made, result);
 }

@@ -106,27 +106,6 @@ static void cross_grid_line(arc_walk *w, uint32_t segment, int axis, int up)
     w->cell[axis] += up ? 1 : -1;
 }
 
-static void walk_segment(arc_walk *w, uint32_t i)
-{
-    const int32_t *const a = w->p->q[i], *const b = w->p->q[w->p->next[i]];
-    int const up[2] = {b[0] > a[0], b[1] > a[1]};
-    int32_t left[2]; /* lines still to cross */
-
-    /* How many lines of each axis lie between both ends; only which comes next is left to find. */
-    for (int k = 0; k < 2; k++) {
-        int32_t const d = (b[k] >> w->s->fine) - w->cell[k];
-        left[k] = d < 0 ? -d : d;
-    }
-    while (left[0] != 0 || left[1] != 0) {
-        int axis = left[0] == 0;
-        if (left[0] != 0 && left[1] != 0)
-            axis = !bvxi_x_first(a, b, (w->cell[0] + up[0]) << w->s->fine,
-                                 (w->cell[1] + up[1]) << w->s->fine);
-        cross_grid_line(w, i, axis, up[axis]);
-        left[axis]--;
-    }
-}
-
 static void walk_loop(arc_walk *w, const bvxi_contour *c)
 {
     const bvxi_plane *const p = w->p;
@@ -136,7 +115,24 @@ static void walk_loop(arc_walk *w, const bvxi_contour *c)
     w->cell[1] = p->q[c->first][1] >> w->s->fine;
     for (uint32_t i = c->first; i < c->first + c->count; i++) {
         if (w->count++ == 0) w->point = i;
-        walk_segment(w, i);
+
+        const int32_t *const a = w->p->q[i], *const b = w->p->q[w->p->next[i]];
+        int const up[2] = {b[0] > a[0], b[1] > a[1]};
+        int32_t left[2]; /* lines still to cross */
+
+        /* How many lines of each axis lie between both ends; only which comes next is left to find. */
+        for (int k = 0; k < 2; k++) {
+            int32_t const d = (b[k] >> w->s->fine) - w->cell[k];
+            left[k] = d < 0 ? -d : d;
+        }
+        while (left[0] != 0 || left[1] != 0) {
+            int axis = left[0] == 0;
+            if (left[0] != 0 && left[1] != 0)
+                axis = !bvxi_x_first(a, b, (w->cell[0] + up[0]) << w->s->fine,
+                                     (w->cell[1] + up[1]) << w->s->fine);
+            cross_grid_line(w, i, axis, up[axis]);
+            left[axis]--;
+        }
     }
     /* A loop within one cell is an arc without ends; else the last arc joins the first one. */
     if (w->last == BVXI_NONE) add_arc(w, BVXI_NONE, BVXI_NONE, c->first, c->count);

@@ -350,25 +350,6 @@ static bvx_status mend_plane(bvxi_mend_work *w, bvxi_mended *m)
     return changed == 0 ? BVX_OK : bvxi_mend_trace(w, m);
 }
 
-static bvx_status mend_stack(bvxi_stack *s, bvxi_mended *m)
-{
-    bvxi_map map = {0};
-    bvxi_mend_work w = {.s = s, .map = &map};
-    uint64_t most = 1;
-
-    /* One mark a loop, for the plane with the most; other arrays grow as needed. */
-    for (uint32_t i = 0; i < s->plane_count; i++)
-        if (s->plane[i].contour_count > most) most = s->plane[i].contour_count;
-    BVXI_TRY(BVXI_ARRAY(s->ctx, most, "the loops to mend", w.changed));
-    for (uint32_t i = 0; i < s->plane_count; i++) {
-        BVXI_TRY(bvxi_progress(s->ctx, "mend", (double)i / s->plane_count));
-        bvxi_plane_snap(s, &s->plane[i]);
-        w.plane = &s->plane[i];
-        BVXI_TRY(mend_plane(&w, m));
-    }
-    return BVX_OK;
-}
-
 static void begin_mended(bvx_context *ctx, const char *function, const bvx_sections *given, bvxi_mended *m)
 {
     *m = (bvxi_mended){.ctx = ctx, .function = function, .sections = *given};
@@ -393,7 +374,22 @@ bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections 
     BVXI_TRY(bvxi_stack_begin(ctx, function, &kept, options, &s));
     while (s.fine > MEND_COARSEST && step_length(s.step[0], s.fine) < least) s.fine--;
     bvxi_stack_give_grid(&s, &m->grid);
-    return mend_stack(&s, m);
+
+    bvxi_map map = {0};
+    bvxi_mend_work w = {.s = &s, .map = &map};
+    uint64_t most = 1;
+
+    /* One mark a loop, for the plane with the most; other arrays grow as needed. */
+    for (uint32_t i = 0; i < s.plane_count; i++)
+        if (s.plane[i].contour_count > most) most = s.plane[i].contour_count;
+    BVXI_TRY(BVXI_ARRAY(s.ctx, most, "the loops to mend", w.changed));
+    for (uint32_t i = 0; i < s.plane_count; i++) {
+        BVXI_TRY(bvxi_progress(s.ctx, "mend", (double)i / s.plane_count));
+        bvxi_plane_snap(&s, &s.plane[i]);
+        w.plane = &s.plane[i];
+        BVXI_TRY(mend_plane(&w, m));
+    }
+    return BVX_OK;
 }
 
 /* The loops of one section, a stack of one plane, with their points where steps put them. */

@@ -24,21 +24,6 @@ static context_fault fault_of(bvx_status status, const char *text)
     return f;
 }
 
-static context_fault check_context_options(const bvx_context_options *o)
-{
-    if ((o->allocator.alloc == NULL) != (o->allocator.free == NULL))
-        return fault_of(BVX_ERR_ARGUMENT, "allocator.alloc and .free are given together");
-    if (o->allocator.alloc != NULL && o->arena.memory != NULL)
-        return fault_of(BVX_ERR_ARGUMENT, "allocator and arena exclude each other");
-    if ((o->arena.memory == NULL) != (o->arena.size == 0))
-        return fault_of(BVX_ERR_ARGUMENT, "arena.memory and .size are given together");
-    if (o->threads < 0 || o->threads > BVXI_MAX_THREADS)
-        return fault_of(BVX_ERR_ARGUMENT, "threads is 0 to 1024");
-    if (o->cpu < BVX_CPU_BEST || o->cpu > BVX_CPU_AVX2)
-        return fault_of(BVX_ERR_ARGUMENT, "cpu is BVX_CPU_BEST, BVX_CPU_PORTABLE or BVX_CPU_AVX2");
-    return fault_of(BVX_OK, NULL);
-}
-
 /* The options of an older or newer caller as this library knows them. */
 static context_fault take_context_options(int32_t header_version, const bvx_context_options *options,
                                           bvx_context_options *o)
@@ -60,7 +45,18 @@ static context_fault take_context_options(int32_t header_version, const bvx_cont
         if (((const unsigned char *)options)[i] != 0)
             return fault_of(BVX_ERR_VERSION, "a field is set that this library does not know");
     memcpy(o, options, given_size < sizeof *o ? given_size : sizeof *o);
-    return check_context_options(o);
+
+    if ((o->allocator.alloc == NULL) != (o->allocator.free == NULL))
+        return fault_of(BVX_ERR_ARGUMENT, "allocator.alloc and .free are given together");
+    if (o->allocator.alloc != NULL && o->arena.memory != NULL)
+        return fault_of(BVX_ERR_ARGUMENT, "allocator and arena exclude each other");
+    if ((o->arena.memory == NULL) != (o->arena.size == 0))
+        return fault_of(BVX_ERR_ARGUMENT, "arena.memory and .size are given together");
+    if (o->threads < 0 || o->threads > BVXI_MAX_THREADS)
+        return fault_of(BVX_ERR_ARGUMENT, "threads is 0 to 1024");
+    if (o->cpu < BVX_CPU_BEST || o->cpu > BVX_CPU_AVX2)
+        return fault_of(BVX_ERR_ARGUMENT, "cpu is BVX_CPU_BEST, BVX_CPU_PORTABLE or BVX_CPU_AVX2");
+    return fault_of(BVX_OK, NULL);
 }
 
 /* Where no threads are built in and none are given all runs on the calling one. */

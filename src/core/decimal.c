@@ -30,24 +30,6 @@ enum { DECIMAL_ROUNDS_ONCE = 0 };
 enum { DECIMAL_ROUNDS_ONCE = 1 };
 #endif
 
-/* Bits of the number next to (top + a bit more when sticky) * 2^e, top's highest bit set; ties to even. */
-static uint64_t decimal_round(uint64_t top, int sticky, int32_t e, const decimal_kind *kind)
-{
-    /* Where the number's last bit lies: by its own size, or the least that the type has. */
-    int32_t const natural = e + 64 - kind->precision;
-    int32_t const q = natural > kind->low_exponent ? natural : kind->low_exponent;
-    int32_t const cut = q - e;
-
-    if (q > kind->high_exponent) return decimal_infinity(kind);
-    if (cut > 64) return 0; /* below half of the smallest */
-    uint64_t c = cut == 64 ? 0 : top >> cut;
-    uint64_t const half = UINT64_C(1) << (cut - 1);
-    uint64_t const rest = cut == 64 ? top : top & ((half << 1) - 1);
-    c += rest > half || (rest == half && (sticky || (c & 1)));
-    c += (uint64_t)(q - kind->low_exponent) << (kind->precision - 1);
-    return c < decimal_infinity(kind) ? c : decimal_infinity(kind);
-}
-
 /* ---- reading ---- */
 
 typedef struct decimal_scan {
@@ -144,7 +126,22 @@ static uint64_t decimal_scale(uint64_t w, int32_t k, const decimal_kind *kind, i
         sticky = 1;
         if (p[1] > UINT64_MAX - 2 * DECIMAL_ERROR - 1) *sure = 0;
     }
-    return decimal_round(p[2], sticky, e, kind);
+
+    /* Bits of the number next to (top + a bit more when sticky) 2^e, top's highest bit set; ties to even. */
+    uint64_t const top = p[2];
+    /* Where the number's last bit lies: by its own size, or the least that the type has. */
+    int32_t const natural = e + 64 - kind->precision;
+    int32_t const q = natural > kind->low_exponent ? natural : kind->low_exponent;
+    int32_t const cut = q - e;
+
+    if (q > kind->high_exponent) return decimal_infinity(kind);
+    if (cut > 64) return 0; /* below half of the smallest */
+    uint64_t c = cut == 64 ? 0 : top >> cut;
+    uint64_t const half = UINT64_C(1) << (cut - 1);
+    uint64_t const rest = cut == 64 ? top : top & ((half << 1) - 1);
+    c += rest > half || (rest == half && (sticky || (c & 1)));
+    c += (uint64_t)(q - kind->low_exponent) << (kind->precision - 1);
+    return c < decimal_infinity(kind) ? c : decimal_infinity(kind);
 }
 
 /* The number lies between the one of these bits and the next: compare it with their middle. */

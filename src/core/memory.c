@@ -59,31 +59,9 @@ static void *arena_alloc(bvxi_arena *a, int kind, size_t size, uint64_t serial)
     return a->memory + offset + BVXI_ALIGN;
 }
 
-static void pop_results(bvxi_arena *a)
-{
-    size_t *const last = (size_t *)(void *)(a->memory + a->size); /* total size of the uppermost result */
-    while (a->low > 0 && header_at(a, a->low - *last)->is_free) {
-        a->low -= *last;
-        *last = header_at(a, a->low)->previous;
-    }
-}
-
-static void pop_scratch(bvxi_arena *a)
-{
-    while (a->high < a->size && header_at(a, a->high)->is_free)
-        a->high += header_at(a, a->high)->payload + BVXI_ALIGN;
-}
-
 static size_t offset_of(const bvxi_arena *a, const void *block)
 {
     return (size_t)((const unsigned char *)block - a->memory) - BVXI_ALIGN;
-}
-
-static void arena_free(bvxi_arena *a, void *block)
-{
-    header_at(a, offset_of(a, block))->is_free = 1;
-    pop_results(a);
-    pop_scratch(a);
 }
 
 /* Scratch since a mark lives on. */
@@ -169,12 +147,6 @@ static inline void *block_since(const bvx_context *ctx, uint64_t mark)
 
 /* ---- Blocks of either ---- */
 
-static bvx_status fail_limit(bvx_context *ctx, uint64_t want, const char *what)
-{
-    return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s would take %u bytes; %u are in use and the limit is %u", what,
-                     want, ctx->memory_used, ctx->memory_limit != 0 ? ctx->memory_limit : (uint64_t)SIZE_MAX);
-}
-
 static bvx_status fail_memory(bvx_context *ctx, uint64_t want, const char *what)
 {
     if (ctx->arena.memory != NULL)
@@ -214,7 +186,9 @@ bvx_status bvxi_alloc(bvx_context *ctx, int kind, uint64_t size, const char *wha
     /* The limit first: a refusal by it is another one than by the system. */
     if (want > SIZE_MAX - BVXI_ALIGN ||
         (ctx->memory_limit != 0 && (want > ctx->memory_limit || ctx->memory_used > ctx->memory_limit - want)))
-        return fail_limit(ctx, want, what);
+        return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s would take %u bytes; %u are in use and the limit is %u",
+                         what, want, ctx->memory_used,
+                         ctx->memory_limit != 0 ? ctx->memory_limit : (uint64_t)SIZE_MAX);
     if (ctx->arena.memory != NULL) return alloc_in_arena(ctx, kind, want, what, block);
 
     /* Scratch that could not be remembered could not be taken back, so there is room for it before. */
@@ -243,7 +217,17 @@ void bvxi_free(bvx_context *ctx, void *block, uint64_t size)
     if (block == NULL) return;
     lower_used(ctx, had);
     if (ctx->arena.memory != NULL) {
-        arena_free(&ctx->arena, block);
+        bvxi_arena *const a = &ctx->arena;
+        header_at(a, offset_of(a, block))->is_free = 1;
+
+        size_t *const last = (size_t *)(void *)(a->memory + a->size); /* total size of the uppermost result */
+        while (a->low > 0 && header_at(a, a->low - *last)->is_free) {
+            a->low -= *last;
+            *last = header_at(a, a->low)->previous;
+        }
+
+        while (a->high < a->size && header_at(a, a->high)->is_free)
+            a->high += header_at(a, a->high)->payload + BVXI_ALIGN;
         return;
     }
     /* A result is in no table; scratch that went by its size must not go twice. */

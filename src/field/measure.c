@@ -73,27 +73,6 @@ static double measure_width(const bvx_lattice *l, double half_width)
     return half_width * bvxi_largest_spacing(l);
 }
 
-/* No distance within width, from a finite centre to the mesh, is beyond what numbers of the field hold. */
-static bvx_status check_largest_distance(bvx_context *ctx, const measure_job *job, const bvx_lattice *l,
-                                         double width)
-{
-    double const most = job->o.value_type == BVX_F32 ? 0x1p125 : 0x1p1000;
-    double low[3], high[3];
-
-    /* Nothing in a band is further than its width, so only unbounded fields have to look at the mesh. */
-    if (width < most) return BVX_OK;
-    BVXI_TRY(bvxi_view_bounds(ctx, measure_name, job->mesh, low, high));
-    for (int a = 0; a < 3; a++) {
-        double const first = l->origin[a], last = first + (double)l->dims[a] * l->spacing[a];
-        double const below = first < low[a] ? first : low[a], above = last > high[a] ? last : high[a];
-        if (!(above - below < most))
-            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
-                                 "%s: distances of up to %g do not fit the field's numbers%s", measure_name,
-                                 above - below, job->o.value_type == BVX_F32 ? ": take BVX_F64" : "");
-    }
-    return BVX_OK;
-}
-
 /* The field's numbers hold the distances. That centres are finite is asked where the search tree is made. */
 static bvx_status check_measure_range(bvx_context *ctx, const measure_job *job, const bvx_lattice *l)
 {
@@ -112,22 +91,24 @@ static bvx_status check_measure_range(bvx_context *ctx, const measure_job *job, 
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_RANGE,
                              "%s: half_width is %g voxels, which is nothing in the world's unit",
                              measure_name, job->o.half_width);
-    return check_largest_distance(ctx, job, l, width);
-}
 
-static bvx_status check_measure(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
-                                const bvx_field_options *options, const bvx_field *field, measure_job *job)
-{
-    BVXI_TRY(check_empty_field(ctx, field));
-    BVXI_TRY(bvxi_take_options(ctx, measure_name, options, &job->o, sizeof job->o));
-    BVXI_TRY(bvxi_check_options(ctx, measure_name, &job->o, BVXI_OPTIONS(measure_rows)));
-    BVXI_TRY(bvxi_view_check(ctx, measure_name, mesh));
-    if (mesh->triangle_count == 0)
-        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", measure_name);
-    BVXI_TRY(bvxi_lattice_check(ctx, measure_name, lattice));
-    BVXI_TRY(bvxi_window_take(ctx, measure_name, lattice, &job->o.window, &job->window));
-    job->mesh = mesh;
-    return check_measure_range(ctx, job, lattice);
+    /* No distance within width, from a finite centre to the mesh, is beyond what numbers of the field
+     * hold. */
+    double const most = job->o.value_type == BVX_F32 ? 0x1p125 : 0x1p1000;
+    double low[3], high[3];
+
+    /* Nothing in a band is further than its width, so only unbounded fields have to look at the mesh. */
+    if (width < most) return BVX_OK;
+    BVXI_TRY(bvxi_view_bounds(ctx, measure_name, job->mesh, low, high));
+    for (int a = 0; a < 3; a++) {
+        double const first = l->origin[a], last = first + (double)l->dims[a] * l->spacing[a];
+        double const below = first < low[a] ? first : low[a], above = last > high[a] ? last : high[a];
+        if (!(above - below < most))
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                                 "%s: distances of up to %g do not fit the field's numbers%s", measure_name,
+                                 above - below, job->o.value_type == BVX_F32 ? ": take BVX_F64" : "");
+    }
+    return BVX_OK;
 }
 
 static void take_every_centre(bvx_field *field)
@@ -177,26 +158,6 @@ static bvxi_sparse measured_values(const measure_job *job)
     return values;
 }
 
-static bvx_status make_values(bvx_context *ctx, measure_job *job)
-{
-    bvx_field *const f = &job->field;
-    uint64_t const n = f->row_values[bvxi_grid_rows(&f->band)];
-    uint64_t const number_bytes = f->value_type == BVX_F32 ? 4 : 8;
-
-    /* Before any array is made: a failure on the way frees them by this count. */
-    f->value_count = n;
-    /* Sizes of arrays of three doubles for each value have to fit. */
-    if (n > UINT64_MAX / 24)
-        return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: %u values are beyond 64 bits", measure_name, n);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, n * number_bytes, "the field's distances", &f->distances));
-    if (!job->o.no_vectors)
-        BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, n * 3 * number_bytes, "the field's vectors", &f->vectors));
-    BVXI_TRY(make_features(ctx, job));
-    bvxi_sparse const values = measured_values(job);
-    return bvxi_nearest_fill(bvxi_call_of(ctx, NULL, measure_stage, 0.8, 0.9), job->nearest, HUGE_VAL,
-                             &values);
-}
-
 static bvx_status make_inside(bvx_context *ctx, const bvx_lattice *lattice, measure_job *job)
 {
     bvx_field *const f = &job->field;
@@ -230,7 +191,23 @@ static bvx_status measure_distances_of(bvx_context *ctx, const bvx_lattice *latt
     BVXI_TRY(bvxi_nearest_open(bvxi_call_of(ctx, measure_name, measure_stage, 0.0, 0.15), job->mesh, lattice,
                                &job->nearest));
     BVXI_TRY(make_band(ctx, lattice, job));
-    return make_values(ctx, job);
+
+    bvx_field *const f = &job->field;
+    uint64_t const n = f->row_values[bvxi_grid_rows(&f->band)];
+    uint64_t const number_bytes = f->value_type == BVX_F32 ? 4 : 8;
+
+    /* Before any array is made: a failure on the way frees them by this count. */
+    f->value_count = n;
+    /* Sizes of arrays of three doubles for each value have to fit. */
+    if (n > UINT64_MAX / 24)
+        return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: %u values are beyond 64 bits", measure_name, n);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, n * number_bytes, "the field's distances", &f->distances));
+    if (!job->o.no_vectors)
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, n * 3 * number_bytes, "the field's vectors", &f->vectors));
+    BVXI_TRY(make_features(ctx, job));
+    bvxi_sparse const values = measured_values(job);
+    return bvxi_nearest_fill(bvxi_call_of(ctx, NULL, measure_stage, 0.8, 0.9), job->nearest, HUGE_VAL,
+                             &values);
 }
 
 static bvx_status measure_steps(bvx_context *ctx, const bvx_lattice *lattice, measure_job *job)
@@ -255,7 +232,18 @@ static bvx_status run_measure_field(bvx_context *context, const bvx_mesh_view *m
                                     bvx_field *field)
 {
     measure_job job = {0};
-    BVXI_TRY(check_measure(context, mesh, lattice, options, field, &job));
+
+    BVXI_TRY(check_empty_field(context, field));
+    BVXI_TRY(bvxi_take_options(context, measure_name, options, &job.o, sizeof job.o));
+    BVXI_TRY(bvxi_check_options(context, measure_name, &job.o, BVXI_OPTIONS(measure_rows)));
+    BVXI_TRY(bvxi_view_check(context, measure_name, mesh));
+    if (mesh->triangle_count == 0)
+        return bvxi_fail(context, BVX_ERR_EMPTY, "%s: the mesh has no triangles", measure_name);
+    BVXI_TRY(bvxi_lattice_check(context, measure_name, lattice));
+    BVXI_TRY(bvxi_window_take(context, measure_name, lattice, &job.o.window, &job.window));
+    job.mesh = mesh;
+    BVXI_TRY(check_measure_range(context, &job, lattice));
+
     bvx_status const status = measure_steps(context, lattice, &job);
     if (status != BVX_OK) {
         bvx_field_free(context, &job.field);

@@ -81,26 +81,6 @@ static bvx_status fill_columns(bvx_context *ctx, below_job *job, bvx_solid_repor
     return BVX_OK;
 }
 
-static bvx_status fill_turned(bvx_context *ctx, const char *function, below_job *job, int32_t axis,
-                              bvx_grid *turned, bvx_grid *solid, bvx_solid_report *report)
-{
-    uint64_t const words = bvxi_grid_words(turned);
-
-    if (axis == 0) {
-        job->grid = solid;
-        return fill_columns(ctx, job, report);
-    }
-    /* Before it is allocated, as sizes of turned grids may pass addresses. */
-    if (words > SIZE_MAX / 8)
-        return bvxi_fail(ctx, BVX_ERR_BUDGET,
-                         "%s: a grid turned to another axis takes %u words, beyond this machine's addresses",
-                         function, words);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, words * 8, "the grid along another axis", &turned->words));
-    job->grid = turned;
-    BVXI_TRY(fill_columns(ctx, job, report));
-    return bvxi_turn_back(ctx, turned, axis, 0.9, solid, NULL);
-}
-
 bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *second_job,
                       const bvx_voxelize_options *o, bvx_grid *solid, bvx_solid_report *report)
 {
@@ -116,5 +96,20 @@ bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *sec
     below_job below = {.first = first,
                        .second = second,
                        .base = o->has_base ? base_index(&solid->lattice, axis, o->base) : INT32_MIN};
-    return fill_turned(ctx, job->function, &below, axis, &turned, solid, report);
+
+    uint64_t const words = bvxi_grid_words(&turned);
+
+    if (axis == 0) {
+        below.grid = solid;
+        return fill_columns(ctx, &below, report);
+    }
+    /* Before it is allocated, as sizes of turned grids may pass addresses. */
+    if (words > SIZE_MAX / 8)
+        return bvxi_fail(ctx, BVX_ERR_BUDGET,
+                         "%s: a grid turned to another axis takes %u words, beyond this machine's addresses",
+                         job->function, words);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, words * 8, "the grid along another axis", &turned.words));
+    below.grid = &turned;
+    BVXI_TRY(fill_columns(ctx, &below, report));
+    return bvxi_turn_back(ctx, &turned, axis, 0.9, solid, NULL);
 }

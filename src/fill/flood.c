@@ -121,26 +121,6 @@ static bvx_status follow_rim(bvx_context *ctx, rim_work *w, uint64_t voxels)
     return BVX_OK;
 }
 
-static bvx_status spread_rim(bvx_context *ctx, rim_work *w, uint64_t voxels)
-{
-    uint64_t outside, first, counted;
-    int32_t v[3];
-
-    /* The order of the queue is the rule: those from outside before those from the filled, then step by
-     * step. */
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.25, look_along_rim(ctx, w, RIM_OUTSIDE, &counted)));
-    outside = w->count;
-    BVXI_TRY(BVXI_SHARE(ctx, 0.25, 0.5, look_along_rim(ctx, w, RIM_FILLED, &counted)));
-    first = w->count;
-
-    /* Only after both looks: a bit set earlier would look like a filled voxel to its neighbours. */
-    for (uint64_t i = 0; i < first; i++) {
-        voxel_of_rim(w->walls, w->queue[i], v);
-        take_for_rim(w, v, i >= outside);
-    }
-    return BVXI_SHARE(ctx, 0.5, 1.0, follow_rim(ctx, w, voxels));
-}
-
 /* Walls' voxels that vote outside become inside where what the flood filled is nearer than what
  * it reached. filled: words of the shape of solid, set where the flood filled against the vote; used up.
  * Scratch: 8 bytes a wall voxel that votes outside. */
@@ -151,7 +131,23 @@ static bvx_status fill_flood_rim(bvx_context *ctx, const bvx_grid *walls, uint64
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.0, look_along_rim(ctx, &work, RIM_NONE, &voxels)));
     work.filled.words = filled;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 8, "the rim of what was filled", &work.queue));
-    return spread_rim(ctx, &work, voxels);
+
+    uint64_t outside, first, counted;
+    int32_t v[3];
+
+    /* The order of the queue is the rule: those from outside before those from the filled, then step by
+     * step. */
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.25, look_along_rim(ctx, &work, RIM_OUTSIDE, &counted)));
+    outside = work.count;
+    BVXI_TRY(BVXI_SHARE(ctx, 0.25, 0.5, look_along_rim(ctx, &work, RIM_FILLED, &counted)));
+    first = work.count;
+
+    /* Only after both looks: a bit set earlier would look like a filled voxel to its neighbours. */
+    for (uint64_t i = 0; i < first; i++) {
+        voxel_of_rim(work.walls, work.queue[i], v);
+        take_for_rim(&work, v, i >= outside);
+    }
+    return BVXI_SHARE(ctx, 0.5, 1.0, follow_rim(ctx, &work, voxels));
 }
 
 typedef struct flood_work {

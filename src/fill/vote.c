@@ -31,25 +31,6 @@ typedef struct vote_work {
 
 /* ---- Three axes ---- */
 
-static bvx_status open_vote(bvx_context *ctx, const char *function, vote_work *w)
-{
-    uint64_t most = 0;
-
-    /* The same memory serves all turned grids, one after the other, so it has the size of the largest. */
-    for (int32_t axis = 0; axis < 3; axis++) {
-        bvx_grid t;
-        bvxi_turn_shape(w->solid, axis, &t);
-        if (bvxi_grid_words(&t) > most) most = bvxi_grid_words(&t);
-        w->odd_bytes[axis] = bvxi_grid_rows(&t);
-        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->odd_bytes[axis], "the rows' balance", &w->odd_rows[axis]));
-    }
-    if (most > SIZE_MAX / 8)
-        return bvxi_fail(ctx, BVX_ERR_BUDGET,
-                         "%s: a grid turned to another axis takes %u words, beyond this machine's addresses",
-                         function, most);
-    return bvxi_alloc(ctx, BVXI_SCRATCH, most * 8, "the grid along another axis", &w->turned);
-}
-
 /* Parity along an axis, brought back by one of the ways of turned_rows.h. */
 static bvx_status vote_along(bvxi_call step, bvxi_solid_job *job, vote_work *w, int32_t axis,
                              bvx_solid_report *report)
@@ -211,7 +192,23 @@ bvx_status bvxi_vote(bvxi_call step, bvxi_solid_job *job, int32_t want_clear, bv
     double const from = step.from, third = 0.4 * (step.to - from) / 3;
     vote_work w = {.solid = solid, .sure = sure, .want_clear = want_clear};
 
-    BVXI_TRY(open_vote(step.ctx, job->function, &w));
+    bvx_context *const ctx = step.ctx;
+    uint64_t most = 0;
+
+    /* The same memory serves all turned grids, one after the other, so it has the size of the largest. */
+    for (int32_t axis = 0; axis < 3; axis++) {
+        bvx_grid t;
+        bvxi_turn_shape(w.solid, axis, &t);
+        if (bvxi_grid_words(&t) > most) most = bvxi_grid_words(&t);
+        w.odd_bytes[axis] = bvxi_grid_rows(&t);
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w.odd_bytes[axis], "the rows' balance", &w.odd_rows[axis]));
+    }
+    if (most > SIZE_MAX / 8)
+        return bvxi_fail(ctx, BVX_ERR_BUDGET,
+                         "%s: a grid turned to another axis takes %u words, beyond this machine's addresses",
+                         job->function, most);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, most * 8, "the grid along another axis", &w.turned));
+
     for (int32_t axis = 0; axis < 3; axis++)
         BVXI_TRY(vote_along(bvxi_call_part(step, from + axis * third, from + (axis + 1) * third), job, &w,
                             axis, report));

@@ -162,30 +162,6 @@ static bvx_status settle_regions(bvx_context *ctx, const bvx_grid *surface, cons
     return BVX_OK;
 }
 
-/* The fills that look at more than rows: a vote first. */
-static bvx_status fill_by_vote(bvx_context *ctx, bvxi_solid_job *job, const bvx_voxelize_options *o,
-                               bvx_grid *solid, bvx_solid_report *report)
-{
-    uint64_t const bytes = bvxi_grid_words(solid) * 8;
-    int const more = o->fill != BVX_FILL_VOTE, flood = o->fill == BVX_FILL_FLOOD;
-    double const voted = more ? 0.6 : 1.0; /* of the bar; snapping takes a tenth */
-    uint64_t *sure = NULL;
-    bvx_grid shell = {0};
-    bvxi_flood_walls walls = {&shell, NULL, o->close_gaps};
-
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the grid of sure centres", &sure));
-    walls.sure = sure;
-    BVXI_TRY(BVXI_SHARE(
-        ctx, 0.1, voted,
-        BVXI_SCOPE(ctx, bvxi_vote(bvxi_solid_step(ctx, job, 0.0, 1.0), job, more, solid, sure, report))));
-    if (!more) return BVX_OK;
-
-    BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.85, bvxi_shell_open(ctx, job->view, solid, &shell)));
-    return BVXI_SHARE(ctx, 0.85, 1.0,
-                      flood ? flood_or_fail(ctx, &walls, solid, report)
-                            : settle_regions(ctx, &shell, sure, solid, report));
-}
-
 static bvx_status fill_by_rule(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_voxelize_options *o,
                                const bvxi_holes *holes, bvx_grid *solid, bvx_solid_report *report)
 {
@@ -202,7 +178,26 @@ static bvx_status fill_by_rule(bvx_context *ctx, const bvx_mesh_view *mesh, cons
         return bvxi_below(ctx, &job, o->second != NULL ? &second : NULL, o, solid, report);
     }
     if (o->fill == BVX_FILL_WINDING) return bvxi_wind(ctx, &job, solid, 0.1, 1.0, report);
-    return fill_by_vote(ctx, &job, o, solid, report);
+
+    /* The fills that look at more than rows: a vote first. */
+    uint64_t const bytes = bvxi_grid_words(solid) * 8;
+    int const more = o->fill != BVX_FILL_VOTE, flood = o->fill == BVX_FILL_FLOOD;
+    double const voted = more ? 0.6 : 1.0; /* of the bar; snapping takes a tenth */
+    uint64_t *sure = NULL;
+    bvx_grid shell = {0};
+    bvxi_flood_walls walls = {&shell, NULL, o->close_gaps};
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the grid of sure centres", &sure));
+    walls.sure = sure;
+    BVXI_TRY(BVXI_SHARE(
+        ctx, 0.1, voted,
+        BVXI_SCOPE(ctx, bvxi_vote(bvxi_solid_step(ctx, &job, 0.0, 1.0), &job, more, solid, sure, report))));
+    if (!more) return BVX_OK;
+
+    BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.85, bvxi_shell_open(ctx, job.view, solid, &shell)));
+    return BVXI_SHARE(ctx, 0.85, 1.0,
+                      flood ? flood_or_fail(ctx, &walls, solid, report)
+                            : settle_regions(ctx, &shell, sure, solid, report));
 }
 
 bvx_status bvxi_fill_known(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t fill, const bvxi_holes *holes,

@@ -229,30 +229,6 @@ static void take_piece_nearby(void *user, int32_t piece, uint64_t begin, uint64_
     t->taken[piece] = (uint64_t)(to - t->corner) / 3 - begin;
 }
 
-/* Blocks, so that a triangle is judged by few bytes. */
-static bvx_status take_triangles_nearby(near_job *t, double reach)
-{
-    uint64_t words;
-
-    t->block = NEAR_BLOCK;
-    for (int a = 0; a < 3; a++)
-        while (t->grid->size[a] / t->block >= 1 << (NEAR_BITS - 1)) t->block *= 2;
-    for (int a = 0; a < 3; a++) t->block_size[a] = t->grid->size[a] / t->block + 1;
-    t->block_words = (size_t)t->block_size[0] / 64 + 1;
-    words = (uint64_t)t->block_words * (uint64_t)t->block_size[1] * (uint64_t)t->block_size[2];
-    BVXI_TRY(
-        bvxi_alloc_zero(t->ctx, BVXI_SCRATCH, 2 * words * 8, "the blocks of thin places", &t->blocks[0]));
-    t->blocks[1] = t->blocks[0] + words;
-    BVXI_TRY(
-        bvxi_alloc(t->ctx, BVXI_SCRATCH, t->mesh->vertex_count * 4, "the vertices' blocks", &t->block_of));
-    mark_blocks(t, 1.01 * reach); /* a little more for rounding */
-    BVXI_TRY(run_near(t, t->mesh->vertex_count, place_piece_in_blocks));
-    BVXI_TRY(run_near_pieces(t, t->mesh->triangle_count, take_piece_nearby));
-    bvxi_drop(t->ctx, t->block_of);
-    bvxi_drop(t->ctx, t->blocks[0]);
-    return BVX_OK;
-}
-
 bvx_status bvxi_triangles_near(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *places,
                                double reach, int32_t with_area, bvx_mesh_view *near, uint32_t **corner)
 {
@@ -262,7 +238,27 @@ bvx_status bvxi_triangles_near(bvx_context *ctx, const bvx_mesh_view *mesh, cons
     BVXI_TRY(
         bvxi_alloc(ctx, BVXI_SCRATCH, mesh->triangle_count * 12, "the triangles at thin places", corner));
     job.corner = *corner;
-    BVXI_TRY(take_triangles_nearby(&job, reach));
+
+    /* Blocks, so that a triangle is judged by few bytes. */
+    uint64_t words;
+
+    job.block = NEAR_BLOCK;
+    for (int a = 0; a < 3; a++)
+        while (job.grid->size[a] / job.block >= 1 << (NEAR_BITS - 1)) job.block *= 2;
+    for (int a = 0; a < 3; a++) job.block_size[a] = job.grid->size[a] / job.block + 1;
+    job.block_words = (size_t)job.block_size[0] / 64 + 1;
+    words = (uint64_t)job.block_words * (uint64_t)job.block_size[1] * (uint64_t)job.block_size[2];
+    BVXI_TRY(
+        bvxi_alloc_zero(job.ctx, BVXI_SCRATCH, 2 * words * 8, "the blocks of thin places", &job.blocks[0]));
+    job.blocks[1] = job.blocks[0] + words;
+    BVXI_TRY(
+        bvxi_alloc(job.ctx, BVXI_SCRATCH, job.mesh->vertex_count * 4, "the vertices' blocks", &job.block_of));
+    mark_blocks(&job, 1.01 * reach); /* a little more for rounding */
+    BVXI_TRY(run_near(&job, job.mesh->vertex_count, place_piece_in_blocks));
+    BVXI_TRY(run_near_pieces(&job, job.mesh->triangle_count, take_piece_nearby));
+    bvxi_drop(job.ctx, job.block_of);
+    bvxi_drop(job.ctx, job.blocks[0]);
+
     for (int32_t i = 0; i < job.pieces; i++) {
         uint64_t begin, end;
         bvxi_piece(mesh->triangle_count, job.pieces, i, &begin, &end);

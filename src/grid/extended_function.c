@@ -136,18 +136,6 @@ typedef struct sample_rows {
     int64_t weight[4];
 } sample_rows;
 
-static void gather_rows(const bvxi_downsample *d, int32_t j, int32_t k, sample_rows *s)
-{
-    const bvxi_sample_axis *const y = &d->axis[1], *const z = &d->axis[2];
-    int64_t const high_y = y->high_weight[j], low_y = 2 * (int64_t)y->r - high_y;
-    int64_t const high_z = z->high_weight[k], low_z = 2 * (int64_t)z->r - high_z;
-    /* A row of weight 0 is not read: it may lie beyond the grid. */
-    for (int32_t i = 0; i < 4; i++) {
-        s->weight[i] = ((i & 1) != 0 ? high_y : low_y) * ((i >> 1) != 0 ? high_z : low_z);
-        s->row[i] = s->weight[i] != 0 ? bvxi_fine_row(d, y->at[j] + (i & 1), z->at[k] + (i >> 1)) : NULL;
-    }
-}
-
 static inline int64_t sum_at(const sample_rows *s, int32_t i, int32_t voxels)
 {
     int64_t sum = 0;
@@ -186,7 +174,14 @@ static void sample_row(const bvxi_downsample *d, int32_t j, int32_t k)
     int32_t word = -1; /* that any and all are of */
     sample_rows s;
 
-    gather_rows(d, j, k, &s);
+    const bvxi_sample_axis *const y = &d->axis[1], *const z = &d->axis[2];
+    int64_t const high_y = y->high_weight[j], low_y = 2 * (int64_t)y->r - high_y;
+    int64_t const high_z = z->high_weight[k], low_z = 2 * (int64_t)z->r - high_z;
+    /* A row of weight 0 is not read: it may lie beyond the grid. */
+    for (int32_t i = 0; i < 4; i++) {
+        s.weight[i] = ((i & 1) != 0 ? high_y : low_y) * ((i >> 1) != 0 ? high_z : low_z);
+        s.row[i] = s.weight[i] != 0 ? bvxi_fine_row(d, y->at[j] + (i & 1), z->at[k] + (i >> 1)) : NULL;
+    }
 
     /* Four rows beyond the grid leave the samples as they are, 0. */
     if (s.row[0] == NULL && s.row[1] == NULL && s.row[2] == NULL && s.row[3] == NULL) return;

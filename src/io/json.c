@@ -107,23 +107,6 @@ static bvx_status json_take_digits(json_walk *w)
     return BVX_OK;
 }
 
-static bvx_status json_take_number(json_walk *w)
-{
-    if (*w->p == '-') w->p++;
-    if (w->p < w->end && *w->p == '0') w->p++; /* alone: 01 is no number */
-    else BVXI_TRY(json_take_digits(w));
-    if (w->p < w->end && *w->p == '.') {
-        w->p++;
-        BVXI_TRY(json_take_digits(w));
-    }
-    if (w->p < w->end && (*w->p == 'e' || *w->p == 'E')) {
-        w->p++;
-        if (w->p < w->end && (*w->p == '+' || *w->p == '-')) w->p++;
-        BVXI_TRY(json_take_digits(w));
-    }
-    return BVX_OK;
-}
-
 static bvx_status json_take_scalar(json_walk *w, uint32_t *kind)
 {
     static const struct {
@@ -137,7 +120,20 @@ static bvx_status json_take_scalar(json_walk *w, uint32_t *kind)
     }
     if (w->p < w->end && (*w->p == '-' || json_digit(*w->p))) {
         *kind = BVXI_JSON_NUMBER;
-        return json_take_number(w);
+
+        if (*w->p == '-') w->p++;
+        if (w->p < w->end && *w->p == '0') w->p++; /* alone: 01 is no number */
+        else BVXI_TRY(json_take_digits(w));
+        if (w->p < w->end && *w->p == '.') {
+            w->p++;
+            BVXI_TRY(json_take_digits(w));
+        }
+        if (w->p < w->end && (*w->p == 'e' || *w->p == 'E')) {
+            w->p++;
+            if (w->p < w->end && (*w->p == '+' || *w->p == '-')) w->p++;
+            BVXI_TRY(json_take_digits(w));
+        }
+        return BVX_OK;
     }
     for (size_t i = 0; i < sizeof word / sizeof word[0]; i++)
         if ((size_t)(w->end - w->p) >= word[i].size && memcmp(w->p, word[i].text, word[i].size) == 0) {

@@ -201,19 +201,6 @@ static bvx_status csl_settle_holes(bvxi_contour_file *f, uint64_t first, uint64_
     return BVX_OK;
 }
 
-static bvx_status csl_loops(bvxi_contour_file *f, const double *points, uint64_t count, uint32_t section,
-                            uint64_t loops)
-{
-    uint64_t const first = f->sections.loop_count;
-    uint32_t *around = NULL;
-    bvx_status status = bvxi_alloc(f->ctx, BVXI_SCRATCH, loops * 4, "the holes of a plane", &around);
-    for (uint64_t i = 0; i < loops && status == BVX_OK; i++)
-        status = csl_loop(f, points, count, section, loops, &around[i]);
-    if (status == BVX_OK) status = csl_settle_holes(f, first, loops, around);
-    bvxi_drop(f->ctx, around);
-    return status;
-}
-
 static bvx_status csl_plane(bvxi_contour_file *f, uint32_t section)
 {
     uint64_t number, points, loops;
@@ -231,7 +218,16 @@ static bvx_status csl_plane(bvxi_contour_file *f, uint32_t section)
     BVXI_TRY(bvxi_alloc(f->ctx, BVXI_SCRATCH, points * 24, "the points of a plane", &at));
     BVXI_TRY(csl_points(f, start, normal, at, points, position));
     BVXI_TRY(bvxi_contour_add_plane(f, position, normal));
-    BVXI_TRY(csl_loops(f, at, points, section, loops));
+
+    uint64_t const first = f->sections.loop_count;
+    uint32_t *around = NULL;
+    bvx_status status = bvxi_alloc(f->ctx, BVXI_SCRATCH, loops * 4, "the holes of a plane", &around);
+    for (uint64_t i = 0; i < loops && status == BVX_OK; i++)
+        status = csl_loop(f, at, points, section, loops, &around[i]);
+    if (status == BVX_OK) status = csl_settle_holes(f, first, loops, around);
+    bvxi_drop(f->ctx, around);
+    BVXI_TRY(status);
+
     bvxi_drop(f->ctx, at);
     return BVX_OK;
 }

@@ -125,20 +125,6 @@ static bvxi_bits_fn *pack_run_for(const bvx_context *ctx)
     return pack_run_portable;
 }
 
-/* The bytes of a number that count, in the order of the file: all but the sign of a float. */
-static uint64_t pack_mask(const bvxi_samples *samples, uint32_t size)
-{
-    int const is_float = samples->kind == BVXI_SAMPLE_F16 || samples->kind == BVX_SAMPLE_F32 ||
-                         samples->kind == BVX_SAMPLE_F64;
-    uint8_t byte[8];
-    uint64_t mask;
-    /* A float of -0 is 0: its sign is in the last byte of the file's order, or in the first one. */
-    memset(byte, 0xff, sizeof byte);
-    if (is_float) byte[samples->big ? 0 : size - 1] = 0x7f;
-    memcpy(&mask, byte, sizeof mask);
-    return mask;
-}
-
 bvx_status bvxi_pack_samples(bvx_context *ctx, const bvxi_samples *samples, const bvx_window *part,
                              bvx_grid *grid)
 {
@@ -146,7 +132,17 @@ bvx_status bvxi_pack_samples(bvx_context *ctx, const bvxi_samples *samples, cons
 
     rule.size = bvxi_sample_size(samples->kind);
 
-    rule.mask = pack_mask(samples, rule.size);
+    /* The bytes of a number that count, in the order of the file: all but the sign of a float. */
+    int const is_float = samples->kind == BVXI_SAMPLE_F16 || samples->kind == BVX_SAMPLE_F32 ||
+                         samples->kind == BVX_SAMPLE_F64;
+    uint8_t byte[8];
+    uint64_t mask;
+    /* A float of -0 is 0: its sign is in the last byte of the file's order, or in the first one. */
+    memset(byte, 0xff, sizeof byte);
+    if (is_float) byte[samples->big ? 0 : rule.size - 1] = 0x7f;
+    memcpy(&mask, byte, sizeof mask);
+    rule.mask = mask;
+
     bvxi_sample_walk walk = {.first = samples->first};
     for (int a = 0; a < 3; a++) {
         walk.first += (ptrdiff_t)(part->low[a] * samples->stride[a]);

@@ -137,17 +137,6 @@ static bvx_status binvox_take_header(binvox_reading *r)
     return BVX_OK;
 }
 
-static bvx_status binvox_make_box(const binvox_reading *r, bvx_lattice *box)
-{
-    uint64_t longest = 0;
-    double spacing[3];
-    for (int32_t a = 0; a < 3; a++)
-        if (r->dims[a] > longest) longest = r->dims[a];
-    /* no side at all gives what the box refuses */
-    spacing[0] = spacing[1] = spacing[2] = r->scale / (double)longest;
-    return bvxi_file_box(r->source, r->translate, spacing, r->dims, box);
-}
-
 /* ---- pairs ---- */
 
 static bvx_status binvox_check_pairs(const binvox_reading *r)
@@ -240,7 +229,15 @@ bvx_status bvxi_read_binvox(const bvxi_grid_source *source, bvx_grid *grid)
 
     binvox_reading r = {.source = source};
     BVXI_TRY(binvox_take_header(&r));
-    BVXI_TRY(binvox_make_box(&r, &box));
+
+    uint64_t longest = 0;
+    double spacing[3];
+    for (int32_t a = 0; a < 3; a++)
+        if (r.dims[a] > longest) longest = r.dims[a];
+    /* no side at all gives what the box refuses */
+    spacing[0] = spacing[1] = spacing[2] = r.scale / (double)longest;
+    BVXI_TRY(bvxi_file_box(r.source, r.translate, spacing, r.dims, &box));
+
     BVXI_TRY(binvox_check_pairs(&r));
     BVXI_TRY(bvxi_open_file_grid(source, &box, NULL, &part, grid));
     bvx_status const status = binvox_fill(&r, &part, &turned, &layers, grid);

@@ -224,25 +224,6 @@ static void load_tree_level(void *user, int32_t number)
     bvxi_octets_count(o);
 }
 
-static bvx_status make_read_tree(tree_reading *job)
-{
-    bvx_status status = BVX_OK;
-
-    BVXI_TRY(bvxi_alloc_zero(job->source.ctx, BVXI_RESULT, sizeof *job->tree, "the octree", &job->tree));
-    job->tree->lattice = job->lattice;
-    memcpy(job->tree->base, job->base, sizeof job->tree->base);
-    job->tree->levels = job->levels;
-    job->tree->row_words = job->row_words;
-    for (int32_t l = 0; l <= job->levels && status == BVX_OK; l++)
-        status = bvxi_octets_open(job->source.ctx, job->level[l].octets, job->level[l].words,
-                                  (int)job->level[l].kind,
-                                  l == 0 ? &job->tree->root : &job->tree->octets[l - 1]);
-    if (status == BVX_OK)
-        status = bvxi_each(job->source.ctx, "read", 0.6, 1.0, job->levels + 1, load_tree_level, job);
-    if (status != BVX_OK) bvx_octree_free(job->source.ctx, job->tree);
-    return status;
-}
-
 static bvx_status run_read_octree(bvx_context *context, const void *bytes, uint64_t size, bvx_octree **tree)
 {
     tree_reading job = {0};
@@ -254,7 +235,23 @@ static bvx_status run_read_octree(bvx_context *context, const void *bytes, uint6
     BVXI_TRY(take_level_heads(&job));
     BVXI_TRY(bvxi_each(context, "read", 0.0, 0.6, job.levels + 1, look_into_levels, &job));
     BVXI_TRY(join_levels(&job));
-    BVXI_TRY(make_read_tree(&job));
+
+    bvx_status status = BVX_OK;
+
+    BVXI_TRY(bvxi_alloc_zero(job.source.ctx, BVXI_RESULT, sizeof *job.tree, "the octree", &job.tree));
+    job.tree->lattice = job.lattice;
+    memcpy(job.tree->base, job.base, sizeof job.tree->base);
+    job.tree->levels = job.levels;
+    job.tree->row_words = job.row_words;
+    for (int32_t l = 0; l <= job.levels && status == BVX_OK; l++)
+        status = bvxi_octets_open(job.source.ctx, job.level[l].octets, job.level[l].words,
+                                  (int)job.level[l].kind,
+                                  l == 0 ? &job.tree->root : &job.tree->octets[l - 1]);
+    if (status == BVX_OK)
+        status = bvxi_each(job.source.ctx, "read", 0.6, 1.0, job.levels + 1, load_tree_level, &job);
+    if (status != BVX_OK) bvx_octree_free(job.source.ctx, job.tree);
+    BVXI_TRY(status);
+
     /* The old tree is freed only when the new one is complete. */
     bvx_octree_free(context, *tree);
     *tree = job.tree;

@@ -50,31 +50,6 @@ static uint8_t node_kind(const bvxi_vdb_blocks *below, int level, const int32_t 
     return (uint8_t)first;
 }
 
-static bvx_status find_blocks(bvx_context *ctx, bvxi_vdb_tree *t)
-{
-    for (int l = 0; l < 3; l++) {
-        bvxi_vdb_blocks *const b = &t->level[l];
-        int32_t const side = l == 0 ? 8 : l == 1 ? 16 : 32, step = l == 0 ? 8 : 1;
-        int32_t at[3];
-
-        for (int a = 0; a < 3; a++)
-            b->n[a] = ((l == 0 ? t->active->size[a] : t->level[l - 1].n[a]) - 1) / side + 1;
-        BVXI_TRY(BVXI_ARRAY(ctx, (uint64_t)b->n[0] * (uint64_t)b->n[1] * (uint64_t)b->n[2],
-                            "the blocks of the tree", b->kind));
-        for (at[2] = 0; at[2] < b->n[2]; at[2]++)
-            for (at[1] = 0; at[1] < b->n[1]; at[1]++)
-                for (at[0] = 0; at[0] < b->n[0]; at[0] += step) {
-                    uint8_t *const kind = &b->kind[vdb_block_index(b, at)];
-                    int32_t const left = b->n[0] - at[0];
-
-                    if (l == 0) find_leaves(t, at, kind, left < step ? left : step);
-                    else *kind = node_kind(&t->level[l - 1], l, at);
-                }
-        BVXI_TRY(bvxi_progress(ctx, "write", 0.1 * (l + 1)));
-    }
-    return BVX_OK;
-}
-
 /* ---- leaves ---- */
 
 /* The eight voxels along x of a row, of which bit 0 is the first. */
@@ -144,5 +119,26 @@ bvx_status bvxi_vdb_find_tree(bvx_context *ctx, const char *format, const bvx_gr
         for (int a = 0; a < 3 && !(field->half_width - field->half_width == 0.0); a++)
             t->background += (double)grid->size[a] * grid->lattice.spacing[a];
     }
-    return find_blocks(ctx, t);
+
+    for (int l = 0; l < 3; l++) {
+        bvxi_vdb_blocks *const b = &t->level[l];
+        int32_t const side = l == 0 ? 8 : l == 1 ? 16 : 32, step = l == 0 ? 8 : 1;
+        int32_t at[3];
+
+        for (int a = 0; a < 3; a++)
+            b->n[a] = ((l == 0 ? t->active->size[a] : t->level[l - 1].n[a]) - 1) / side + 1;
+        BVXI_TRY(BVXI_ARRAY(ctx, (uint64_t)b->n[0] * (uint64_t)b->n[1] * (uint64_t)b->n[2],
+                            "the blocks of the tree", b->kind));
+        for (at[2] = 0; at[2] < b->n[2]; at[2]++)
+            for (at[1] = 0; at[1] < b->n[1]; at[1]++)
+                for (at[0] = 0; at[0] < b->n[0]; at[0] += step) {
+                    uint8_t *const kind = &b->kind[vdb_block_index(b, at)];
+                    int32_t const left = b->n[0] - at[0];
+
+                    if (l == 0) find_leaves(t, at, kind, left < step ? left : step);
+                    else *kind = node_kind(&t->level[l - 1], l, at);
+                }
+        BVXI_TRY(bvxi_progress(ctx, "write", 0.1 * (l + 1)));
+    }
+    return BVX_OK;
 }

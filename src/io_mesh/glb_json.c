@@ -281,22 +281,6 @@ static void glb_put_level_views(const bvxi_glb *glb, bvxi_output *out)
     }
 }
 
-static void glb_put_views(const bvxi_glb_file *file, bvxi_output *out)
-{
-    uint64_t at = bvxi_glb_padded(file->level[file->levels - 1].end);
-
-    bvxi_output_print(out, "\"bufferViews\":[");
-    for (uint64_t l = 0; l < file->levels; l++) glb_put_level_views(&file->level[l], out);
-    for (uint64_t i = 0; i < bvxi_glb_images(file); i++) {
-        uint64_t const size = file->assets->images[i].size;
-        if (size == 0) continue;
-        glb_put_view(at, size, out);
-        bvxi_output_print(out, "}");
-        at = bvxi_glb_padded(at + size);
-    }
-    bvxi_output_print(out, "],");
-}
-
 static void glb_put_bounds(const bvxi_glb *glb, bvxi_output *out)
 {
     double low[3], high[3];
@@ -362,7 +346,19 @@ void bvxi_glb_put_json(const bvxi_glb_file *file, bvxi_output *out)
     glb_put_assets(file, views, out);
 
     bvxi_output_print(out, "\"buffers\":[{\"byteLength\":%u}],", file->end);
-    glb_put_views(file, out);
+
+    uint64_t at = bvxi_glb_padded(file->level[file->levels - 1].end);
+
+    bvxi_output_print(out, "\"bufferViews\":[");
+    for (uint64_t l = 0; l < file->levels; l++) glb_put_level_views(&file->level[l], out);
+    for (uint64_t i = 0; i < bvxi_glb_images(file); i++) {
+        uint64_t const size = file->assets->images[i].size;
+        if (size == 0) continue;
+        glb_put_view(at, size, out);
+        bvxi_output_print(out, "}");
+        at = bvxi_glb_padded(at + size);
+    }
+    bvxi_output_print(out, "],");
 
     bvxi_output_print(out, "\"accessors\":[");
     for (uint64_t l = 0; l < file->levels; l++) glb_put_accessors(file, &file->level[l], &view, out);

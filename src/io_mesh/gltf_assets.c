@@ -196,9 +196,22 @@ static void gltf_put_file(const bvxi_gltf *f, bvx_assets *assets, bvxi_output *o
     bvxi_output_add(out, f->buffer[0].bytes, (size_t)f->buffer[0].size);
 }
 
-/* What each material is coloured, without its texture: white where nothing is said. */
-static const uint8_t *gltf_put_base_colours(const bvxi_gltf *f, bvxi_output *out)
+static void gltf_lay_out(const bvxi_gltf *f, bvx_assets *assets, bvxi_asset_image *images, bvxi_output *out)
 {
+    assets->materials = gltf_put_array(&f->json, "materials", out);
+    assets->textures = gltf_put_array(&f->json, "textures", out);
+    assets->samplers = gltf_put_array(&f->json, "samplers", out);
+    assets->extensions_used = gltf_put_extensions(&f->json, out);
+    for (uint32_t i = 0; i < f->list_count[BVXI_GLTF_IMAGE]; i++) {
+        bvxi_asset_image image;
+        image.members = gltf_put_members(f, i, out);
+        image.bytes = (const uint8_t *)gltf_put_place(out);
+        image.size = f->image[i].size;
+        if (image.size > 0) bvxi_output_add(out, f->image[i].bytes, (size_t)image.size);
+        if (images != NULL) images[i] = image;
+    }
+
+    /* What each material is coloured, without its texture: white where nothing is said. */
     const uint8_t *const to = (const uint8_t *)gltf_put_place(out);
 
     for (uint32_t i = 0; i < f->list_count[BVXI_GLTF_MATERIAL]; i++) {
@@ -214,24 +227,8 @@ static const uint8_t *gltf_put_base_colours(const bvxi_gltf *f, bvxi_output *out
         }
         bvxi_output_add(out, colour, 4);
     }
-    return to;
-}
+    assets->base_colours = to;
 
-static void gltf_lay_out(const bvxi_gltf *f, bvx_assets *assets, bvxi_asset_image *images, bvxi_output *out)
-{
-    assets->materials = gltf_put_array(&f->json, "materials", out);
-    assets->textures = gltf_put_array(&f->json, "textures", out);
-    assets->samplers = gltf_put_array(&f->json, "samplers", out);
-    assets->extensions_used = gltf_put_extensions(&f->json, out);
-    for (uint32_t i = 0; i < f->list_count[BVXI_GLTF_IMAGE]; i++) {
-        bvxi_asset_image image;
-        image.members = gltf_put_members(f, i, out);
-        image.bytes = (const uint8_t *)gltf_put_place(out);
-        image.size = f->image[i].size;
-        if (image.size > 0) bvxi_output_add(out, f->image[i].bytes, (size_t)image.size);
-        if (images != NULL) images[i] = image;
-    }
-    assets->base_colours = gltf_put_base_colours(f, out);
     gltf_put_file(f, assets, out);
 }
 

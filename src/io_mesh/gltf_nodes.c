@@ -47,23 +47,6 @@ static bvx_status gltf_take_numbers(const bvxi_gltf *f, uint64_t node, uint32_t 
     return BVX_OK;
 }
 
-/* Translation, rotation (a quaternion x, y, z, w of any length but 0) and scale as a matrix. */
-static void gltf_compose(const double t[3], const double q[4], const double s[3], bvxi_gltf_world *w)
-{
-    double const n = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], k = n > 0.0 ? 2.0 / n : 0.0;
-    double const x = q[0], y = q[1], z = q[2], v = q[3];
-    double const r[3][3] = {
-        {1.0 - k * (y * y + z * z), k * (x * y - z * v), k * (x * z + y * v)},
-        {k * (x * y + z * v), 1.0 - k * (x * x + z * z), k * (y * z - x * v)},
-        {k * (x * z - y * v), k * (y * z + x * v), 1.0 - k * (x * x + y * y)},
-    };
-
-    for (int a = 0; a < 3; a++) {
-        for (int c = 0; c < 3; c++) w->m[a][c] = r[a][c] * s[c];
-        w->m[a][3] = t[a];
-    }
-}
-
 static bvx_status gltf_local(const bvxi_gltf *f, uint32_t node, bvxi_gltf_world *local)
 {
     uint32_t const value = f->list[BVXI_GLTF_NODE][node];
@@ -80,7 +63,20 @@ static bvx_status gltf_local(const bvxi_gltf *f, uint32_t node, bvxi_gltf_world 
     BVXI_TRY(gltf_take_numbers(f, node, value, "translation", 3, t, &found));
     BVXI_TRY(gltf_take_numbers(f, node, value, "rotation", 4, q, &found));
     BVXI_TRY(gltf_take_numbers(f, node, value, "scale", 3, s, &found));
-    gltf_compose(t, q, s, local);
+
+    /* Translation, rotation (a quaternion x, y, z, w of any length but 0) and scale as a matrix. */
+    double const n = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], k = n > 0.0 ? 2.0 / n : 0.0;
+    double const x = q[0], y = q[1], z = q[2], v = q[3];
+    double const r[3][3] = {
+        {1.0 - k * (y * y + z * z), k * (x * y - z * v), k * (x * z + y * v)},
+        {k * (x * y + z * v), 1.0 - k * (x * x + z * z), k * (y * z - x * v)},
+        {k * (x * z - y * v), k * (y * z + x * v), 1.0 - k * (x * x + y * y)},
+    };
+
+    for (int a = 0; a < 3; a++) {
+        for (int c = 0; c < 3; c++) local->m[a][c] = r[a][c] * s[c];
+        local->m[a][3] = t[a];
+    }
     return BVX_OK;
 }
 
@@ -191,24 +187,20 @@ static bvx_status gltf_mark_roots(const gltf_nodes *n, uint8_t *drawn)
     return BVX_OK;
 }
 
-static bvx_status gltf_make_nodes(gltf_nodes *n, bvxi_gltf_scene *scene)
-{
-    bvx_context *const ctx = n->f->source->ctx;
-    uint64_t const count = n->count;
-
-    BVXI_TRY(
-        bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *scene->world, "the matrices of nodes", &scene->world));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count, "the nodes of the scene", &scene->drawn));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the parents of nodes", &n->parent));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the order of nodes", &n->order));
-    return bvxi_alloc(ctx, BVXI_SCRATCH, count * 2, "the depths of nodes", &n->depth);
-}
-
 bvx_status bvxi_gltf_scene_of(const bvxi_gltf *f, bvxi_gltf_scene *scene)
 {
     gltf_nodes n = {.f = f, .count = f->list_count[BVXI_GLTF_NODE]};
 
-    BVXI_TRY(gltf_make_nodes(&n, scene));
+    bvx_context *const ctx = n.f->source->ctx;
+    uint64_t const count = n.count;
+
+    BVXI_TRY(
+        bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *scene->world, "the matrices of nodes", &scene->world));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count, "the nodes of the scene", &scene->drawn));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the parents of nodes", &n.parent));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the order of nodes", &n.order));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 2, "the depths of nodes", &n.depth));
+
     BVXI_TRY(gltf_take_parents(&n));
     BVXI_TRY(gltf_order(&n));
     BVXI_TRY(gltf_mark_roots(&n, scene->drawn));

@@ -380,22 +380,6 @@ static int obj_first_has_uv(const obj_file *f)
     return 0;
 }
 
-static bvx_status obj_make_arrays(obj_file *f)
-{
-    bvx_context *const ctx = f->source->ctx;
-
-    BVXI_TRY(bvxi_make_positions(ctx, f->mesh, BVX_F64, f->vertices));
-    BVXI_TRY(bvxi_make_triangles(ctx, f->mesh, f->triangles));
-
-    if (obj_first_has_uv(f)) {
-        BVXI_TRY(bvxi_make_uvs(ctx, f->mesh, f->uvs));
-        BVXI_TRY(bvxi_make_array(ctx, f->mesh, BVXI_MESH_UV_TRIANGLES));
-    }
-    if (obj_first_has_colour(f))
-        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, f->vertices * 12, "the colours of the file", &f->colours));
-    return bvxi_alloc(ctx, BVXI_SCRATCH, f->polygons * sizeof *f->fans, "the polygons of the file", &f->fans);
-}
-
 /* Bytes from shares of 1, or from shares of 255 when one is above 1. */
 static bvx_status obj_finish_colours(obj_file *f)
 {
@@ -450,7 +434,19 @@ bvx_status bvxi_read_obj(bvxi_source *source, uint32_t *lost, bvx_mesh *mesh)
                      : '\n';
 
     BVXI_TRY(obj_count(&f));
-    BVXI_TRY(obj_make_arrays(&f));
+
+    bvx_context *const ctx = f.source->ctx;
+
+    BVXI_TRY(bvxi_make_positions(ctx, f.mesh, BVX_F64, f.vertices));
+    BVXI_TRY(bvxi_make_triangles(ctx, f.mesh, f.triangles));
+
+    if (obj_first_has_uv(&f)) {
+        BVXI_TRY(bvxi_make_uvs(ctx, f.mesh, f.uvs));
+        BVXI_TRY(bvxi_make_array(ctx, f.mesh, BVXI_MESH_UV_TRIANGLES));
+    }
+    if (obj_first_has_colour(&f))
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, f.vertices * 12, "the colours of the file", &f.colours));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, f.polygons * sizeof *f.fans, "the polygons of the file", &f.fans));
 
     BVXI_TRY(bvxi_source_pieces(f.source, 0.25, 1, f.piece_count, obj_fill_piece, &f));
     for (int32_t i = 0; i < f.piece_count; i++) /* again, for its message */

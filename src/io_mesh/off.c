@@ -298,28 +298,6 @@ static bvx_status off_put_words(off_file *f, uint64_t vertex, const off_words *w
     return BVX_OK;
 }
 
-static bvx_status off_take_vertices(off_file *f)
-{
-    bvx_context *const ctx = f->source->ctx;
-    off_words words;
-
-    BVXI_TRY(bvxi_make_positions(ctx, f->mesh, BVX_F64, f->vertex_count));
-    if (f->has_colours) BVXI_TRY(bvxi_make_array(ctx, f->mesh, BVXI_MESH_COLOURS));
-    if (f->has_uvs) BVXI_TRY(bvxi_make_uvs(ctx, f->mesh, f->vertex_count));
-    f->first = f->p;
-    /* Not known yet: the first vertex that has words after it says what a line is. */
-    f->by_lines = -1;
-    for (uint64_t v = 0; v < f->vertex_count; v++) {
-        BVXI_TRY(bvxi_source_at(f->source, f->p));
-        BVXI_TRY(off_take_position(f, v));
-        if (f->by_lines < 0) BVXI_TRY(off_learn_lines(f, v));
-        if (f->by_lines != 1 && !f->has_colours && !f->has_uvs) continue;
-        BVXI_TRY(off_take_words(f, &words));
-        BVXI_TRY(off_put_words(f, v, &words));
-    }
-    return BVX_OK;
-}
-
 /* ---- faces ---- */
 
 static bvx_status off_take_corner(off_file *f, uint64_t face, uint32_t *vertex)
@@ -350,41 +328,36 @@ static bvx_status off_take_length(off_file *f, uint64_t face, uint64_t *corners)
     return BVX_OK;
 }
 
-/* Where there is room, a face's triangles become a fan, and one of more than three corners is kept in
- * mind. */
-static bvx_status off_take_face(off_file *f, uint64_t face)
-{
-    uint64_t corners = 0;
-    uint32_t t[3] = {0, 0, 0};
-
-    BVXI_TRY(off_take_length(f, face, &corners));
-    if (corners > 3) {
-        if (f->polygon_count < f->fan_room) {
-            f->fans[f->polygon_count].triangle = (uint32_t)f->triangle_count;
-            f->fans[f->polygon_count].corners = (uint32_t)corners;
-        }
-        f->polygon_count++;
-    }
-
-    BVXI_TRY(off_take_corner(f, face, &t[0]));
-    BVXI_TRY(off_take_corner(f, face, &t[1]));
-    for (uint64_t i = 2; i < corners; i++, t[1] = t[2], f->triangle_count++) {
-        BVXI_TRY(off_take_corner(f, face, &t[2]));
-        if (f->triangle_count < f->room)
-            memcpy(f->mesh->triangles + (size_t)f->triangle_count * 3, t, sizeof t);
-    }
-
-    f->p = bvxi_line_end(f->p, f->source->end);
-    return BVX_OK;
-}
-
 static bvx_status off_take_all_faces(off_file *f)
 {
     f->triangle_count = f->polygon_count = 0;
     bvxi_source_pass(f->source, 0, 1);
     for (uint64_t face = 0; face < f->face_count; face++) {
         BVXI_TRY(bvxi_source_at(f->source, f->p));
-        BVXI_TRY(off_take_face(f, face));
+
+        /* Where there is room, a face's triangles become a fan, and one of more than three corners is kept
+         * in mind. */
+        uint64_t corners = 0;
+        uint32_t t[3] = {0, 0, 0};
+
+        BVXI_TRY(off_take_length(f, face, &corners));
+        if (corners > 3) {
+            if (f->polygon_count < f->fan_room) {
+                f->fans[f->polygon_count].triangle = (uint32_t)f->triangle_count;
+                f->fans[f->polygon_count].corners = (uint32_t)corners;
+            }
+            f->polygon_count++;
+        }
+
+        BVXI_TRY(off_take_corner(f, face, &t[0]));
+        BVXI_TRY(off_take_corner(f, face, &t[1]));
+        for (uint64_t i = 2; i < corners; i++, t[1] = t[2], f->triangle_count++) {
+            BVXI_TRY(off_take_corner(f, face, &t[2]));
+            if (f->triangle_count < f->room)
+                memcpy(f->mesh->triangles + (size_t)f->triangle_count * 3, t, sizeof t);
+        }
+
+        f->p = bvxi_line_end(f->p, f->source->end);
     }
     return BVX_OK;
 }
@@ -412,7 +385,24 @@ bvx_status bvxi_read_off(bvxi_source *source, bvx_mesh *mesh)
     off_file f = {.source = source, .mesh = mesh};
     BVXI_TRY(off_take_keyword(&f));
     BVXI_TRY(off_take_counts(&f));
-    BVXI_TRY(off_take_vertices(&f));
+
+    bvx_context *const ctx = f.source->ctx;
+    off_words words;
+
+    BVXI_TRY(bvxi_make_positions(ctx, f.mesh, BVX_F64, f.vertex_count));
+    if (f.has_colours) BVXI_TRY(bvxi_make_array(ctx, f.mesh, BVXI_MESH_COLOURS));
+    if (f.has_uvs) BVXI_TRY(bvxi_make_uvs(ctx, f.mesh, f.vertex_count));
+    f.first = f.p;
+    /* Not known yet: the first vertex that has words after it says what a line is. */
+    f.by_lines = -1;
+    for (uint64_t v = 0; v < f.vertex_count; v++) {
+        BVXI_TRY(bvxi_source_at(f.source, f.p));
+        BVXI_TRY(off_take_position(&f, v));
+        if (f.by_lines < 0) BVXI_TRY(off_learn_lines(&f, v));
+        if (f.by_lines != 1 && !f.has_colours && !f.has_uvs) continue;
+        BVXI_TRY(off_take_words(&f, &words));
+        BVXI_TRY(off_put_words(&f, v, &words));
+    }
 
     const char *const start = f.p;
 

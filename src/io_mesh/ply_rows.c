@@ -382,28 +382,6 @@ static bvx_status ply_take_column(ply_file *f, const ply_element *e, uint32_t i,
     return BVX_OK;
 }
 
-static bvx_status ply_take_columns(ply_file *f, const ply_element *e)
-{
-    for (uint64_t row = 0; row < e->count; row += PLY_BLOCK) {
-        uint64_t const count = e->count - row < PLY_BLOCK ? e->count - row : PLY_BLOCK;
-        const uint8_t *p = (const uint8_t *)f->p;
-
-        /* The rows have one size, so one comparison covers the
-         * block; a short file is reported with the row it ends in. */
-        BVXI_TRY(bvxi_source_at(f->source, f->p));
-        if (!ply_has(f, count * e->least_bytes))
-            return bvxi_ply_fail_end(f, e, row + (uint64_t)(f->source->end - f->p) / e->least_bytes);
-        /* Column by column: each loop has one type and no
-         * decision in it, while the block stays in the cache. */
-        for (uint32_t i = e->first, taken; i < e->end; i += taken) {
-            BVXI_TRY(ply_take_column(f, e, i, p, row, count, &taken));
-            for (uint32_t k = 0; k < taken; k++) p += ply_type_size(f->header->properties[i + k].type);
-        }
-        f->p += (size_t)(count * e->least_bytes);
-    }
-    return BVX_OK;
-}
-
 /* ---- faces ---- */
 
 /* Faces that are one list of 32-bit corners with a length of one byte; what
@@ -450,6 +428,25 @@ bvx_status bvxi_ply_take_binary(ply_file *f, const ply_element *e)
         return BVX_OK;
     }
 
-    if (e->kind == PLY_VERTEX && e->lists == 0) return ply_take_columns(f, e);
+    if (e->kind == PLY_VERTEX && e->lists == 0) {
+        for (uint64_t row = 0; row < e->count; row += PLY_BLOCK) {
+            uint64_t const count = e->count - row < PLY_BLOCK ? e->count - row : PLY_BLOCK;
+            const uint8_t *p = (const uint8_t *)f->p;
+
+            /* The rows have one size, so one comparison covers the
+             * block; a short file is reported with the row it ends in. */
+            BVXI_TRY(bvxi_source_at(f->source, f->p));
+            if (!ply_has(f, count * e->least_bytes))
+                return bvxi_ply_fail_end(f, e, row + (uint64_t)(f->source->end - f->p) / e->least_bytes);
+            /* Column by column: each loop has one type and no
+             * decision in it, while the block stays in the cache. */
+            for (uint32_t i = e->first, taken; i < e->end; i += taken) {
+                BVXI_TRY(ply_take_column(f, e, i, p, row, count, &taken));
+                for (uint32_t k = 0; k < taken; k++) p += ply_type_size(f->header->properties[i + k].type);
+            }
+            f->p += (size_t)(count * e->least_bytes);
+        }
+        return BVX_OK;
+    }
     return ply_is_simple_faces(f, e) ? ply_take_simple_faces(f, e) : ply_take_rows(f, e);
 }

@@ -258,31 +258,6 @@ static bvx_status gltf_count_all(gltf_reader *r)
     return BVX_OK;
 }
 
-static bvx_status gltf_plan(gltf_reader *r)
-{
-    bvxi_gltf *const f = &r->f;
-    bvx_context *const ctx = f->source->ctx;
-    uint32_t const nodes = f->list_count[BVXI_GLTF_NODE], meshes = f->list_count[BVXI_GLTF_MESH];
-    uint32_t first = 0;
-    uint8_t *wanted;
-
-    BVXI_TRY(bvxi_gltf_scene_of(f, &r->scene));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, meshes * sizeof *r->mesh, "the meshes", &r->mesh));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)nodes * 4, "the meshes of nodes", &r->mesh_of));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, meshes, "the meshes that are drawn", &wanted));
-    BVXI_TRY(gltf_mark_meshes(r, wanted));
-    for (uint32_t i = 0; i < meshes; i++) {
-        if (!wanted[i]) continue;
-        BVXI_TRY(bvxi_progress(ctx, "read", 0.2));
-        BVXI_TRY(gltf_take_mesh(r, i, first));
-        first += bvxi_json_count(&f->json,
-                                 bvxi_json_member(&f->json, f->list[BVXI_GLTF_MESH][i], "primitives"));
-    }
-    if (bvxi_json_count(&f->json, bvxi_json_member(&f->json, 0, "animations")) > 0)
-        f->lost |= BVX_LOST_ANIMATIONS;
-    return gltf_count_all(r);
-}
-
 /* ---- values of one primitive ---- */
 
 typedef struct gltf_target {
@@ -609,7 +584,29 @@ static bvx_status gltf_fill_normals(gltf_reader *r)
 static bvx_status gltf_read_all(gltf_reader *r)
 {
     BVXI_TRY(bvxi_gltf_open(&r->f));
-    BVXI_TRY(gltf_plan(r));
+
+    bvxi_gltf *const f = &r->f;
+    bvx_context *const ctx = f->source->ctx;
+    uint32_t const nodes = f->list_count[BVXI_GLTF_NODE], meshes = f->list_count[BVXI_GLTF_MESH];
+    uint32_t first = 0;
+    uint8_t *wanted;
+
+    BVXI_TRY(bvxi_gltf_scene_of(f, &r->scene));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, meshes * sizeof *r->mesh, "the meshes", &r->mesh));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)nodes * 4, "the meshes of nodes", &r->mesh_of));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, meshes, "the meshes that are drawn", &wanted));
+    BVXI_TRY(gltf_mark_meshes(r, wanted));
+    for (uint32_t i = 0; i < meshes; i++) {
+        if (!wanted[i]) continue;
+        BVXI_TRY(bvxi_progress(ctx, "read", 0.2));
+        BVXI_TRY(gltf_take_mesh(r, i, first));
+        first += bvxi_json_count(&f->json,
+                                 bvxi_json_member(&f->json, f->list[BVXI_GLTF_MESH][i], "primitives"));
+    }
+    if (bvxi_json_count(&f->json, bvxi_json_member(&f->json, 0, "animations")) > 0)
+        f->lost |= BVX_LOST_ANIMATIONS;
+    BVXI_TRY(gltf_count_all(r));
+
     BVXI_TRY(gltf_make_arrays(r));
     for (uint32_t i = 0; i < r->f.list_count[BVXI_GLTF_NODE]; i++)
         if (r->mesh_of[i] != BVXI_JSON_NONE) BVXI_TRY(gltf_emit_node(r, i));

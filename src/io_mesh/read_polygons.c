@@ -33,13 +33,6 @@ static void fan_put_numbers(const fan_work *w, uint64_t corners, uint32_t *t)
     for (uint64_t i = 0; i < (corners - 2) * 3; i++) t[i] = w->number[w->cut[i]];
 }
 
-/* A polygon with a corner that is not finite has no plane: all of its
- * triangles get that corner, and are dropped with it. */
-static void fan_spoil(uint32_t *t, uint64_t corners, uint32_t vertex)
-{
-    for (uint64_t i = 0; i < corners - 2; i++) t[i * 3] = vertex;
-}
-
 static bvx_status fan_cut(fan_work *w, bvx_mesh *mesh, const bvxi_polygon_fan *fan)
 {
     uint32_t *const t = mesh->triangles + (size_t)fan->triangle * 3;
@@ -53,7 +46,9 @@ static bvx_status fan_cut(fan_work *w, bvx_mesh *mesh, const bvxi_polygon_fan *f
                                                              : (double)((const float *)mesh->positions)[i];
         }
         if (bvxi_view_finite(w->corner[k])) continue;
-        fan_spoil(t, fan->corners, w->number[k]);
+        /* A polygon with a corner that is not finite has no plane: all of its triangles get that corner,
+         * and are dropped with it. */
+        for (uint64_t i = 0; i < fan->corners - 2; i++) t[i * 3] = w->number[k];
         return BVX_OK;
     }
 

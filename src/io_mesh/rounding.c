@@ -21,10 +21,17 @@ int bvxi_is_rounded(const bvx_mesh *mesh, int32_t format, const bvxi_file_frame 
     return frame->step > 0.0 || !bvxi_writes_f32(mesh);
 }
 
-/* The bounds of all levels: each has a frame of its own, so they are compared in the world. */
-static bvx_status common_bounds(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count, double low[3],
-                                double high[3])
+bvx_status bvxi_find_frame(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count, int32_t format,
+                           int32_t quantize, bvxi_file_frame *frame)
 {
+    double low[3] = {0.0, 0.0, 0.0}, high[3] = {0.0, 0.0, 0.0};
+    int floats = 1;
+
+    memset(frame, 0, sizeof *frame);
+    for (uint64_t l = 0; l < level_count; l++) floats &= bvxi_writes_f32(&levels[l]);
+    if (format != BVX_FORMAT_GLB || (floats && !quantize)) return BVX_OK;
+
+    /* The bounds of all levels: each has a frame of its own, so they are compared in the world. */
     for (uint64_t l = 0; l < level_count; l++) {
         double from[3], to[3];
         bvx_mesh_view view;
@@ -37,20 +44,7 @@ static bvx_status common_bounds(bvx_context *ctx, const bvx_mesh *levels, uint64
             if (l == 0 || end > high[a]) high[a] = end;
         }
     }
-    return BVX_OK;
-}
 
-bvx_status bvxi_find_frame(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count, int32_t format,
-                           int32_t quantize, bvxi_file_frame *frame)
-{
-    double low[3] = {0.0, 0.0, 0.0}, high[3] = {0.0, 0.0, 0.0};
-    int floats = 1;
-
-    memset(frame, 0, sizeof *frame);
-    for (uint64_t l = 0; l < level_count; l++) floats &= bvxi_writes_f32(&levels[l]);
-    if (format != BVX_FORMAT_GLB || (floats && !quantize)) return BVX_OK;
-
-    BVXI_TRY(common_bounds(ctx, levels, level_count, low, high));
     /* One step for all axes: a scale that differs would bend normals. */
     for (int a = 0; a < 3 && quantize; a++) {
         double const step = high[a] / BVXI_STEPS - low[a] / BVXI_STEPS;

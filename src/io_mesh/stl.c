@@ -233,29 +233,6 @@ static bvx_status soup_weld(stl_soup *s)
                                                                                    : BVX_OK;
 }
 
-/* Hand over arrays of exact size when no triangle waits any more. The mesh has one triangle at least. */
-static bvx_status soup_finish(stl_soup *s, bvx_mesh *mesh)
-{
-    bvx_context *const ctx = s->source->ctx;
-
-    bvxi_drop(ctx, s->table);
-    s->table = NULL;
-    bvxi_key_tree_close(ctx, &s->tree);
-    BVXI_TRY(bvxi_make_positions(ctx, mesh, BVX_F32, s->vertex_count));
-    memcpy(mesh->positions, s->positions, (size_t)s->vertex_count * 12);
-
-    /* Where the count was known, the array is the result already; a growing one was scratch and is copied. */
-    if (s->triangle_kind == BVXI_RESULT) {
-        mesh->triangles = s->triangles;
-        mesh->triangle_count = mesh->triangle_capacity = s->triangle_count;
-        s->triangles = NULL;
-        return BVX_OK;
-    }
-    BVXI_TRY(bvxi_make_triangles(ctx, mesh, s->triangle_count));
-    memcpy(mesh->triangles, s->triangles, (size_t)s->triangle_count * 12);
-    return BVX_OK;
-}
-
 /* ---- Read ---- */
 
 /* Which kind a file is, is not told by the word solid, which many binary headers hold too: it is binary when
@@ -462,7 +439,26 @@ static bvx_status stl_read(stl_soup *soup, bvxi_source *source, int binary, uint
     BVXI_TRY(soup_begin(soup, source, binary ? count : 0));
     BVXI_TRY(binary ? stl_read_binary(soup, count) : stl_read_text(soup));
     if (soup->triangle_count == 0) return BVXI_FILE_FAIL(source, BVX_ERR_EMPTY, "the file has no triangle");
-    return soup_finish(soup, mesh);
+
+    /* Hand over arrays of exact size when no triangle waits any more. The mesh has one triangle at least. */
+    bvx_context *const ctx = soup->source->ctx;
+
+    bvxi_drop(ctx, soup->table);
+    soup->table = NULL;
+    bvxi_key_tree_close(ctx, &soup->tree);
+    BVXI_TRY(bvxi_make_positions(ctx, mesh, BVX_F32, soup->vertex_count));
+    memcpy(mesh->positions, soup->positions, (size_t)soup->vertex_count * 12);
+
+    /* Where the count was known, the array is the result already; a growing one was scratch and is copied. */
+    if (soup->triangle_kind == BVXI_RESULT) {
+        mesh->triangles = soup->triangles;
+        mesh->triangle_count = mesh->triangle_capacity = soup->triangle_count;
+        soup->triangles = NULL;
+        return BVX_OK;
+    }
+    BVXI_TRY(bvxi_make_triangles(ctx, mesh, soup->triangle_count));
+    memcpy(mesh->triangles, soup->triangles, (size_t)soup->triangle_count * 12);
+    return BVX_OK;
 }
 
 bvx_status bvxi_read_stl(bvxi_source *source, bvx_mesh *mesh)

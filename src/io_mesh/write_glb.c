@@ -13,23 +13,6 @@
  * of each group is its first use. One more walk over the corners gives out the numbers.
  * Guarantee: the order is that of first use. Cost: O(corners), whatever the indices are. */
 
-/* first[corner] becomes the first corner with the same pair. Returns how many pairs there are. */
-static uint64_t find_first_corners(const uint64_t *keys, const uint32_t *corner, uint64_t corners,
-                                   uint32_t *first)
-{
-    uint64_t pairs = 0;
-    uint32_t leader = 0;
-
-    for (uint64_t i = 0; i < corners; i++) {
-        if (i == 0 || keys[i] != keys[i - 1]) {
-            leader = corner[i];
-            pairs++;
-        }
-        first[corner[i]] = leader;
-    }
-    return pairs;
-}
-
 static bvx_status sort_corners(bvx_context *ctx, const bvx_mesh *mesh, bvxi_seams *seams)
 {
     uint64_t const corners = mesh->triangle_count * 3;
@@ -45,26 +28,20 @@ static bvx_status sort_corners(bvx_context *ctx, const bvx_mesh *mesh, bvxi_seam
         corner[c] = (uint32_t)c;
     }
     BVXI_TRY(bvxi_radix_sort(ctx, keys, corner, corners));
-    seams->count = find_first_corners(keys, corner, corners, seams->triangles);
-    return BVX_OK;
-}
 
-/* A corner that is the first of its pair gets the next number; the others have been given theirs before. */
-static void number_vertices_by_use(const bvx_mesh *mesh, bvxi_seams *seams)
-{
-    uint32_t n = 0;
+    /* first[corner] becomes the first corner with the same pair. Returns how many pairs there are. */
+    uint64_t pairs = 0;
+    uint32_t leader = 0;
 
-    for (uint64_t c = 0; c < mesh->triangle_count * 3; c++) {
-        if (seams->triangles[c] == c) {
-            seams->vertex[n] = mesh->triangles[c];
-            seams->uv[n] = mesh->uv_triangles[c];
-            seams->triangles[c] = n++;
-        } else {
-            /* The leader comes before its group, so its entry is
-             * an index of the file by now, no longer a corner. */
-            seams->triangles[c] = seams->triangles[seams->triangles[c]];
+    for (uint64_t i = 0; i < corners; i++) {
+        if (i == 0 || keys[i] != keys[i - 1]) {
+            leader = corner[i];
+            pairs++;
         }
+        seams->triangles[corner[i]] = leader;
     }
+    seams->count = pairs;
+    return BVX_OK;
 }
 
 /* Vertices as written are the pairs of vertex and texture coordinate that corners
@@ -78,7 +55,22 @@ static bvx_status split_seams(bvx_context *ctx, const bvx_mesh *mesh, bvxi_seams
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, seams->count * 4, "the vertices at seams", &seams->vertex));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, seams->count * 4, "the texture coordinates at seams", &seams->uv));
-    number_vertices_by_use(mesh, seams);
+
+    /* A corner that is the first of its pair gets the next number; the others have been given theirs
+     * before. */
+    uint32_t n = 0;
+
+    for (uint64_t c = 0; c < mesh->triangle_count * 3; c++) {
+        if (seams->triangles[c] == c) {
+            seams->vertex[n] = mesh->triangles[c];
+            seams->uv[n] = mesh->uv_triangles[c];
+            seams->triangles[c] = n++;
+        } else {
+            /* The leader comes before its group, so its entry is
+             * an index of the file by now, no longer a corner. */
+            seams->triangles[c] = seams->triangles[seams->triangles[c]];
+        }
+    }
     return BVX_OK;
 }
 

@@ -50,28 +50,6 @@ static void count_slab(const bvxi_stack *s, bvxi_slab *slab)
     slab->mesh.triangle_room = rings + 4 * heights + SLAB_SPARE;
 }
 
-static bvx_status open_slab_meshes(slabs_job *job)
-{
-    bvxi_section_mesh *const all = &job->s->slab_mesh;
-    double *position;
-    uint32_t *triangle;
-
-    for (uint32_t i = 0; i < job->count; i++) {
-        all->vertex_room += job->slab[i].mesh.vertex_room;
-        all->triangle_room += job->slab[i].mesh.triangle_room;
-    }
-    BVXI_TRY(BVXI_ARRAY(job->s->ctx, 3 * all->vertex_room, "the vertices of a body", position));
-    BVXI_TRY(BVXI_ARRAY(job->s->ctx, 3 * all->triangle_room, "the triangles of a body", triangle));
-    for (uint32_t i = 0; i < job->count; i++) {
-        bvxi_section_mesh *const m = &job->slab[i].mesh;
-        m->position = position;
-        m->triangle = triangle;
-        position += 3 * m->vertex_room;
-        triangle += 3 * m->triangle_room;
-    }
-    return BVX_OK;
-}
-
 /* ---- side by side ---- */
 
 static bvx_status fill_in_view(slabs_worker *w, bvxi_slab *slab)
@@ -149,7 +127,25 @@ bvx_status bvxi_slabs_fill(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
     if (s->options.slabs.crossings != BVX_CROSSINGS_EXACT) return fill_in_order(s, slabs, count);
     BVXI_TRY(BVXI_ZEROS(s->ctx, count, "the slabs' scratch", job.again));
     for (uint32_t i = 0; i < count; i++) count_slab(s, &slabs[i]);
-    BVXI_TRY(open_slab_meshes(&job));
+
+    bvxi_section_mesh *const all = &job.s->slab_mesh;
+    double *position;
+    uint32_t *triangle;
+
+    for (uint32_t i = 0; i < job.count; i++) {
+        all->vertex_room += job.slab[i].mesh.vertex_room;
+        all->triangle_room += job.slab[i].mesh.triangle_room;
+    }
+    BVXI_TRY(BVXI_ARRAY(job.s->ctx, 3 * all->vertex_room, "the vertices of a body", position));
+    BVXI_TRY(BVXI_ARRAY(job.s->ctx, 3 * all->triangle_room, "the triangles of a body", triangle));
+    for (uint32_t i = 0; i < job.count; i++) {
+        bvxi_section_mesh *const m = &job.slab[i].mesh;
+        m->position = position;
+        m->triangle = triangle;
+        position += 3 * m->vertex_room;
+        triangle += 3 * m->triangle_room;
+    }
+
     job.pieces = bvxi_section_pieces(count, s->slab_mesh.triangle_room, SLAB_GRAIN);
     job.workers = bvxi_threads(s->ctx) < job.pieces ? bvxi_threads(s->ctx) : job.pieces;
     BVXI_TRY(BVXI_ZEROS(s->ctx, job.workers, "the slabs' scratch", job.worker));

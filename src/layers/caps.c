@@ -94,25 +94,6 @@ static bvx_status find_bridge(cap_work *w, uint32_t from, uint32_t *corner)
     }
 }
 
-/* Go around a hole from one of its points, entered and left over the bridge at a corner. */
-static void insert_hole(cap_work *w, const bvxi_contour *hole, uint32_t from, uint32_t at)
-{
-    uint32_t i = from, k = at + 1, n = 2;
-
-    /* Room after the corner for the hole's points, its first once more, and the corner once more. */
-    for (uint32_t j = hole->first; j < hole->first + hole->count; j++) n += w->after[j] != BVXI_NONE;
-    memmove(w->corner + at + 1 + n, w->corner + at + 1, (size_t)(w->count - at - 1) * 4);
-    do {
-        w->corner[k++] = i;
-        i = w->after[i];
-    } while (i != from);
-    w->corner[k++] = from;
-    w->corner[k] = w->corner[at];
-    w->bridge[w->bridge_count][0] = from;
-    w->bridge[w->bridge_count++][1] = w->corner[at];
-    w->count += n;
-}
-
 /* ---- which holes ---- */
 
 /* Twice the area of a loop in fixed point, about; less than 0 for a hole. */
@@ -209,7 +190,23 @@ static bvx_status join_holes(cap_work *w, uint32_t *owner, uint32_t outer)
         if (next == BVXI_NONE) return BVX_OK;
         owner[next] = BVXI_NONE;
         BVXI_TRY(find_bridge(w, from, &corner));
-        insert_hole(w, &p->contour[next], from, corner);
+
+        /* Go around a hole from one of its points, entered and left over the bridge at a corner. */
+        const bvxi_contour *const hole = &p->contour[next];
+        uint32_t i = from, k = corner + 1, n = 2;
+
+        /* Room after the corner for the hole's points, its first once more, and the corner once more. */
+        for (uint32_t j = hole->first; j < hole->first + hole->count; j++) n += w->after[j] != BVXI_NONE;
+        memmove(w->corner + corner + 1 + n, w->corner + corner + 1, (size_t)(w->count - corner - 1) * 4);
+        do {
+            w->corner[k++] = i;
+            i = w->after[i];
+        } while (i != from);
+        w->corner[k++] = from;
+        w->corner[k] = w->corner[corner];
+        w->bridge[w->bridge_count][0] = from;
+        w->bridge[w->bridge_count++][1] = w->corner[corner];
+        w->count += n;
     }
 }
 

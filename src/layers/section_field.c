@@ -281,29 +281,6 @@ static void measure_lines(bvxi_field *f, int k, int ends)
     }
 }
 
-static bvx_status cross_grid_lines(bvxi_field *f)
-{
-    bvxi_stack *const s = f->s;
-    uint32_t n = 0;
-
-    /* Numbers follow from the order of the lines, so a vertex is found by counting. */
-    f->first = s->ring_vertices + (uint32_t)s->mesh.vertex_count;
-    for (int32_t j = 0; j <= s->size[1]; j++)
-        for (int32_t word = 0; word < s->words; word++)
-            for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0;
-                 bits &= bits - 1, n++) {
-                int32_t const i = 64 * word + bvxi_lowest(bits);
-                int const from = !bvxi_grid_bit(s, f->slab->plane[0], i, j);
-                double d[BVXI_BLEND_SECTIONS] = {f->line[0][n], f->line[1][n], 0.0, 0.0};
-                uint32_t vertex;
-                for (int k = BVXI_BLEND_FAR_BELOW; k < BVXI_BLEND_SECTIONS && f->cubic; k++)
-                    if (f->plane[k].plane != NULL) d[k] = f->line[k][n];
-                BVXI_TRY(cross_over(f, s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], from, d,
-                                    &vertex));
-            }
-    return BVX_OK;
-}
-
 static bvx_status cross_hanging_lines(bvxi_field *f)
 {
     bvxi_slab *const slab = f->slab;
@@ -340,7 +317,25 @@ static bvx_status cross_lines(bvxi_field *f)
         if (!is_nothing(f, k)) measure_lines(f, k, ends);
     for (int k = BVXI_BLEND_FAR_BELOW; k < BVXI_BLEND_SECTIONS && f->cubic; k++)
         if (f->plane[k].plane != NULL) measure_lines(f, k, 0);
-    BVXI_TRY(cross_grid_lines(f));
+
+    bvxi_stack *const s = f->s;
+    uint32_t n = 0;
+
+    /* Numbers follow from the order of the lines, so a vertex is found by counting. */
+    f->first = s->ring_vertices + (uint32_t)s->mesh.vertex_count;
+    for (int32_t j = 0; j <= s->size[1]; j++)
+        for (int32_t word = 0; word < s->words; word++)
+            for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0;
+                 bits &= bits - 1, n++) {
+                int32_t const i = 64 * word + bvxi_lowest(bits);
+                int const from = !bvxi_grid_bit(s, f->slab->plane[0], i, j);
+                double d[BVXI_BLEND_SECTIONS] = {f->line[0][n], f->line[1][n], 0.0, 0.0};
+                uint32_t vertex;
+                for (int k = BVXI_BLEND_FAR_BELOW; k < BVXI_BLEND_SECTIONS && f->cubic; k++)
+                    if (f->plane[k].plane != NULL) d[k] = f->line[k][n];
+                BVXI_TRY(cross_over(f, s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], from, d,
+                                    &vertex));
+            }
     return cross_hanging_lines(f);
 }
 

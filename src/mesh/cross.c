@@ -130,19 +130,6 @@ static void cross_open_sides(const double *const p[3], unsigned own, const doubl
     }
 }
 
-/* Sides, and whether there are areas: a triangle of which some point is off the plane has one. */
-static void cross_open(const double *const p[3], const double *const q[3], cross_triangle *a,
-                       cross_triangle *b)
-{
-    /* A common corner lies in both planes, so its side is 0 without being computed. */
-    unsigned const own_p = cross_own(q, p), own_q = cross_own(p, q);
-    cross_open_sides(p, own_p, q, a);
-    cross_open_sides(q, own_q, p, b);
-    /* An area is looked for only where all corners lie in the other's plane. */
-    a->has_area = b->side[0] != 0 || b->side[1] != 0 || b->side[2] != 0 || bvxi_has_area(p);
-    b->has_area = a->side[0] != 0 || a->side[1] != 0 || a->side[2] != 0 || bvxi_has_area(q);
-}
-
 /* 1 when the closed segment from corner i to corner k of a meets b. i may be k: that point only. */
 static int cross_edge(const cross_triangle *a, int i, int k, const cross_triangle *b)
 {
@@ -243,8 +230,16 @@ int bvxi_triangles_cross_exact(const double *const p[3], const double *const q[3
     if (c.count == 3) return bvxi_has_area(p);
     if (c.count == 2)
         return c.own_p != NULL && c.own_q != NULL && cross_fold(c.common[0], c.common[1], c.own_p, c.own_q);
-    /* Sides are only needed where one corner or none is common. */
-    cross_open(p, q, &a, &b);
+
+    /* Sides are only needed where one corner or none is common. A common corner lies in both planes, so its
+     * side is 0 without being computed. */
+    unsigned const own_p = cross_own(q, p), own_q = cross_own(p, q);
+    cross_open_sides(p, own_p, q, &a);
+    cross_open_sides(q, own_q, p, &b);
+    /* An area is looked for only where all corners lie in the other's plane. */
+    a.has_area = b.side[0] != 0 || b.side[1] != 0 || b.side[2] != 0 || bvxi_has_area(p);
+    b.has_area = a.side[0] != 0 || a.side[1] != 0 || a.side[2] != 0 || bvxi_has_area(q);
+
     if (c.count == 1) return cross_opposite(&a, c.common[0], &b) || cross_opposite(&b, c.common[0], &a);
     return cross_any_edge(&a, &b) || cross_any_edge(&b, &a);
 }

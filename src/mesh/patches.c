@@ -157,18 +157,6 @@ static void list_border(patch_work *w, uint64_t at, uint64_t n)
     w->border_count += n;
 }
 
-static uint64_t number_patches(patch_work *w, uint32_t *number)
-{
-    uint32_t count = 0, differs;
-    /* A root is the least triangle of its patch, so it comes first. */
-    for (uint64_t t = 0; t < w->out->triangles; t++) {
-        uint32_t const root = bvxi_link_root(w->link, (uint32_t)t, &differs);
-        if (root == t) w->sums[root].same = count++;
-        number[t] = w->sums[root].same;
-    }
-    return count;
-}
-
 /* Patches that face inward beside others: closed meshes have none, unless these are the first of two. */
 static bvx_status turn_whole_patches(bvx_context *ctx, patch_work *w)
 {
@@ -183,7 +171,16 @@ static bvx_status turn_whole_patches(bvx_context *ctx, patch_work *w)
     each_edge(w, list_border);
 
     in.triangles = w->out->triangles;
-    in.patches = number_patches(w, number);
+
+    uint32_t count = 0, differs;
+    /* A root is the least triangle of its patch, so it comes first. */
+    for (uint64_t t = 0; t < w->out->triangles; t++) {
+        uint32_t const root = bvxi_link_root(w->link, (uint32_t)t, &differs);
+        if (root == t) w->sums[root].same = count++;
+        number[t] = w->sums[root].same;
+    }
+    in.patches = count;
+
     in.patch = number;
     in.border = w->border;
     in.border_count = w->border_count;

@@ -18,22 +18,6 @@ typedef struct radix_arrays {
     uint64_t count;
 } radix_arrays;
 
-/* Elements from begin to end, each to the next place of its digit. */
-static void move_radix_elements(const radix_arrays *a, uint64_t begin, uint64_t end, int32_t shift,
-                                uint32_t *BVXI_RESTRICT place)
-{
-    const uint64_t *const key_from = a->key_from;
-    const uint32_t *const number_from = a->number_from;
-    uint64_t *const key_to = a->key_to;
-    uint32_t *const number_to = a->number_to;
-    for (uint64_t i = begin; i < end; i++) {
-        uint64_t const key = key_from[i];
-        uint32_t const to = place[key >> shift & 255]++;
-        key_to[to] = key;
-        number_to[to] = number_from[i];
-    }
-}
-
 typedef struct radix_pass {
     radix_arrays all;
     int32_t pieces, shift; /* of the digit in a key */
@@ -53,19 +37,19 @@ static void count_radix_piece(void *user, int32_t index, uint64_t begin, uint64_
 static void move_radix_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     radix_pass *const p = user;
-    move_radix_elements(&p->all, begin, end, p->shift, p->place[index]);
-}
 
-/* Counts of each piece become places: values one after the other, in each the pieces in order. */
-static void place_radix_pieces(radix_pass *p)
-{
-    uint32_t sum = 0;
-    for (int v = 0; v < RADIX_VALUES; v++)
-        for (int32_t i = 0; i < p->pieces; i++) {
-            uint32_t const n = p->place[i][v];
-            p->place[i][v] = sum;
-            sum += n;
-        }
+    /* Elements from begin to end, each to the next place of its digit. */
+    const radix_arrays *const a = &p->all;
+    const uint64_t *const key_from = a->key_from;
+    const uint32_t *const number_from = a->number_from;
+    uint64_t *const key_to = a->key_to;
+    uint32_t *const number_to = a->number_to;
+    for (uint64_t i = begin; i < end; i++) {
+        uint64_t const key = key_from[i];
+        uint32_t const to = p->place[index][key >> p->shift & 255]++;
+        key_to[to] = key;
+        number_to[to] = number_from[i];
+    }
 }
 
 static void sort_radix(bvx_context *ctx, radix_arrays *a)
@@ -81,7 +65,16 @@ static void sort_radix(bvx_context *ctx, radix_arrays *a)
         p.shift = bvxi_lowest(bits);
         /* Counted anew for each digit: what a piece holds changes from pass to pass. */
         bvxi_ranges(ctx, p.pieces, a->count, count_radix_piece, &p);
-        place_radix_pieces(&p);
+
+        /* Counts of each piece become places: values one after the other, in each the pieces in order. */
+        uint32_t sum = 0;
+        for (int v = 0; v < RADIX_VALUES; v++)
+            for (int32_t i = 0; i < p.pieces; i++) {
+                uint32_t const n = p.place[i][v];
+                p.place[i][v] = sum;
+                sum += n;
+            }
+
         bvxi_ranges(ctx, p.pieces, a->count, move_radix_piece, &p);
 
         uint64_t *const keys = p.all.key_from;

@@ -68,34 +68,6 @@ static void add_edge(const bvx_mesh_view *mesh, const uint32_t *representative, 
     else if (cosine < BENT_COSINE) sum->bent += length;
 }
 
-static bvx_status measure_edges(bvx_context *ctx, const bvx_mesh_view *mesh, const uint32_t *representative,
-                                uint64_t *keys, uint32_t *side, edge_lengths *sum)
-{
-    uint64_t const n = 3 * mesh->triangle_count;
-    double *facet;
-
-    for (uint64_t i = 0; i < n; i++) {
-        uint32_t v[3];
-        welded_triangle(mesh, representative, i / 3, v);
-        uint64_t const a = v[i % 3];
-        uint64_t const b = v[(i + 1) % 3];
-        keys[i] = a < b ? a << 32 | b : b << 32 | a;
-        side[i] = (uint32_t)i;
-    }
-    BVXI_TRY(bvxi_radix_sort(ctx, keys, side, n));
-    /* Once each, in less room than sorting took. */
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, mesh->triangle_count * 32, "the facets' normals", &facet));
-    list_facets(mesh, representative, facet);
-
-    for (uint64_t i = 0; i + 1 < n; i++) {
-        if (keys[i] != keys[i + 1]) continue;
-        add_edge(mesh, representative, facet, side[i], side[i + 1], sum);
-        i++;
-    }
-    bvxi_drop(ctx, facet);
-    return BVX_OK;
-}
-
 static bvx_status judge_edges(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,
                               int32_t *sharp)
 {
@@ -103,8 +75,32 @@ static bvx_status judge_edges(bvx_context *ctx, const bvx_mesh_view *view, const
     edge_lengths sum = {0, 0, 0};
     unsigned char *block;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the edges' lengths", &block));
-    BVXI_TRY(measure_edges(ctx, view, representative, (uint64_t *)(void *)block,
-                           (uint32_t *)(void *)(block + view->triangle_count * 24), &sum));
+
+    uint64_t *const keys = (uint64_t *)(void *)block;
+    uint32_t *const side = (uint32_t *)(void *)(block + view->triangle_count * 24);
+    uint64_t const n = 3 * view->triangle_count;
+    double *facet;
+
+    for (uint64_t i = 0; i < n; i++) {
+        uint32_t v[3];
+        welded_triangle(view, representative, i / 3, v);
+        uint64_t const a = v[i % 3];
+        uint64_t const b = v[(i + 1) % 3];
+        keys[i] = a < b ? a << 32 | b : b << 32 | a;
+        side[i] = (uint32_t)i;
+    }
+    BVXI_TRY(bvxi_radix_sort(ctx, keys, side, n));
+    /* Once each, in less room than sorting took. */
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->triangle_count * 32, "the facets' normals", &facet));
+    list_facets(view, representative, facet);
+
+    for (uint64_t i = 0; i + 1 < n; i++) {
+        if (keys[i] != keys[i + 1]) continue;
+        add_edge(view, representative, facet, side[i], side[i + 1], &sum);
+        i++;
+    }
+    bvxi_drop(ctx, facet);
+
     bvxi_drop(ctx, block);
     double const share = sum.all > 0 ? sum.sharp / sum.all : 0;
     *sharp = share > SHARP_SHARE_ANYHOW || (share > SHARP_SHARE && sum.sharp > SHARP_TO_BENT * sum.bent);

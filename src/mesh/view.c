@@ -33,35 +33,6 @@ bvx_status bvxi_view_fail_finite(bvx_context *ctx, const char *function, const b
                          p[k]);
 }
 
-static bvx_status check_view_positions(bvx_context *ctx, const char *function, const bvx_mesh_view *v)
-{
-    uint32_t const least = v->position_type == BVX_F32 ? 12 : 24;
-
-    /* Sizes and strides before counts: the product below is computed with them. */
-    if (v->position_type != BVX_F32 && v->position_type != BVX_F64)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
-                             "%s: mesh.position_type is %u, not BVX_F32 (1) or BVX_F64 (2)", function,
-                             (uint64_t)v->position_type);
-    if (v->position_stride != 0 && v->position_stride < least)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: mesh.position_stride is %u, less than the %u bytes of a vertex", function,
-                         (uint64_t)v->position_stride, (uint64_t)least);
-    if (v->vertex_count > UINT32_MAX)
-        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: mesh.vertex_count is %u, the limit is below 2^32", function,
-                             v->vertex_count);
-    if (v->positions == NULL && v->vertex_count != 0)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
-                             "%s: mesh.positions is NULL with a vertex_count of %u", function,
-                             v->vertex_count);
-    /* On machines of 32 bits the product may be more than any array holds. */
-    if (v->vertex_count * bvxi_view_position_stride(v) > SIZE_MAX)
-        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: mesh.vertex_count is %u, more than memory can hold", function,
-                             v->vertex_count);
-    return BVX_OK;
-}
-
 static bvx_status check_view_indices(bvx_context *ctx, const char *function, const bvx_mesh_view *v)
 {
     if (v->triangle_count > INT32_MAX)
@@ -97,7 +68,31 @@ bvx_status bvxi_view_check(bvx_context *ctx, const char *function, const bvx_mes
 {
     if (view == NULL) return bvxi_fail_null(ctx, function, "mesh");
     if (view->reserved != 0) return bvxi_fail_reserved(ctx, function, "mesh.");
-    BVXI_TRY(check_view_positions(ctx, function, view));
+
+    uint32_t const least = view->position_type == BVX_F32 ? 12 : 24;
+
+    /* Sizes and strides before counts: the product below is computed with them. */
+    if (view->position_type != BVX_F32 && view->position_type != BVX_F64)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                             "%s: mesh.position_type is %u, not BVX_F32 (1) or BVX_F64 (2)", function,
+                             (uint64_t)view->position_type);
+    if (view->position_stride != 0 && view->position_stride < least)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: mesh.position_stride is %u, less than the %u bytes of a vertex", function,
+                         (uint64_t)view->position_stride, (uint64_t)least);
+    if (view->vertex_count > UINT32_MAX)
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: mesh.vertex_count is %u, the limit is below 2^32", function,
+                             view->vertex_count);
+    if (view->positions == NULL && view->vertex_count != 0)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
+                             "%s: mesh.positions is NULL with a vertex_count of %u", function,
+                             view->vertex_count);
+    /* On machines of 32 bits the product may be more than any array holds. */
+    if (view->vertex_count * bvxi_view_position_stride(view) > SIZE_MAX)
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: mesh.vertex_count is %u, more than memory can hold", function,
+                             view->vertex_count);
     return check_view_indices(ctx, function, view);
 }
 

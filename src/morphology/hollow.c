@@ -163,15 +163,6 @@ static const bvxi_option hollow_rows[] = {
     BVXI_RESERVED(bvx_hollow_options, reserved),
 };
 
-static bvx_status check_hollow(bvx_context *ctx, const char *function, bvx_hollow_options *o)
-{
-    BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(hollow_rows)));
-    if ((o->drain_side & (o->drain_side - 1)) != 0)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
-                             "%s: drain_side %d is more than one side", function, (int64_t)o->drain_side);
-    return BVX_OK;
-}
-
 /* A face voxel's nearest empty centre is a spacing away: with less the shell would be open. */
 static bvx_status check_shell(bvx_context *ctx, const char *function, const bvx_lattice *lattice,
                               double thickness)
@@ -217,7 +208,11 @@ static bvx_status run_grid_hollow(bvx_context *context, const bvx_grid *grid,
 
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));
-    BVXI_TRY(check_hollow(context, function, &o));
+
+    BVXI_TRY(bvxi_check_options(context, function, &o, BVXI_OPTIONS(hollow_rows)));
+    if ((o.drain_side & (o.drain_side - 1)) != 0)
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                             "%s: drain_side %d is more than one side", function, (int64_t)o.drain_side);
 
     /* All is checked before the result's memory is touched. */
     BVXI_TRY(check_shell(context, function, &grid->lattice, o.thickness));

@@ -253,31 +253,6 @@ static void plan_sweep(const bvxi_morph *morph, int32_t first, int32_t steps, sw
     }
 }
 
-static bvx_status run_sweeps(bvx_context *ctx, const bvxi_morph *morph, const bvxi_bit_box *source,
-                             const bvxi_bit_box *first, const bvxi_bit_box *second, sweep_job *job)
-{
-    /* Rows and slices beyond are the same for all sweeps. */
-    int32_t const each = sweep_steps(morph, source), total = all_steps(morph);
-
-    job->from = *source;
-    job->neighbourhood = morph->neighbourhood;
-    job->cpu = bvxi_cpu(ctx);
-    job->tail = bvxi_tail_mask(source->size[0]);
-    memset(job->outside, 0, job->slice * 8);
-    memset(job->outside + job->slice, 0xff, job->slice * 8);
-    for (int32_t done = 0, sweep = 0; done < total; done += each, sweep++) {
-        job->to = sweep % 2 == 0 ? *first : *second;
-        plan_sweep(morph, done, each < total - done ? each : total - done, job);
-        int32_t const most = source->size[2] / (4 * job->steps); /* what pieces do twice stays small */
-        job->pieces = bvxi_piece_count(bvxi_box_words(source) * (uint64_t)job->steps, SWEEP_GRAIN);
-        if (job->pieces > most) job->pieces = most < 1 ? 1 : most;
-        BVXI_TRY(bvxi_parallel(ctx, morph->stage, (double)done / total, (double)(done + job->steps) / total,
-                               job->pieces, sweep_piece, job));
-        job->from = job->to;
-    }
-    return BVX_OK;
-}
-
 bvx_status bvxi_morph_steps(bvx_context *ctx, const bvxi_morph *morph, const bvxi_bit_box *source,
                             const bvxi_bit_box *first, const bvxi_bit_box *second)
 {
@@ -297,5 +272,25 @@ bvx_status bvxi_morph_steps(bvx_context *ctx, const bvxi_morph *morph, const bvx
     BVXI_TRY(bvxi_row_ends_open(ctx, source, &job.ends));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, outside_bytes, "slices beyond the window", &job.outside));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "slices for the steps", &job.scratch));
-    return run_sweeps(ctx, morph, source, first, second, &job);
+
+    /* Rows and slices beyond are the same for all sweeps. */
+    int32_t const each = sweep_steps(morph, source), total = all_steps(morph);
+
+    job.from = *source;
+    job.neighbourhood = morph->neighbourhood;
+    job.cpu = bvxi_cpu(ctx);
+    job.tail = bvxi_tail_mask(source->size[0]);
+    memset(job.outside, 0, job.slice * 8);
+    memset(job.outside + job.slice, 0xff, job.slice * 8);
+    for (int32_t done = 0, sweep = 0; done < total; done += each, sweep++) {
+        job.to = sweep % 2 == 0 ? *first : *second;
+        plan_sweep(morph, done, each < total - done ? each : total - done, &job);
+        int32_t const most = source->size[2] / (4 * job.steps); /* what pieces do twice stays small */
+        job.pieces = bvxi_piece_count(bvxi_box_words(source) * (uint64_t)job.steps, SWEEP_GRAIN);
+        if (job.pieces > most) job.pieces = most < 1 ? 1 : most;
+        BVXI_TRY(bvxi_parallel(ctx, morph->stage, (double)done / total, (double)(done + job.steps) / total,
+                               job.pieces, sweep_piece, &job));
+        job.from = job.to;
+    }
+    return BVX_OK;
 }

@@ -26,28 +26,6 @@ static bvx_status alloc_box(bvx_context *ctx, const char *stage, bvxi_bit_box *b
     return bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "a grid between two steps", &box->words);
 }
 
-/* A box around the grid's with room for the reach; *words are those along x. */
-static bvx_status widen_box(bvx_context *ctx, const bvxi_morph *morph, const bvx_grid *grid, int32_t room[3],
-                            bvxi_bit_box *wide)
-{
-    for (int a = 0; a < 3; a++) {
-        /* A reach may be larger than any grid: sides are counted with more bits before they are kept. */
-        int64_t const reach = morph->neighbourhood != 0 ? morph->steps : bvxi_ball_reach(morph, a),
-                      side = grid->size[a] + 2 * reach + 3 * BVXI_WORD_BITS;
-        if (side > MORPH_MOST_SIDE)
-            return bvxi_fail(ctx, BVX_ERR_BUDGET,
-                             "%s: a reach of %d voxels around the window is more than can be held",
-                             morph->stage, reach);
-        room[a] = (int32_t)reach;
-        wide->size[a] = grid->size[a] + 2 * (int32_t)reach;
-    }
-    /* Whole words along x: rows are copied, never shifted. */
-    room[0] = bvxi_row_words(room[0]);
-    wide->row_words = grid->words_per_row + 2 * room[0];
-    wide->size[0] = wide->row_words * BVXI_WORD_BITS;
-    return alloc_box(ctx, morph->stage, wide);
-}
-
 static void copy_into_wide(const bvx_grid *grid, const int32_t room[3], int32_t beyond,
                            const bvxi_bit_box *wide)
 {
@@ -61,19 +39,6 @@ static void copy_into_wide(const bvx_grid *grid, const int32_t room[3], int32_t 
             uint64_t *const row = wide->words + at * (size_t)wide->row_words + (size_t)room[0];
             memcpy(row, bvxi_grid_row(grid, (int32_t)y, (int32_t)z), words * 8);
             row[words - 1] |= outside; /* Bits past the row's end belong to what lies beyond. */
-        }
-}
-
-static void cut_from_wide(const bvxi_bit_box *wide, const int32_t room[3], bvx_grid *result)
-{
-    size_t const words = (size_t)result->words_per_row;
-    uint64_t const tail = bvxi_tail_mask(result->size[0]);
-    for (size_t z = 0; z < (size_t)result->size[2]; z++)
-        for (size_t y = 0; y < (size_t)result->size[1]; y++) {
-            size_t const at = (z + (size_t)room[2]) * (size_t)wide->size[1] + y + (size_t)room[1];
-            uint64_t *const row = bvxi_grid_row(result, (int32_t)y, (int32_t)z);
-            memcpy(row, wide->words + at * (size_t)wide->row_words + (size_t)room[0], words * 8);
-            row[words - 1] &= tail;
         }
 }
 
@@ -113,12 +78,39 @@ static bvx_status run_in_wide_box(bvx_context *ctx, const bvxi_morph *morph, con
     int32_t room[3];
     const bvxi_bit_box *last = NULL;
     bvxi_bit_box wide = {NULL, {0, 0, 0}, 0}, other;
-    BVXI_TRY(widen_box(ctx, morph, grid, room, &wide));
+
+    /* A box around the grid's with room for the reach; *words are those along x. */
+    for (int a = 0; a < 3; a++) {
+        /* A reach may be larger than any grid: sides are counted with more bits before they are kept. */
+        int64_t const reach = morph->neighbourhood != 0 ? morph->steps : bvxi_ball_reach(morph, a),
+                      side = grid->size[a] + 2 * reach + 3 * BVXI_WORD_BITS;
+        if (side > MORPH_MOST_SIDE)
+            return bvxi_fail(ctx, BVX_ERR_BUDGET,
+                             "%s: a reach of %d voxels around the window is more than can be held",
+                             morph->stage, reach);
+        room[a] = (int32_t)reach;
+        wide.size[a] = grid->size[a] + 2 * (int32_t)reach;
+    }
+    /* Whole words along x: rows are copied, never shifted. */
+    room[0] = bvxi_row_words(room[0]);
+    wide.row_words = grid->words_per_row + 2 * room[0];
+    wide.size[0] = wide.row_words * BVXI_WORD_BITS;
+    BVXI_TRY(alloc_box(ctx, morph->stage, &wide));
+
     other = wide;
     BVXI_TRY(alloc_box(ctx, morph->stage, &other));
     copy_into_wide(grid, room, morph->beyond, &wide);
     BVXI_TRY(run_between(ctx, morph, &wide, &other, &wide, &last));
-    cut_from_wide(last, room, result);
+
+    size_t const words = (size_t)result->words_per_row;
+    uint64_t const tail = bvxi_tail_mask(result->size[0]);
+    for (size_t z = 0; z < (size_t)result->size[2]; z++)
+        for (size_t y = 0; y < (size_t)result->size[1]; y++) {
+            size_t const at = (z + (size_t)room[2]) * (size_t)last->size[1] + y + (size_t)room[1];
+            uint64_t *const row = bvxi_grid_row(result, (int32_t)y, (int32_t)z);
+            memcpy(row, last->words + at * (size_t)last->row_words + (size_t)room[0], words * 8);
+            row[words - 1] &= tail;
+        }
     return BVX_OK;
 }
 

@@ -236,16 +236,6 @@ static void lessen_by_beyond(const transform_job *job, int32_t x, int32_t y, int
     }
 }
 
-static void fill_far(const transform_job *job, void *out, uint64_t *nearest)
-{
-    size_t const count = (size_t)job->t->box.size[2] * BVXI_LANES;
-    for (size_t i = 0; i < count; i++) {
-        if (job->t->whole) ((uint32_t *)out)[i] = BVXI_FAR;
-        else ((double *)out)[i] = (double)INFINITY;
-    }
-    for (size_t i = 0; i < count && nearest != NULL; i++) nearest[i] = UINT64_MAX;
-}
-
 /* Targets of all columns as linear indices. */
 static void find_nearest(const transform_job *job, const transform_scratch *s, int32_t group, int32_t y,
                          uint64_t *nearest)
@@ -279,7 +269,12 @@ static void run_group_of_row(const transform_job *job, const transform_scratch *
         s->places[c.place_count++] = (int32_t)z;
     }
     if (c.place_count == 0) {
-        fill_far(job, out, nearest);
+        size_t const count = (size_t)job->t->box.size[2] * BVXI_LANES;
+        for (size_t i = 0; i < count; i++) {
+            if (job->t->whole) ((uint32_t *)out)[i] = BVXI_FAR;
+            else ((double *)out)[i] = (double)INFINITY;
+        }
+        for (size_t i = 0; i < count && nearest != NULL; i++) nearest[i] = UINT64_MAX;
         return;
     }
     c.in = s->in;

@@ -79,24 +79,6 @@ static uint32_t far_distances_of_sixteen(const bvxi_closest_node *node, int chil
     return bits;
 }
 
-/* Where the search begins. In floats, rounding of the point and of the boxes' distances is below 16 units of
- * 2^-24 of 1 + the point's distance from the centre; in doubles all rounding, also that of triangles, is
- * below 2^-46 of it. The margins are twice that. */
-static void begin_closest_search(const bvxi_closest_tree *tree, const double point[3], closest_search *s)
-{
-    double reach = 0.0;
-    /* The farthest axis bounds what rounding can do to any of the three. */
-    for (int a = 0; a < 3; a++) {
-        double const x = (point[a] - tree->centre[a]) * tree->box_scale;
-        reach = x > reach ? x : -x > reach ? -x : reach;
-        s->at[a] = x;
-    }
-    /* Floats halve the memory of boxes and double the width of vectors; far off they round too much. */
-    s->is_near = reach <= 64.0;
-    for (int a = 0; a < 3; a++) s->at_f[a] = s->is_near ? (float)s->at[a] : 0.0f;
-    s->margin = (1.0 + reach) * (s->is_near ? 0x1p-19 : 0x1p-45);
-}
-
 #define BVXI_SIMD_LEVEL _base
 #include "nearest/closest_body.h"
 #undef BVXI_SIMD_LEVEL
@@ -112,7 +94,22 @@ void bvxi_closest_find(const bvxi_closest_tree *tree, const double point[3], uin
 {
     closest_search s = {.tree = tree, .point = point, .best = found};
     double t[3][3];
-    begin_closest_search(tree, point, &s);
+
+    /* Where the search begins. In floats, rounding of the point and of the boxes' distances is below 16
+     * units of 2^-24 of 1 + the point's distance from the centre; in doubles all rounding, also that of
+     * triangles, is below 2^-46 of it. The margins are twice that. */
+    double reach = 0.0;
+    /* The farthest axis bounds what rounding can do to any of the three. */
+    for (int a = 0; a < 3; a++) {
+        double const x = (point[a] - tree->centre[a]) * tree->box_scale;
+        reach = x > reach ? x : -x > reach ? -x : reach;
+        s.at[a] = x;
+    }
+    /* Floats halve the memory of boxes and double the width of vectors; far off they round too much. */
+    s.is_near = reach <= 64.0;
+    for (int a = 0; a < 3; a++) s.at_f[a] = s.is_near ? (float)s.at[a] : 0.0f;
+    s.margin = (1.0 + reach) * (s.is_near ? 0x1p-19 : 0x1p-45);
+
     found->distance2 = HUGE_VAL;
     found->triangle = UINT32_MAX;
     /* A good first guess drops most of the tree at once. It changes the time and nothing else. */

@@ -154,34 +154,6 @@ static void fill_box_level(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-static void plan_closest_tree(const bvx_mesh_view *view, const double low[3], const double high[3],
-                              double scale, bvxi_closest_tree *tree)
-{
-    uint64_t n = view->triangle_count;
-    double half[3], minus[3];
-
-    memset(tree, 0, sizeof *tree);
-    tree->triangle_count = n;
-    tree->position_type = (int32_t)bvxi_view_type(view);
-    tree->scale = scale;
-
-    /* Around the middle a float has most digits for what lies at the mesh's rim. */
-    for (int a = 0; a < 3; a++) {
-        tree->centre[a] = (low[a] * scale + high[a] * scale) * 0.5;
-        half[a] = (high[a] * scale - low[a] * scale) * 0.5;
-        minus[a] = -half[a];
-    }
-    tree->box_scale = bvxi_unit_scale(minus, half);
-
-    /* The shape follows from the count only: levels need no pointers. */
-    do {
-        n = (n + BVXI_CLOSEST_WIDTH - 1) / BVXI_CLOSEST_WIDTH;
-        tree->level_first[tree->level_count] = tree->node_count;
-        tree->level_nodes[tree->level_count++] = n;
-        tree->node_count += n;
-    } while (n > 1);
-}
-
 static uint64_t closest_corner_bytes(const bvxi_closest_tree *tree)
 {
     return tree->triangle_count * (tree->position_type == BVX_F32 ? 36 : 72);
@@ -223,7 +195,31 @@ static bvx_status plan_and_build(bvxi_call call, const bvx_mesh_view *view, cons
 {
     uint64_t const mark = bvxi_scratch_begin(call.ctx);
     closest_builder b = {.tree = tree, .unnumbered = unnumbered};
-    plan_closest_tree(view, low, high, scale, tree);
+
+    uint64_t n = view->triangle_count;
+    double half[3], minus[3];
+
+    memset(tree, 0, sizeof *tree);
+    tree->triangle_count = n;
+    tree->position_type = (int32_t)bvxi_view_type(view);
+    tree->scale = scale;
+
+    /* Around the middle a float has most digits for what lies at the mesh's rim. */
+    for (int a = 0; a < 3; a++) {
+        tree->centre[a] = (low[a] * scale + high[a] * scale) * 0.5;
+        half[a] = (high[a] * scale - low[a] * scale) * 0.5;
+        minus[a] = -half[a];
+    }
+    tree->box_scale = bvxi_unit_scale(minus, half);
+
+    /* The shape follows from the count only: levels need no pointers. */
+    do {
+        n = (n + BVXI_CLOSEST_WIDTH - 1) / BVXI_CLOSEST_WIDTH;
+        tree->level_first[tree->level_count] = tree->node_count;
+        tree->level_nodes[tree->level_count++] = n;
+        tree->node_count += n;
+    } while (n > 1);
+
     tree->fast = bvxi_cpu(call.ctx) == BVX_CPU_AVX2;
     b.curve.bits = BVXI_CURVE_BITS;
     b.curve.fast = tree->fast;

@@ -204,41 +204,38 @@ static void find_closest_piece(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-/* Cells of the points' own box; a box beyond the largest double is one cell. */
-static void make_query_keys(closest_query *q)
-{
-    double const most = (double)((1 << QUERY_BITS) - 1);
-
-    for (int a = 0; a < 3; a++) {
-        double low = q->points[a], high = low;
-        for (uint64_t i = 1; i < q->count; i++) {
-            double const x = q->points[3 * i + (uint64_t)a];
-            low = x < low ? x : low;
-            high = x > high ? x : high;
-        }
-        q->low[a] = low;
-
-        /* Flat boxes have no cells along that axis, and boxes beyond a double's range one. */
-        q->scale[a] = high - low > 0x1p-960 && high - low < 0x1p960 ? most / (high - low) : 0.0;
-    }
-
-    for (uint64_t i = 0; i < q->count; i++) {
-        uint64_t key = 0;
-        for (int a = 0; a < 3; a++) {
-            double const x = q->scale[a] > 0.0 ? (q->points[3 * i + (uint64_t)a] - q->low[a]) * q->scale[a]
-                                               : 0.0;
-            key |= bvxi_curve_spread((uint64_t)(x < most ? x : most)) << a;
-        }
-        q->keys[i] = key;
-        q->order[i] = (uint32_t)i;
-    }
-}
-
 /* Up to QUERY_TOGETHER points, whose search is the share from `from` to `to` of the work. */
 static bvx_status find_closest_batch(bvx_context *ctx, closest_query *q, double from, double to)
 {
     if (q->order != NULL) {
-        make_query_keys(q);
+        /* Cells of the points' own box; a box beyond the largest double is one cell. */
+        double const most = (double)((1 << QUERY_BITS) - 1);
+
+        for (int a = 0; a < 3; a++) {
+            double low = q->points[a], high = low;
+            for (uint64_t i = 1; i < q->count; i++) {
+                double const x = q->points[3 * i + (uint64_t)a];
+                low = x < low ? x : low;
+                high = x > high ? x : high;
+            }
+            q->low[a] = low;
+
+            /* Flat boxes have no cells along that axis, and boxes beyond a double's range one. */
+            q->scale[a] = high - low > 0x1p-960 && high - low < 0x1p960 ? most / (high - low) : 0.0;
+        }
+
+        for (uint64_t i = 0; i < q->count; i++) {
+            uint64_t key = 0;
+            for (int a = 0; a < 3; a++) {
+                double const x = q->scale[a] > 0.0
+                                     ? (q->points[3 * i + (uint64_t)a] - q->low[a]) * q->scale[a]
+                                     : 0.0;
+                key |= bvxi_curve_spread((uint64_t)(x < most ? x : most)) << a;
+            }
+            q->keys[i] = key;
+            q->order[i] = (uint32_t)i;
+        }
+
         BVXI_TRY(bvxi_radix_sort(ctx, q->keys, q->order, q->count));
     }
     return BVXI_SHARE(ctx, from, to,

@@ -492,9 +492,11 @@ static void pairs_piece(void *user, int32_t index)
     job->written[index] = found <= room;
 }
 
-/* The keys of all pieces, side by side; those of which there were too many are looked for again. */
-static bvx_status gather_keys(bvx_context *ctx, crossing_job *job, uint64_t count)
+static bvx_status write_pairs(bvx_context *ctx, crossing_job *job, uint64_t count, uint32_t **pairs)
 {
+    uint32_t *unused;
+
+    /* The keys of all pieces, side by side; those of which there were too many are looked for again. */
     uint64_t *const parts = job->keys, sum = 0;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the crossings' keys", &job->keys));
@@ -506,14 +508,7 @@ static bvx_status gather_keys(bvx_context *ctx, crossing_job *job, uint64_t coun
     job->begins[job->pieces] = sum;
     bvxi_drop(ctx, parts);
     bvxi_tasks(ctx, job->pieces, pairs_piece, job);
-    return BVX_OK;
-}
 
-static bvx_status write_pairs(bvx_context *ctx, crossing_job *job, uint64_t count, uint32_t **pairs)
-{
-    uint32_t *unused;
-
-    BVXI_TRY(gather_keys(ctx, job, count));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the crossing pairs", pairs));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, count * 4, "the crossings' indices", &unused));
     BVXI_TRY(bvxi_radix_sort(ctx, job->keys, unused, count));

@@ -28,20 +28,6 @@ static double near_scale(const bvx_lattice *l, const double low[3], const double
     return s;
 }
 
-/* Above all rounding of the evaluation: 2^-48 of the largest coordinate [Units: box]. */
-static double near_rounding(const bvxi_nearest *n)
-{
-    double largest = 1.0;
-    /* Rounding grows with the coordinates, not with the distance. */
-    for (int a = 0; a < 3; a++) {
-        double const first = n->lattice.origin[a] * n->scale;
-        double const end = first + (double)n->lattice.dims[a] * n->lattice.spacing[a] * n->scale;
-        largest = first > largest ? first : -first > largest ? -first : largest;
-        largest = end > largest ? end : -end > largest ? -end : largest;
-    }
-    return largest * n->box_scale * 0x1p-48;
-}
-
 static bvx_status require_near_area(bvx_context *ctx, const char *function, const bvxi_nearest *n)
 {
     double t[3][3], normal[3];
@@ -94,7 +80,17 @@ static bvx_status open_near(bvxi_call call, bvxi_nearest *n)
     BVXI_TRY(require_near_area(call.ctx, call.function, n));
     BVXI_TRY(bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, sizeof *n->memo, "the field's memory", &n->memo));
     BVXI_TRY(bvxi_near_build(call, low, high, n));
-    n->rounding = near_rounding(n);
+
+    /* Above all rounding of the evaluation: 2^-48 of the largest coordinate [Units: box]. */
+    double largest = 1.0;
+    /* Rounding grows with the coordinates, not with the distance. */
+    for (int a = 0; a < 3; a++) {
+        double const first = n->lattice.origin[a] * n->scale;
+        double const end = first + (double)n->lattice.dims[a] * n->lattice.spacing[a] * n->scale;
+        largest = first > largest ? first : -first > largest ? -first : largest;
+        largest = end > largest ? end : -end > largest ? -end : largest;
+    }
+    n->rounding = largest * n->box_scale * 0x1p-48;
     return BVX_OK;
 }
 

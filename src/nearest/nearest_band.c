@@ -61,24 +61,6 @@ void bvxi_near_forget(bvx_context *ctx, bvxi_near_memo *memo)
     memset(memo, 0, sizeof *memo);
 }
 
-static bvx_status open_near_memo(bvx_context *ctx, const band_work *w)
-{
-    bvxi_near_memo *const m = w->n->memo;
-    uint64_t slots = 0;
-
-    /* Only cubes that the mesh reaches get memory: far ones are most of a lattice. */
-    bvxi_near_forget(ctx, m);
-    BVXI_TRY(BVXI_ARRAY(ctx, w->plan.cubes, "the field's cubes", m->cube_slot));
-    m->cubes = w->plan.cubes;
-    for (uint64_t i = 0; i < w->plan.cubes; i++)
-        m->cube_slot[i] = w->reached[i] ? (uint32_t)slots++ : BVXI_NEAR_NONE;
-    BVXI_TRY(BVXI_ARRAY(ctx, slots * BVXI_NEAR_CUBE_SLOTS, "the field's nearest triangles", m->triangle));
-    m->slots = slots;
-    memcpy(m->low, w->band->low, sizeof m->low);
-    memcpy(m->size, w->band->size, sizeof m->size);
-    return BVX_OK;
-}
-
 static void set_near_slots(const bvx_grid *g, const int32_t first[3], uint64_t slots)
 {
     /* Four bits a row: a brick never reaches over the end of a word. */
@@ -144,7 +126,21 @@ static bvx_status make_near_band(bvx_context *ctx, const char *stage, double fro
     double const begin = from + (to - from) * 0.03;
     /* First which cubes, then their memory, then the search: nothing is allocated in between. */
     BVXI_TRY(bvxi_parallel(ctx, stage, from, begin, w->pieces, find_reached_cubes, w));
-    BVXI_TRY(open_near_memo(ctx, w));
+
+    bvxi_near_memo *const m = w->n->memo;
+    uint64_t slots = 0;
+
+    /* Only cubes that the mesh reaches get memory: far ones are most of a lattice. */
+    bvxi_near_forget(ctx, m);
+    BVXI_TRY(BVXI_ARRAY(ctx, w->plan.cubes, "the field's cubes", m->cube_slot));
+    m->cubes = w->plan.cubes;
+    for (uint64_t i = 0; i < w->plan.cubes; i++)
+        m->cube_slot[i] = w->reached[i] ? (uint32_t)slots++ : BVXI_NEAR_NONE;
+    BVXI_TRY(BVXI_ARRAY(ctx, slots * BVXI_NEAR_CUBE_SLOTS, "the field's nearest triangles", m->triangle));
+    m->slots = slots;
+    memcpy(m->low, w->band->low, sizeof m->low);
+    memcpy(m->size, w->band->size, sizeof m->size);
+
     BVXI_TRY(bvxi_parallel(ctx, stage, begin, to, w->pieces, find_near_band, w));
     bvxi_sparse_number(w->band, w->first);
     return BVX_OK;

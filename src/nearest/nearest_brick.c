@@ -41,22 +41,6 @@ static int compare_near_places(const double a[3], const double b[3])
     return bvxi_corner_before(a, b) ? -1 : bvxi_corner_before(b, a);
 }
 
-/* Two triangles are equally far from pair i's point, and so are their
- * planes: is pair i's, not the other, the one that is taken? */
-static int near_is_first(const bvxi_nearest *n, const bvxi_near_pairs *pairs, int32_t i, uint32_t other)
-{
-    double point[3], t[3][3], u[3][3], q[3];
-    double const closest[3] = {pairs->closest[0][i], pairs->closest[1][i], pairs->closest[2][i]};
-    read_near_pair(pairs, i, point, t);
-    bvxi_near_corners(n, other, u);
-    bvxi_order_corners(u);
-    /* By places alone, so that no numbering of the mesh shows; the index only where all places are equal. */
-    bvxi_closest_on_triangle(point, (const double(*)[3])u, q);
-    int order = compare_near_places(closest, q);
-    for (int k = 0; k < 3 && order == 0; k++) order = compare_near_places(t[k], u[k]);
-    return order != 0 ? order < 0 : pairs->triangle[i] < other;
-}
-
 /* One search of the tree lists the leaves for all 64; then each 2 x 2 x 2 of them looks through the list.
  * Where floats leave one candidate it is the answer; where they leave more (a shared edge or corner: all of
  * its triangles are equally far) the evaluation in doubles decides by (distance squared, triangle index).
@@ -94,7 +78,20 @@ static int is_better_pair(const bvxi_nearest *n, bvxi_near_worker *w, int32_t i)
     if (!n->by_planes) return p->triangle[i] < w->triangle[s];
     double const height2 = near_height2(p, i);
     if (height2 != w->height2[s]) return height2 > w->height2[s];
-    return near_is_first(n, p, i, w->triangle[s]);
+
+    /* Two triangles are equally far from pair i's point, and so are their planes: is pair i's, not the
+     * other, the one that is taken? */
+    uint32_t const other = w->triangle[s];
+    double point[3], t[3][3], u[3][3], q[3];
+    double const closest[3] = {p->closest[0][i], p->closest[1][i], p->closest[2][i]};
+    read_near_pair(p, i, point, t);
+    bvxi_near_corners(n, other, u);
+    bvxi_order_corners(u);
+    /* By places alone, so that no numbering of the mesh shows; the index only where all places are equal. */
+    bvxi_closest_on_triangle(point, (const double(*)[3])u, q);
+    int order = compare_near_places(closest, q);
+    for (int k = 0; k < 3 && order == 0; k++) order = compare_near_places(t[k], u[k]);
+    return order != 0 ? order < 0 : p->triangle[i] < other;
 }
 
 static void settle_near_pairs(const bvxi_nearest *n, bvxi_near_worker *w)
@@ -130,29 +127,6 @@ static void take_near_pair(const bvxi_nearest *n, bvxi_near_worker *w, uint32_t 
 static inline int32_t near_slot(int32_t g, int32_t c)
 {
     return ((g & 1) * 2 + (c & 1)) + 4 * ((g & 2) + (c >> 1 & 1)) + 16 * ((g >> 2) * 2 + (c >> 2));
-}
-
-/* The end of a search: where one triangle alone may win within the limit, it is taken at once. */
-static void end_near_eight(const bvxi_nearest *n, float sure2, int32_t parts, bvxi_near_worker *w)
-{
-    float most2[8];
-    int32_t const count = bvxi_near_eight_winners(n, w->fast, &w->eight, most2, w->winners);
-    uint32_t once = 0, more = parts ? 255u : 0;
-
-    /* More than one candidate, or one that may lie beyond the limit, is for doubles to decide. */
-    for (int c = 0; c < 8; c++) more |= (uint32_t) !(most2[c] < sure2) << c;
-
-    /* A centre with two candidates is among more after the second. */
-    for (int32_t i = 0; i < count; i++) {
-        uint32_t const bit = 1u << w->winners[i].centre;
-        more |= once & bit;
-        once |= bit;
-    }
-    for (int32_t i = 0; i < count; i++) {
-        int32_t const c = w->winners[i].centre, slot = near_slot(w->eight.group, c);
-        if (more >> c & 1) take_near_pair(n, w, w->winners[i].triangle, slot);
-        else w->triangle[slot] = w->winners[i].triangle;
-    }
 }
 
 /* Bits of the group's slots: two of a row, two rows of a layer, two layers. */
@@ -313,7 +287,26 @@ static void find_near_eight(const bvxi_nearest *n, int32_t g, uint32_t active, d
         complete = list_near_part(n, w);
         parts |= look_through_near_list(n, w);
     }
-    end_near_eight(n, sure2, parts, w);
+
+    /* The end of a search: where one triangle alone may win within the limit, it is taken at once. */
+    float most2[8];
+    int32_t const count = bvxi_near_eight_winners(n, w->fast, &w->eight, most2, w->winners);
+    uint32_t once = 0, more = parts ? 255u : 0;
+
+    /* More than one candidate, or one that may lie beyond the limit, is for doubles to decide. */
+    for (int c = 0; c < 8; c++) more |= (uint32_t) !(most2[c] < sure2) << c;
+
+    /* A centre with two candidates is among more after the second. */
+    for (int32_t i = 0; i < count; i++) {
+        uint32_t const bit = 1u << w->winners[i].centre;
+        more |= once & bit;
+        once |= bit;
+    }
+    for (int32_t i = 0; i < count; i++) {
+        int32_t const c = w->winners[i].centre, slot = near_slot(w->eight.group, c);
+        if (more >> c & 1) take_near_pair(n, w, w->winners[i].triangle, slot);
+        else w->triangle[slot] = w->winners[i].triangle;
+    }
 }
 
 static void find_near_groups(const bvxi_nearest *n, uint64_t wanted, double limit, bvxi_near_worker *w)

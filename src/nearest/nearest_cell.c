@@ -48,30 +48,6 @@ static void bound_near_cell(bvxi_near_cell *cell)
     }
 }
 
-static void set_near_cell(const bvxi_nearest *n, const bvxi_near_question *q, bvxi_near_cell *cell)
-{
-    double const limit = q->limit * (1.0 + 0x1p-20) + 2.0 * n->rounding;
-    double error = q->point_error;
-
-    for (int a = 0; a < 3; a++) {
-        /* From the cell's middle all coordinates are small, and floats hold them well. */
-        cell->origin[a] = (float)((q->first[a] + q->last[a]) * 0.5);
-        double const origin = (double)cell->origin[a], point = q->point[a] - origin;
-        cell->first[a] = (float)(q->first[a] - origin);
-        cell->last[a] = (float)(q->last[a] - origin);
-        cell->point[a] = (float)point;
-
-        /* Four roundings to floats, each of half a unit of its number. */
-        error += 0x1p-22 * ((point < 0.0 ? -point : point) + (q->last[a] - q->first[a]) +
-                            (double)near_magnitude(cell->last[a]));
-    }
-    cell->rounding = (float)n->rounding;
-    cell->point_error = (float)error;
-    /* boxes that there are not lie at 2^62 */
-    cell->limit2 = limit < 0x1p60 ? (float)(limit * limit * (1.0 + 0x1p-20)) : 0x1p121f;
-    bound_near_cell(cell);
-}
-
 float bvxi_near_cell_reach2(const bvxi_near_cell *cell)
 {
     float reach2 = 0.0f;
@@ -127,7 +103,27 @@ static void start_near_children(const bvxi_near_node *node, uint32_t mask, bvxi_
 void bvxi_near_cell_begin(const bvxi_nearest *n, const bvxi_near_question *q, const bvxi_near_start *start,
                           int32_t fast, bvxi_near_cell *cell)
 {
-    set_near_cell(n, q, cell);
+    double const limit = q->limit * (1.0 + 0x1p-20) + 2.0 * n->rounding;
+    double error = q->point_error;
+
+    for (int a = 0; a < 3; a++) {
+        /* From the cell's middle all coordinates are small, and floats hold them well. */
+        cell->origin[a] = (float)((q->first[a] + q->last[a]) * 0.5);
+        double const origin = (double)cell->origin[a], point = q->point[a] - origin;
+        cell->first[a] = (float)(q->first[a] - origin);
+        cell->last[a] = (float)(q->last[a] - origin);
+        cell->point[a] = (float)point;
+
+        /* Four roundings to floats, each of half a unit of its number. */
+        error += 0x1p-22 * ((point < 0.0 ? -point : point) + (q->last[a] - q->first[a]) +
+                            (double)near_magnitude(cell->last[a]));
+    }
+    cell->rounding = (float)n->rounding;
+    cell->point_error = (float)error;
+    /* boxes that there are not lie at 2^62 */
+    cell->limit2 = limit < 0x1p60 ? (float)(limit * limit * (1.0 + 0x1p-20)) : 0x1p121f;
+    bound_near_cell(cell);
+
     BVXI_PATH(fast, begin_near_search_base(n, start, cell), begin_near_search_avx2(n, start, cell));
 }
 

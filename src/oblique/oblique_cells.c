@@ -142,27 +142,6 @@ static void list_cells(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-static bvx_status number_cells(bvxi_oblique *o)
-{
-    uint64_t cells = 0, touches = 0;
-
-    for (uint32_t i = 0; i <= o->known_count; i++) {
-        uint32_t const own = i == o->known_count ? 0 : o->split_first[i];
-        uint32_t const of = i == o->known_count ? 0 : o->touch_first[i];
-        o->split_first[i] = (uint32_t)cells;
-        o->touch_first[i] = (uint32_t)touches;
-        cells += own;
-        touches += of;
-        /* Six tetrahedra a cell to begin with; numbers have 32 bits. */
-        if (cells > UINT32_MAX / 6 || touches > UINT32_MAX)
-            return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                                 "%s: more than 2^32 of the tetrahedra; take fewer cells", o->function);
-    }
-    o->cell_count = cells;
-    o->touch_count = touches;
-    return BVX_OK;
-}
-
 /* ---- tetrahedra ---- */
 
 /* A vertex of the lattice among those of the tetrahedra; planes: those near its cell's block. */
@@ -321,7 +300,24 @@ bvx_status bvxi_oblique_cells(bvxi_oblique *o)
 
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.1, bvxi_oblique_take_signs(o)));
     BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.4, bvxi_for(ctx, "surface", n, CELL_GRAIN, judge_cells, o)));
-    BVXI_TRY(number_cells(o));
+
+    uint64_t cells = 0, touches = 0;
+
+    for (uint32_t i = 0; i <= o->known_count; i++) {
+        uint32_t const own = i == o->known_count ? 0 : o->split_first[i];
+        uint32_t const of = i == o->known_count ? 0 : o->touch_first[i];
+        o->split_first[i] = (uint32_t)cells;
+        o->touch_first[i] = (uint32_t)touches;
+        cells += own;
+        touches += of;
+        /* Six tetrahedra a cell to begin with; numbers have 32 bits. */
+        if (cells > UINT32_MAX / 6 || touches > UINT32_MAX)
+            return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                 "%s: more than 2^32 of the tetrahedra; take fewer cells", o->function);
+    }
+    o->cell_count = cells;
+    o->touch_count = touches;
+
     BVXI_TRY(BVXI_ARRAY(ctx, o->cell_count + 1, "the cells that are split", o->cell));
     BVXI_TRY(BVXI_ARRAY(ctx, o->touch_count + 1, "the cells that planes touch", o->touch));
     BVXI_TRY(BVXI_SHARE(ctx, 0.4, 0.5, bvxi_for(ctx, "surface", n, CELL_GRAIN, list_cells, o)));

@@ -331,29 +331,6 @@ static bvx_status list_loose(handle_work *w, double depth, int inside)
     return BVX_OK;
 }
 
-/* Takes the side's vertices away one by one while that changes nothing but where the surface is: what stays
- * of a bridge is a thread of vertices. */
-static bvx_status thin_side(handle_work *w, int inside)
-{
-    bvxi_oblique *const o = w->o;
-    uint32_t before;
-
-    w->flips = 0;
-    do {
-        before = w->flips;
-        for (uint64_t i = 0; i < w->loose_count; i++) {
-            uint32_t const v = (uint32_t)w->loose[i];
-            uint32_t around = 0;
-            if ((o->vertex[v].sign > 0) == inside) BVXI_TRY(change_side(w, v, 1, &around));
-            if (around == 0) continue;
-            BVXI_TRY(BVXI_GROW(o, w->flip, w->flips, w->flip_room, "the vertices of a handle"));
-            BVXI_TRY(BVXI_GROW(o, w->back, w->flips, w->back_room, "the vertices of a handle"));
-            w->flip[w->flips++] = v;
-        }
-    } while (w->flips > before);
-    return BVX_OK;
-}
-
 /* What was taken away comes back, the last first, but for what would close a cut again. */
 static bvx_status thicken_side(handle_work *w)
 {
@@ -416,7 +393,26 @@ static bvx_status settle_surface_patch(handle_work *w, int32_t handles)
         int32_t gain;
         w->strict = (k & 2) == 0;
         BVXI_TRY(list_loose(w, depth[k / 4], inside));
-        BVXI_TRY(thin_side(w, inside));
+
+        /* Takes the side's vertices away one by one while that changes nothing but where the surface is:
+         * what stays of a bridge is a thread of vertices. */
+        bvxi_oblique *const o = w->o;
+        uint32_t before;
+
+        w->flips = 0;
+        do {
+            before = w->flips;
+            for (uint64_t i = 0; i < w->loose_count; i++) {
+                uint32_t const v = (uint32_t)w->loose[i];
+                uint32_t around = 0;
+                if ((o->vertex[v].sign > 0) == inside) BVXI_TRY(change_side(w, v, 1, &around));
+                if (around == 0) continue;
+                BVXI_TRY(BVXI_GROW(o, w->flip, w->flips, w->flip_room, "the vertices of a handle"));
+                BVXI_TRY(BVXI_GROW(o, w->back, w->flips, w->back_room, "the vertices of a handle"));
+                w->flip[w->flips++] = v;
+            }
+        } while (w->flips > before);
+
         BVXI_TRY(cut_thread(w, inside, &gain));
         handles -= gain;
         w->settled += (uint64_t)gain;

@@ -239,28 +239,6 @@ static void plain_crossed_piece(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-static bvx_status number_plain(bvxi_oblique *o, plain_job *job)
-{
-    uint64_t vertices = 0, triangles = 0;
-
-    for (uint32_t i = 0; i < o->known_count; i++) {
-        uint32_t const count = job->triangles[i];
-        for (int way = 0; way < 7; way++) {
-            o->crossed[i].first[way] = (uint32_t)vertices;
-            vertices += bvxi_popcount(o->crossed[i].edges[way]);
-        }
-        job->triangles[i] = (uint32_t)triangles;
-        triangles += count;
-        if (vertices > INT32_MAX || triangles > INT32_MAX)
-            return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                                 "%s: the surface has more than 2^31 triangles", o->function);
-    }
-    job->triangles[o->known_count] = (uint32_t)triangles;
-    o->position_count = vertices;
-    o->triangle_count = o->plain_triangles = triangles;
-    return BVX_OK;
-}
-
 uint32_t bvxi_oblique_plain_vertex(const bvxi_oblique *o, uint32_t known, int bit, int way)
 {
     const bvxi_oblique_crossed *const x = &o->crossed[known];
@@ -395,7 +373,24 @@ bvx_status bvxi_oblique_plain(bvxi_oblique *o, uint64_t more)
     for (int signs = 0; signs < 256; signs++) make_plain_case(&job->cases[signs], signs);
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.1, bvxi_oblique_take_signs(o)));
     BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.3, bvxi_for(ctx, "surface", n, PLAIN_GRAIN, plain_crossed_piece, job)));
-    BVXI_TRY(number_plain(o, job));
+
+    uint64_t vertices = 0, triangles = 0;
+
+    for (uint32_t i = 0; i < o->known_count; i++) {
+        uint32_t const count = job->triangles[i];
+        for (int way = 0; way < 7; way++) {
+            o->crossed[i].first[way] = (uint32_t)vertices;
+            vertices += bvxi_popcount(o->crossed[i].edges[way]);
+        }
+        job->triangles[i] = (uint32_t)triangles;
+        triangles += count;
+        if (vertices > INT32_MAX || triangles > INT32_MAX)
+            return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                 "%s: the surface has more than 2^31 triangles", o->function);
+    }
+    job->triangles[o->known_count] = (uint32_t)triangles;
+    o->position_count = vertices;
+    o->triangle_count = o->plain_triangles = triangles;
 
     /* A closed surface has half as many vertices as triangles; those of split cells follow these. */
     uint64_t const positions = o->position_count + more / 2 + 1024;

@@ -198,23 +198,6 @@ static void bend_row(const smooth_work *w, int32_t j, int32_t k, const double *x
     }
 }
 
-/* The ties' matrix; its bands are 0 wherever they would lead out of the grid. */
-static void pull_row(const smooth_work *w, int64_t first, const double *x, double *out)
-{
-    uint64_t const room = w->padding + w->nodes;
-    const float *band = w->band + w->padding + first;
-    int32_t const n = w->grid.size[0];
-    for (int32_t i = 0; i < n; i++) out[i] += (double)band[i] * x[i];
-    for (int axis = 0; axis < 3; axis++)
-        /* A band pairs a node with the one d on; the pair with the one d before stands there. */
-        for (int d = 1; d <= 3; d++) {
-            int64_t const s = d * w->step[axis];
-            band += room;
-            for (int32_t i = 0; i < n; i++)
-                out[i] += (double)band[i] * x[i + s] + (double)band[i - s] * x[i - s];
-        }
-}
-
 static void image_slice(void *user, int32_t index)
 {
     const smooth_work *const w = user;
@@ -222,7 +205,21 @@ static void image_slice(void *user, int32_t index)
         int64_t const first = j * w->step[1] + index * w->step[2];
         const double *const x = w->way + w->padding + first;
         bend_row(w, j, index, x, w->image + first);
-        pull_row(w, first, x, w->image + first);
+
+        /* The ties' matrix; its bands are 0 wherever they would lead out of the grid. */
+        double *const out = w->image + first;
+        uint64_t const room = w->padding + w->nodes;
+        const float *band = w->band + w->padding + first;
+        int32_t const n = w->grid.size[0];
+        for (int32_t i = 0; i < n; i++) out[i] += (double)band[i] * x[i];
+        for (int axis = 0; axis < 3; axis++)
+            /* A band pairs a node with the one d on; the pair with the one d before stands there. */
+            for (int d = 1; d <= 3; d++) {
+                int64_t const s = d * w->step[axis];
+                band += room;
+                for (int32_t i = 0; i < n; i++)
+                    out[i] += (double)band[i] * x[i + s] + (double)band[i - s] * x[i - s];
+            }
     }
 }
 

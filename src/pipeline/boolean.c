@@ -49,24 +49,6 @@ static body_box box_of_both(const body_box box[2], int common)
     return r;
 }
 
-/* Farther vertices need fewer fraction bits for their places to fit 2^30. */
-static void give_way(const body_box box[2], bvx_lattice *l)
-{
-    double farthest = 0.0;
-
-    for (int i = 0; i < 2; i++)
-        for (int a = 0; a < 3; a++) {
-            /* How far the farther ends of both boxes lie, in voxels. */
-            double const below = (l->origin[a] - box[i].low[a]) / l->spacing[a];
-            double const above = (box[i].high[a] - l->origin[a]) / l->spacing[a];
-            farthest = below > farthest ? below : farthest;
-            farthest = above > farthest ? above : farthest;
-        }
-    while (l->fraction_bits > BVXI_MIN_FRACTION &&
-           farthest * (double)((int64_t)1 << l->fraction_bits) > 0.5 * BVXI_FIXED_LIMIT)
-        l->fraction_bits--;
-}
-
 bvx_status bvxi_check_fit(bvx_context *ctx, const char *function, bvx_fit *fit)
 {
     if (fit->lattice != NULL) return bvxi_lattice_check(ctx, function, fit->lattice);
@@ -90,7 +72,21 @@ static bvx_status fit_boolean(bvx_context *ctx, int32_t operation, int32_t resol
     bvx_mesh_view const corners = {.positions = &fit, .vertex_count = 2, .position_type = BVX_F64};
 
     BVXI_TRY(bvx_lattice_fit_with(ctx, &corners, &o, lattice));
-    give_way(box, lattice);
+
+    /* Farther vertices need fewer fraction bits for their places to fit 2^30. */
+    double farthest = 0.0;
+
+    for (int i = 0; i < 2; i++)
+        for (int a = 0; a < 3; a++) {
+            /* How far the farther ends of both boxes lie, in voxels. */
+            double const below = (lattice->origin[a] - box[i].low[a]) / lattice->spacing[a];
+            double const above = (box[i].high[a] - lattice->origin[a]) / lattice->spacing[a];
+            farthest = below > farthest ? below : farthest;
+            farthest = above > farthest ? above : farthest;
+        }
+    while (lattice->fraction_bits > BVXI_MIN_FRACTION &&
+           farthest * (double)((int64_t)1 << lattice->fraction_bits) > 0.5 * BVXI_FIXED_LIMIT)
+        lattice->fraction_bits--;
     return BVX_OK;
 }
 
@@ -208,21 +204,6 @@ static bvx_status open_boolean_grid(boolean_job *job, const char *what, bvx_grid
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->grid_bytes, what, &grid->words));
     grid->word_capacity = job->grid_bytes / 8;
     return bvx_grid_create(job->ctx, &job->lattice, NULL, grid);
-}
-
-static bvx_status open_boolean_grids(boolean_job *job)
-{
-    uint64_t const words = bvx_grid_bound(&job->lattice, NULL);
-
-    /* A size that no memory could hold is reported as that, before anything is taken. */
-    if (words == 0 || words > SIZE_MAX / 8)
-        return bvxi_fail(job->ctx, BVX_ERR_BUDGET,
-                         "%s: a grid of %d x %d x %d voxels is beyond this machine's addresses", boolean_name,
-                         (int64_t)job->lattice.dims[0], (int64_t)job->lattice.dims[1],
-                         (int64_t)job->lattice.dims[2]);
-    job->grid_bytes = words * 8;
-    for (int32_t i = 0; i < 2; i++) BVXI_TRY(open_boolean_grid(job, "a mesh's solid", &job->body[i].solid));
-    return open_boolean_grid(job, "the result's solid", &job->inside);
 }
 
 /* A body, or the result, of few voxels: which, and what would show it. */
@@ -531,7 +512,19 @@ static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
 
     BVXI_TRY(choose_boolean_lattice(job, result));
     job->report.lattice = job->lattice;
-    BVXI_TRY(open_boolean_grids(job));
+
+    uint64_t const words = bvx_grid_bound(&job->lattice, NULL);
+
+    /* A size that no memory could hold is reported as that, before anything is taken. */
+    if (words == 0 || words > SIZE_MAX / 8)
+        return bvxi_fail(job->ctx, BVX_ERR_BUDGET,
+                         "%s: a grid of %d x %d x %d voxels is beyond this machine's addresses", boolean_name,
+                         (int64_t)job->lattice.dims[0], (int64_t)job->lattice.dims[1],
+                         (int64_t)job->lattice.dims[2]);
+    job->grid_bytes = words * 8;
+    for (int32_t i = 0; i < 2; i++) BVXI_TRY(open_boolean_grid(job, "a mesh's solid", &job->body[i].solid));
+    BVXI_TRY(open_boolean_grid(job, "the result's solid", &job->inside));
+
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.5, fill_boolean(job)));
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.5, 0.55, drop_boolean_parts(job)));
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.55, 0.6, choose_boolean_sharp(job)));

@@ -405,18 +405,6 @@ static void take_changed(flatten_job *f)
     for (uint64_t n = 0; n < f->count; n++) f->moved[n].changed = 0;
 }
 
-static bvx_status mark_crossings(flatten_job *f, const bvx_mesh_view *view)
-{
-    bvx_context *const ctx = f->ctx;
-    uint64_t count;
-    uint32_t *pairs;
-
-    BVXI_TRY(bvxi_crossing_pairs(ctx, view, UINT64_MAX, &pairs, &count));
-    for (uint64_t n = 0; n < 2 * count; n++) mark_triangle(f, f->part[pairs[n]]);
-    bvxi_drop(ctx, pairs);
-    return BVX_OK;
-}
-
 static void mark_flat(flatten_job *f, const bvx_mesh_view *view)
 {
     for (uint64_t t = 0; t < view->triangle_count; t++) {
@@ -460,27 +448,6 @@ static void step_back(flatten_job *f, int32_t round)
     f->marked = 0;
 }
 
-static bvx_status move_vertices(flatten_job *f)
-{
-    bvx_mesh_view all;
-
-    for (int32_t round = 0;; round++) {
-        /* From the start, so that a step back replaces the way before. */
-        for (uint64_t n = 0; n < f->count; n++) write_position(f, &f->moved[n]);
-        if (round > FLATTEN_ROUNDS) return BVX_OK;
-        bvx_mesh_view_of(f->mesh, &all);
-        for (uint64_t v = 0; v < f->near.vertex_count; v++)
-            bvxi_view_position(&all, f->vertex[v], f->position + 3 * v);
-        take_changed(f);
-        mark_flat(f, &f->around_change);
-        /* Of all of them: vertices meet wherever triangles are. */
-        BVXI_TRY(mark_common_places(f, &f->near));
-        BVXI_TRY(mark_crossings(f, &f->around_change));
-        if (f->marked == 0) return BVX_OK;
-        step_back(f, round);
-    }
-}
-
 /* Aim the vertices of one body's thin walls. */
 static bvx_status aim_at_body(flatten_job *f, int32_t body)
 {
@@ -497,28 +464,38 @@ static bvx_status aim_at_body(flatten_job *f, int32_t body)
     return status;
 }
 
-static bvx_status aim_vertices(flatten_job *f)
-{
-    /* Vertices are shared by pieces, each with its own hint. */
-    uint64_t const pieces = f->mesh->vertex_count / FLATTEN_GRAIN + 1;
-
-    f->pieces = pieces < FLATTEN_PIECES ? (int32_t)pieces : FLATTEN_PIECES;
-    BVXI_TRY(bvxi_alloc_zero(f->ctx, BVXI_SCRATCH, f->count * sizeof *f->moved, "the vertices of thin walls",
-                             &f->moved));
-    for (uint64_t n = 0; n < f->count; n++) {
-        f->moved[n].distance = -1;
-        f->moved[n].changed = 1;
-    }
-    for (int32_t b = 0; b < f->body_count; b++) BVXI_TRY(aim_at_body(f, b));
-    return BVX_OK;
-}
-
 static bvx_status move_around(flatten_job *f)
 {
     BVXI_TRY(bvxi_alloc_zero(f->ctx, BVXI_SCRATCH, f->mesh->vertex_count * 4,
                              "the vertices around thin walls", &f->local));
     BVXI_TRY(open_around(f));
-    return move_vertices(f);
+
+    bvx_mesh_view all;
+
+    for (int32_t round = 0;; round++) {
+        /* From the start, so that a step back replaces the way before. */
+        for (uint64_t n = 0; n < f->count; n++) write_position(f, &f->moved[n]);
+        if (round > FLATTEN_ROUNDS) return BVX_OK;
+        bvx_mesh_view_of(f->mesh, &all);
+        for (uint64_t v = 0; v < f->near.vertex_count; v++)
+            bvxi_view_position(&all, f->vertex[v], f->position + 3 * v);
+        take_changed(f);
+        mark_flat(f, &f->around_change);
+        /* Of all of them: vertices meet wherever triangles are. */
+        BVXI_TRY(mark_common_places(f, &f->near));
+
+        const bvx_mesh_view *const view = &f->around_change;
+        bvx_context *const ctx = f->ctx;
+        uint64_t count;
+        uint32_t *pairs;
+
+        BVXI_TRY(bvxi_crossing_pairs(ctx, view, UINT64_MAX, &pairs, &count));
+        for (uint64_t n = 0; n < 2 * count; n++) mark_triangle(f, f->part[pairs[n]]);
+        bvxi_drop(ctx, pairs);
+
+        if (f->marked == 0) return BVX_OK;
+        step_back(f, round);
+    }
 }
 
 bvx_status bvxi_move_apart(bvx_context *ctx, const char *function, const bvx_grid *window, uint32_t *number,
@@ -561,6 +538,19 @@ bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_
     /* Which vertices, then where to, then what lies around them; then they move. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices beside thin walls", &f.number));
     f.count = list_moved(&f);
-    if (f.count != 0) BVXI_TRY(aim_vertices(&f));
+
+    if (f.count != 0) {
+        /* Vertices are shared by pieces, each with its own hint. */
+        uint64_t const pieces = f.mesh->vertex_count / FLATTEN_GRAIN + 1;
+
+        f.pieces = pieces < FLATTEN_PIECES ? (int32_t)pieces : FLATTEN_PIECES;
+        BVXI_TRY(bvxi_alloc_zero(f.ctx, BVXI_SCRATCH, f.count * sizeof *f.moved, "the vertices of thin walls",
+                                 &f.moved));
+        for (uint64_t n = 0; n < f.count; n++) {
+            f.moved[n].distance = -1;
+            f.moved[n].changed = 1;
+        }
+        for (int32_t b = 0; b < f.body_count; b++) BVXI_TRY(aim_at_body(&f, b));
+    }
     return bvxi_scratch_end(ctx, mark, f.count != 0 ? move_around(&f) : BVX_OK);
 }

@@ -481,23 +481,6 @@ static bvx_status fill_and_weigh(inspect_job *job)
     return BVX_OK;
 }
 
-static bvx_status inspect_steps(inspect_job *job)
-{
-    double const *const spacing = job->report.lattice.spacing;
-
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.3, BVXI_SCOPE(job->ctx, judge_mesh(job))));
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.3, 0.5, fill_and_weigh(job)));
-    job->step = job->scale * (spacing[0] < spacing[1] ? spacing[0] : spacing[1]);
-    if (job->scale * spacing[2] < job->step) job->step = job->scale * spacing[2];
-    if (job->step < job->longest * INSPECT_STEP) job->step = job->longest * INSPECT_STEP;
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.5, 0.9, measure_walls(job)));
-    for (int kind = BVX_FINDING_WALL; kind <= BVX_FINDING_GAP; kind++)
-        BVXI_TRY(BVXI_SHARE(job->ctx, 0.9 + 0.02 * kind, 0.92 + 0.02 * kind,
-                            BVXI_SCOPE(job->ctx, list_marks(job, kind))));
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.94, 0.96, BVXI_SCOPE(job->ctx, list_cavities(job))));
-    return BVXI_SHARE(job->ctx, 0.96, 1.0, turn_and_list(job));
-}
-
 static const bvxi_option inspect_rows_of[] = {
     BVXI_RESERVED(bvx_inspect_options, fit.reserved),
     BVXI_OR(bvx_inspect_options, density, ABOVE, 1.0, 0.0, BVXI_FINITE),
@@ -531,7 +514,21 @@ static bvx_status run_inspect(bvx_context *ctx, const bvx_mesh_view *mesh, const
         if ((high[a] - low[a]) * job.scale > job.longest) job.longest = (high[a] - low[a]) * job.scale;
     job.report.least_thickness = job.report.least_gap = HUGE_VAL;
     for (uint64_t v = 0; v < mesh->vertex_count && o->thickness != NULL; v++) o->thickness[v] = HUGE_VAL;
-    BVXI_TRY(inspect_steps(&job));
+
+    double const *const spacing = job.report.lattice.spacing;
+
+    BVXI_TRY(BVXI_SHARE(job.ctx, 0.0, 0.3, BVXI_SCOPE(job.ctx, judge_mesh(&job))));
+    BVXI_TRY(BVXI_SHARE(job.ctx, 0.3, 0.5, fill_and_weigh(&job)));
+    job.step = job.scale * (spacing[0] < spacing[1] ? spacing[0] : spacing[1]);
+    if (job.scale * spacing[2] < job.step) job.step = job.scale * spacing[2];
+    if (job.step < job.longest * INSPECT_STEP) job.step = job.longest * INSPECT_STEP;
+    BVXI_TRY(BVXI_SHARE(job.ctx, 0.5, 0.9, measure_walls(&job)));
+    for (int kind = BVX_FINDING_WALL; kind <= BVX_FINDING_GAP; kind++)
+        BVXI_TRY(BVXI_SHARE(job.ctx, 0.9 + 0.02 * kind, 0.92 + 0.02 * kind,
+                            BVXI_SCOPE(job.ctx, list_marks(&job, kind))));
+    BVXI_TRY(BVXI_SHARE(job.ctx, 0.94, 0.96, BVXI_SCOPE(job.ctx, list_cavities(&job))));
+    BVXI_TRY(BVXI_SHARE(job.ctx, 0.96, 1.0, turn_and_list(&job)));
+
     *report = job.report;
     return BVX_OK;
 }

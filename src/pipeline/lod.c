@@ -159,30 +159,6 @@ static void report_lod(const lod_job *job, const level_work *w, const bvx_mesh *
     report->searched = job->searched;
 }
 
-/* Collapse the edges of a level that was made with more triangles than it may have. */
-static bvx_status collapse_level(bvx_context *ctx, const lod_job *job, const bvx_mesh *fine, bvx_mesh *mesh)
-{
-    uint64_t const target = job->options->target_triangles[job->level];
-    bvx_mesh_view view;
-    bvxi_level_chain chain = {
-        .function = lod_name,
-        .original = &view,
-        .targets.triangles = &target,
-        .halve_from = fine->triangle_count,
-        .collapse = {.given.position_type = fine->position_type, .even = BVXI_EVEN, .simple = 1},
-        .count = 1,
-        .levels = mesh};
-
-    bvx_mesh_view_of(fine, &view);
-    BVXI_TRY(bvxi_levels_make(ctx, &chain, &view, NULL));
-    if (mesh->triangle_count > target)
-        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
-                             "%s: level %i asks for at most %u triangles; collapsing its %u ends at %u",
-                             lod_name, level_number(job), target, fine->triangle_count, mesh->triangle_count);
-    memcpy(mesh->frame, fine->frame, sizeof mesh->frame);
-    return BVX_OK;
-}
-
 /* Extract into scratch, with the positions that the level will have; collapse to the target. */
 static bvx_status fill_collapsed(bvx_context *ctx, const lod_job *job, bvxi_march *march, bvx_mesh *mesh)
 {
@@ -197,7 +173,27 @@ static bvx_status fill_collapsed(bvx_context *ctx, const lod_job *job, bvxi_marc
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, fine.triangle_capacity * 12, "the triangles before collapse",
                         &fine.triangles));
     BVXI_TRY(bvxi_march_fill(ctx, march, &fine));
-    BVXI_TRY(collapse_level(ctx, job, &fine, mesh));
+
+    /* Collapse the edges of a level that was made with more triangles than it may have. */
+    uint64_t const target = job->options->target_triangles[job->level];
+    bvx_mesh_view view;
+    bvxi_level_chain chain = {
+        .function = lod_name,
+        .original = &view,
+        .targets.triangles = &target,
+        .halve_from = fine.triangle_count,
+        .collapse = {.given.position_type = fine.position_type, .even = BVXI_EVEN, .simple = 1},
+        .count = 1,
+        .levels = mesh};
+
+    bvx_mesh_view_of(&fine, &view);
+    BVXI_TRY(bvxi_levels_make(ctx, &chain, &view, NULL));
+    if (mesh->triangle_count > target)
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
+                             "%s: level %i asks for at most %u triangles; collapsing its %u ends at %u",
+                             lod_name, level_number(job), target, fine.triangle_count, mesh->triangle_count);
+    memcpy(mesh->frame, fine.frame, sizeof mesh->frame);
+
     bvxi_drop(ctx, fine.triangles);
     bvxi_drop(ctx, fine.positions);
     return BVX_OK;

@@ -25,20 +25,6 @@ typedef struct lods_plan {
     double corners[2][3];
 } lods_plan;
 
-static bvx_status check_planned_levels(bvx_context *ctx, const bvx_lod_options *o, uint64_t level_count)
-{
-    if ((o->resolutions != NULL) + (o->axis_resolutions != NULL) + (o->target_triangles != NULL) != 1)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                             "%s: give exactly one of resolutions, axis_resolutions and target_triangles",
-                             plan_lods_name);
-    if (!(o->collapse == 0 || (o->collapse >= 1 && o->collapse <= 64)))
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
-                             "%s: collapse %g is neither 0 nor from 1 to 64", plan_lods_name, o->collapse);
-    if (level_count == 0)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: level_count is 0", plan_lods_name);
-    return BVX_OK;
-}
-
 /* Samples along the longest axis of the level that has most. */
 static double finest_samples(const lods_plan *p)
 {
@@ -134,8 +120,19 @@ static bvx_status run_plan_lods(bvx_context *context, const bvx_mesh_view *mesh,
     if (options == NULL) return bvxi_fail_null(context, plan_lods_name, "options");
     if (resolution == NULL) return bvxi_fail_null(context, plan_lods_name, "resolution");
     BVXI_TRY(bvxi_take_options(context, plan_lods_name, options, &o, sizeof o));
+
     /* Checked here, as a plan needs only these options. */
-    BVXI_TRY(check_planned_levels(context, &o, level_count));
+    if ((o.resolutions != NULL) + (o.axis_resolutions != NULL) + (o.target_triangles != NULL) != 1)
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: give exactly one of resolutions, axis_resolutions and target_triangles",
+                             plan_lods_name);
+    if (!(o.collapse == 0 || (o.collapse >= 1 && o.collapse <= 64)))
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "%s: collapse %g is neither 0 nor from 1 to 64", plan_lods_name, o.collapse);
+    if (level_count == 0)
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: level_count is 0",
+                             plan_lods_name);
+
     if (padding < 0 || padding > 65536)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                              "%s: padding %d is not from 0 to 65536", plan_lods_name, (int64_t)padding);

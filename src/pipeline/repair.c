@@ -22,17 +22,6 @@ static const bvxi_option repair_rows[] = {
     BVXI_CHOICE(bvx_repair_options, thin, BVX_THIN_KEEP, BVX_THIN_SHELL),
 };
 
-static bvx_status check_repair_lattice(bvx_context *ctx, bvx_repair_options *o)
-{
-    /* A lattice has its resolution: nothing is left to look for. */
-    if (o->fit.lattice != NULL && o->target_triangles != 0)
-        return bvxi_fail_for(
-            ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-            "%s: target_triangles looks for a resolution, lattice gives one; take one of the two",
-            bvxi_repair_name);
-    return bvxi_check_fit(ctx, bvxi_repair_name, &o->fit);
-}
-
 /* ---- The resolution for a triangle count ---- */
 
 static bvx_status fill_at(bvxi_repair_job *job, int32_t resolution)
@@ -183,7 +172,15 @@ bvx_status bvxi_repair_known(bvx_context *context, const bvx_mesh_view *mesh, co
     BVXI_TRY(bvxi_view_check(context, bvxi_repair_name, mesh));
     BVXI_TRY(bvxi_view_apart(context, bvxi_repair_name, mesh, repaired));
     BVXI_TRY(bvxi_check_options(context, bvxi_repair_name, &o, BVXI_OPTIONS(repair_rows)));
-    BVXI_TRY(check_repair_lattice(context, &o));
+
+    /* A lattice has its resolution: nothing is left to look for. */
+    if (o.fit.lattice != NULL && o.target_triangles != 0)
+        return bvxi_fail_for(
+            context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+            "%s: target_triangles looks for a resolution, lattice gives one; take one of the two",
+            bvxi_repair_name);
+    BVXI_TRY(bvxi_check_fit(context, bvxi_repair_name, &o.fit));
+
     job.ctx = context;
     job.options = &o;
     job.given = mesh;

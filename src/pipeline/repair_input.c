@@ -53,25 +53,6 @@ static bvx_status turn_flipped(bvxi_repair_job *job, const double low[3], const 
     return BVX_OK;
 }
 
-/* Which of two opposite triangles is first is chance, so patches of an open mesh are turned to face outward;
- * one that has one side only does not count then. */
-static bvx_status choose_sign(bvxi_repair_job *job, const double low[3], const double high[3],
-                              const uint32_t *representative)
-{
-    int32_t sign = job->options->sign;
-
-    /* Winding numbers need triangles of one mind; where none were flipped only whole patches are turned. */
-    if (sign == BVX_FILL_AUTO) {
-        const bvx_certificate *const c = &job->report.before;
-
-        sign = BVX_FILL_WINDING;
-        if (c->flipped_edges != 0 || c->duplicates != 0 || (c->boundary_edges != 0 && c->components > 1))
-            BVXI_TRY(turn_flipped(job, low, high, representative, &sign));
-    }
-    job->report.sign = job->fill = sign;
-    return BVX_OK;
-}
-
 void bvxi_repair_view(const bvxi_repair_job *job, const uint32_t *corner, uint64_t count, bvx_mesh_view *view)
 {
     *view = *job->given;
@@ -202,25 +183,6 @@ static bvx_status turn_inside_out(bvxi_repair_job *job, const uint32_t *represen
     return BVX_OK;
 }
 
-/* Volumes of pieces by the marks given; closed ones that are inside out are turned. */
-static bvx_status judge_marked(bvxi_repair_job *job, const uint32_t *representative,
-                               const bvxi_piece_marks *by)
-{
-    const bvxi_patches *const known = &job->patches;
-    bvxi_mesh_piece *pieces = NULL;
-    uint64_t count;
-
-    BVXI_TRY(bvxi_mesh_pieces_open(job->ctx, &job->mesh, by, &job->report.before, &pieces, &count));
-    /* What an open piece encloses is not known. */
-    for (uint64_t n = 0; n < count && by->part != NULL; n++)
-        if (known->open[pieces[n].mark]) pieces[n].volume6 = 0;
-    if (known->open_edges == 0) job->facts.parts_volume = bvxi_mesh_pieces_volume(pieces, count);
-    if (job->options->sign == BVX_FILL_AUTO && count > 1)
-        BVXI_TRY(turn_inside_out(job, representative, by, pieces, count));
-    bvxi_drop(job->ctx, pieces);
-    return BVX_OK;
-}
-
 /* The pieces of the mesh; closed ones that are inside out are turned, and where all are closed, what they
  * would have together if none overlapped is known. */
 static bvx_status take_pieces(bvxi_repair_job *job, const uint32_t *representative)
@@ -238,7 +200,23 @@ static bvx_status take_pieces(bvxi_repair_job *job, const uint32_t *representati
     if (job->patches.part == NULL && c->nonmanifold_vertices != 0 && c->components > 1)
         BVXI_TRY(bvxi_patches_open(job->ctx, &job->mesh, representative, centre, 0, &job->patches));
     bvxi_piece_marks by = {.piece = job->piece, .part = job->patches.part};
-    if (job->report.sign != BVX_FILL_VOTE) BVXI_TRY(judge_marked(job, representative, &by));
+
+    if (job->report.sign != BVX_FILL_VOTE) {
+        /* Volumes of pieces by the marks given; closed ones that are inside out are turned. */
+        const bvxi_patches *const known = &job->patches;
+        bvxi_mesh_piece *pieces = NULL;
+        uint64_t count;
+
+        BVXI_TRY(bvxi_mesh_pieces_open(job->ctx, &job->mesh, &by, &job->report.before, &pieces, &count));
+        /* What an open piece encloses is not known. */
+        for (uint64_t n = 0; n < count && by.part != NULL; n++)
+            if (known->open[pieces[n].mark]) pieces[n].volume6 = 0;
+        if (known->open_edges == 0) job->facts.parts_volume = bvxi_mesh_pieces_volume(pieces, count);
+        if (job->options->sign == BVX_FILL_AUTO && count > 1)
+            BVXI_TRY(turn_inside_out(job, representative, &by, pieces, count));
+        bvxi_drop(job->ctx, pieces);
+    }
+
     bvxi_patches_close(job->ctx, &job->patches);
     return BVX_OK;
 }
@@ -258,7 +236,21 @@ bvx_status bvxi_repair_take(bvxi_repair_job *job)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' places", &representative));
     BVXI_TRY(check_given(job, low, high, representative));
     BVXI_TRY(drop_duplicates(job, representative));
-    BVXI_TRY(choose_sign(job, low, high, representative));
+
+    /* Which of two opposite triangles is first is chance, so patches of an open mesh are turned to face
+     * outward; one that has one side only does not count then. */
+    int32_t sign = job->options->sign;
+
+    /* Winding numbers need triangles of one mind; where none were flipped only whole patches are turned. */
+    if (sign == BVX_FILL_AUTO) {
+        const bvx_certificate *const c = &job->report.before;
+
+        sign = BVX_FILL_WINDING;
+        if (c->flipped_edges != 0 || c->duplicates != 0 || (c->boundary_edges != 0 && c->components > 1))
+            BVXI_TRY(turn_flipped(job, low, high, representative, &sign));
+    }
+    job->report.sign = job->fill = sign;
+
     BVXI_TRY(choose_sharp(job, representative));
     BVXI_TRY(take_pieces(job, representative));
     bvxi_drop(ctx, representative);

@@ -218,24 +218,6 @@ static void find_rods(const bvxi_repair_job *job, all_sums *sums)
     }
 }
 
-static void sum_areas(const bvxi_repair_job *job, all_sums *sums)
-{
-    double step[3];
-
-    /* A step of one voxel of the largest spacing along each axis. */
-    for (int a = 0; a < 3; a++) step[a] = bvxi_largest_spacing(&job->lattice) / job->lattice.spacing[a];
-    for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
-        double p[3][3], n[3];
-        piece_sums *piece;
-        double const length = normal_of(job, sums, t, &piece, p, n);
-        take_into_piece(piece, (const double(*)[3])p);
-        if (!(length > 0)) continue;
-        piece->area += 0.5 * length;
-        if (has_solid_behind(&job->solid, step, (const double(*)[3])p, n, length))
-            piece->kept += 0.5 * length;
-    }
-}
-
 /* The loops' vector areas go to their pieces. */
 static void sum_loops(const bvxi_repair_job *job, const bvxi_holes *holes, all_sums *sums)
 {
@@ -452,7 +434,22 @@ bvx_status bvxi_repair_part(bvxi_repair_job *job)
     job->facts.thin_shelled = 0;
     if (job->options->shell == 0) return BVX_OK;
     BVXI_TRY(open_sums(job, &sums));
-    sum_areas(job, &sums);
+
+    double step[3];
+
+    /* A step of one voxel of the largest spacing along each axis. */
+    for (int a = 0; a < 3; a++) step[a] = bvxi_largest_spacing(&job->lattice) / job->lattice.spacing[a];
+    for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
+        double p[3][3], n[3];
+        piece_sums *piece;
+        double const length = normal_of(job, &sums, t, &piece, p, n);
+        take_into_piece(piece, (const double(*)[3])p);
+        if (!(length > 0)) continue;
+        piece->area += 0.5 * length;
+        if (has_solid_behind(&job->solid, step, (const double(*)[3])p, n, length))
+            piece->kept += 0.5 * length;
+    }
+
     find_rods(job, &sums);
     BVXI_TRY(sum_lids(job, &sums));
     BVXI_TRY(join_open_pieces(job, &sums));

@@ -10,27 +10,6 @@
 
 /* ---- Closest points ---- */
 
-/* The union of body and shell: signed distances, the lesser one's value. */
-static void join_values(const bvxi_repair_job *job, const bvxi_sparse *v, double thick,
-                        const bvxi_sparse *sheets)
-{
-    double *const vectors = v->vectors, *const distances = v->distances;
-    uint64_t const words = bvxi_grid_words(&v->where);
-    uint64_t n = 0;
-
-    for (uint64_t i = 0; i < words; i++)
-        for (uint64_t bits = v->where.words[i]; bits != 0; bits &= bits - 1, n++) {
-            int const inside = (int)(job->solid.words[i] >> bvxi_lowest(bits) & 1);
-            double const body = job->body.triangle_count == 0 ? 1e300 : inside ? -distances[n] : distances[n];
-            double shell[3], distance = ((const double *)sheets->distances)[n];
-            memcpy(shell, (const double *)sheets->vectors + 3 * n, sizeof shell);
-            bvxi_thin_value(thick, shell, &distance); /* half its thickness off the sheet */
-            if (body <= distance) continue;
-            memcpy(vectors + 3 * n, shell, sizeof shell);
-            distances[n] = distance;
-        }
-}
-
 static bvx_status measure_with_shells(bvxi_repair_job *job, const bvxi_sparse *v)
 {
     double const thick = 0.5 * job->options->shell * bvxi_largest_spacing(&job->lattice);
@@ -40,7 +19,23 @@ static bvx_status measure_with_shells(bvxi_repair_job *job, const bvxi_sparse *v
 
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.5, 1.0,
                         bvxi_measure_ends(job->ctx, bvxi_repair_name, &job->sheets, thick, &sheets)));
-    join_values(job, v, thick, &sheets);
+
+    /* The union of body and shell: signed distances, the lesser one's value. */
+    double *const vectors = v->vectors, *const distances = v->distances;
+    uint64_t const words = bvxi_grid_words(&v->where);
+    uint64_t n = 0;
+
+    for (uint64_t i = 0; i < words; i++)
+        for (uint64_t bits = v->where.words[i]; bits != 0; bits &= bits - 1, n++) {
+            int const inside = (int)(job->solid.words[i] >> bvxi_lowest(bits) & 1);
+            double const body = job->body.triangle_count == 0 ? 1e300 : inside ? -distances[n] : distances[n];
+            double shell[3], distance = ((const double *)sheets.distances)[n];
+            memcpy(shell, (const double *)sheets.vectors + 3 * n, sizeof shell);
+            bvxi_thin_value(thick, shell, &distance); /* half its thickness off the sheet */
+            if (body <= distance) continue;
+            memcpy(vectors + 3 * n, shell, sizeof shell);
+            distances[n] = distance;
+        }
     return BVX_OK;
 }
 

@@ -91,22 +91,6 @@ static int is_on_bar(const bar_job *b, const double p[3], const double n[3])
     return 1;
 }
 
-static void sum_bar_areas(bar_job *b)
-{
-    for (uint64_t t = 0; t < b->surface->triangle_count; t++) {
-        const double *p[3];
-        double n[3], size;
-
-        bar_triangle(b, t, p, n);
-        size = bvxi_vec_length(n);
-        for (int k = 0; k < 3; k++) {
-            double *const sum = b->sums + 4 * (uint64_t)bar_corners(b, t)[k];
-            for (int a = 0; a < 3; a++) sum[a] += n[a];
-            sum[3] += size;
-        }
-    }
-}
-
 /* Number the bent vertices of bars. What is rough has points like these: of a vertex's triangles a third have
  * such vertices only. */
 static void number_bars(bar_job *b)
@@ -161,7 +145,19 @@ static bvx_status find_bars(bvx_context *ctx, bar_job *b)
         for (int a = 0; a < 3; a++) p[a] = (p[a] + b->surface->frame[a] - l->origin[a]) / l->spacing[a];
     }
 
-    sum_bar_areas(b);
+    for (uint64_t t = 0; t < b->surface->triangle_count; t++) {
+        const double *p[3];
+        double n[3], size;
+
+        bar_triangle(b, t, p, n);
+        size = bvxi_vec_length(n);
+        for (int k = 0; k < 3; k++) {
+            double *const sum = b->sums + 4 * (uint64_t)bar_corners(b, t)[k];
+            for (int a = 0; a < 3; a++) sum[a] += n[a];
+            sum[3] += size;
+        }
+    }
+
     number_bars(b);
     if (b->count == 0) return BVX_OK;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, b->count * sizeof *b->bar, "the bars' vertices", &b->bar));

@@ -296,11 +296,18 @@ static bvx_status find_nearest_pieces(crumb_job *job, int32_t s, const bvx_mesh_
     return BVX_OK;
 }
 
-/* Among the triangles beside small parts: nearly every part has its piece there, and what lies within reach is
- * nearer than all that is not there. What crumb_beside looks at is within reach, too, so all before small parts are
- * counted. */
-static bvx_status find_pieces_beside(crumb_job *job, double reach, double *distance)
+static bvx_status ask_meshes(crumb_job *job)
 {
+    double const reach = 2.0 * bvxi_largest_spacing(&job->inside->lattice);
+    double *distance;
+    uint64_t far = 0;
+
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->spaces.count * 8, "the parts' distances", &distance));
+    for (uint64_t n = 0; n < job->spaces.count; n++) distance[n] = HUGE_VAL;
+
+    /* Among the triangles beside small parts: nearly every part has its piece there, and what lies within
+     * reach is nearer than all that is not there. What crumb_beside looks at is within reach, too, so all
+     * before small parts are counted. */
     for (int32_t s = 0; s < job->sources; s++) {
         bvx_mesh_view near;
         uint32_t *corner;
@@ -316,18 +323,7 @@ static bvx_status find_pieces_beside(crumb_job *job, double reach, double *dista
         }
         bvxi_drop(job->ctx, corner);
     }
-    return BVX_OK;
-}
 
-static bvx_status ask_meshes(crumb_job *job)
-{
-    double const reach = 2.0 * bvxi_largest_spacing(&job->inside->lattice);
-    double *distance;
-    uint64_t far = 0;
-
-    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->spaces.count * 8, "the parts' distances", &distance));
-    for (uint64_t n = 0; n < job->spaces.count; n++) distance[n] = HUGE_VAL;
-    BVXI_TRY(find_pieces_beside(job, reach, distance));
     for (uint64_t n = 0; n < job->spaces.count; n++) {
         int const is_far = job->part[n].small && !(distance[n] <= reach);
         if (is_far) distance[n] = HUGE_VAL;

@@ -13,8 +13,7 @@
  *
  * Bit budget (lattice.h). Corners relative to the centre lie within 1.5 * 2^30, half <= 2^28, slopes are
  * differences of corners below 2^31. Edges: 4.5 * 2^60 + 2 * 2^59 < 2^63. The plane: components of the normal
- * below 2^63, three products with corners and three steps below 2^97 in 128 bits; in 64 bits when the
- * triangle is small enough for its distance.
+ * below 2^63, three products with corners and three steps below 2^97 in 128 bits.
  * Guarantee: exact for every triangle that touches the cube, also without area, also far larger than it. */
 
 /* Octants with s = 0 and with s = 1 along each axis. */
@@ -22,25 +21,19 @@ static const uint8_t child_half[3][2] = {{0x55, 0xaa}, {0x33, 0xcc}, {0x0f, 0xf0
 
 /* Octants whose box the triangle's box meets: its box meets the cube, so the cube's middle planes alone part
  * them. *held becomes 1 when the cube holds all of the triangle. */
-static inline uint32_t children_of_box(const int32_t (*p)[3], int32_t half, int *held, int64_t *spread,
-                                       int64_t *reach)
+static inline uint32_t children_of_box(const int32_t (*p)[3], int32_t half, int *held)
 {
     uint32_t mask = 255;
     int inside = 1;
 
-    *spread = 0;
-    *reach = half;
     for (int a = 0; a < 3; a++) {
         int32_t const u = p[0][a], v = p[1][a], w = p[2][a];
         int32_t const uv = u < v ? u : v, UV = u < v ? v : u;
         int32_t const least = uv < w ? uv : w, most = UV > w ? UV : w;
-        int64_t const far = (int64_t)most > -(int64_t)least ? (int64_t)most : -(int64_t)least;
 
         /* A box that touches the middle plane meets the octants on both sides: boxes are closed. */
         mask &= (least <= 0 ? (uint32_t)child_half[a][0] : 0) | (most >= 0 ? (uint32_t)child_half[a][1] : 0);
         inside &= least >= -half && most <= half;
-        if ((int64_t)most - least > *spread) *spread = (int64_t)most - least;
-        if (far > *reach) *reach = far;
     }
     *held = inside;
     return mask;
@@ -81,31 +74,19 @@ static inline uint32_t child_projection_misses(const int32_t (*p)[3], int u, int
     return missed;
 }
 
-/* Octants on one side of the plane. at: its value at the centre; step: what it gains along each axis within
- * half, not negative; grows: bit a where it grows towards + along axis a. */
-static inline uint32_t child_plane_misses(int64_t at, const int64_t step[3], uint32_t grows)
+/* In 128 bits, as few triangles come here. */
+static uint32_t children_beside_plane(const int32_t (*p)[3], int64_t half)
 {
-    int64_t sum[8];
+    int64_t u[3], v[3], n[3];
+    bvxi_wide at = {0};
     uint32_t missed = 0;
-    sum[0] = 0;
-    for (uint32_t k = 1; k < 8; k++)
-        sum[k] = (k & 1 ? step[0] : 0) + (k & 2 ? step[1] : 0) + (k & 4 ? step[2] : 0);
-    for (uint32_t o = 0; o < 8; o++) {
-        /* The best corner goes with the growing axes, the worst against them: both on one side, and the
-         * octant is beside. */
-        uint32_t const with = ~(o ^ grows) & 7;
-        missed |= (uint32_t)((at + sum[with] < 0) | (at - sum[7 ^ with] > 0)) << o;
+
+    for (int a = 0; a < 3; a++) {
+        u[a] = (int64_t)p[1][a] - p[0][a];
+        v[a] = (int64_t)p[2][a] - p[0][a];
     }
-    return missed;
-}
-
-static uint32_t child_plane_misses_wide(const int64_t n[3], const int32_t p[3], int64_t half)
-{
-    bvxi_wide at = bvxi_wide_mul(-n[0], p[0]);
-    uint32_t missed = 0;
-
-    at = bvxi_wide_add(at, bvxi_wide_mul(-n[1], p[1]));
-    at = bvxi_wide_add(at, bvxi_wide_mul(-n[2], p[2]));
+    for (int a = 0; a < 3; a++) n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
+    for (int a = 0; a < 3; a++) at = bvxi_wide_add(at, bvxi_wide_mul(-n[a], p[0][a]));
     for (uint32_t o = 0; o < 8; o++) {
         bvxi_wide most = at, least = at;
         for (int a = 0; a < 3; a++) {
@@ -118,32 +99,10 @@ static uint32_t child_plane_misses_wide(const int64_t n[3], const int32_t p[3], 
     return missed;
 }
 
-static uint32_t children_beside_plane(const int32_t (*p)[3], int64_t half, int64_t spread, int64_t reach)
-{
-    int64_t u[3], v[3], n[3];
-
-    for (int a = 0; a < 3; a++) {
-        u[a] = (int64_t)p[1][a] - p[0][a];
-        v[a] = (int64_t)p[2][a] - p[0][a];
-    }
-    for (int a = 0; a < 3; a++) n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
-
-    /* |n| <= 2 spread^2, so all sums stay below 6 spread^2 (reach + half) */
-    if ((double)spread * (double)spread * (double)(reach + half) < 1.5e18) {
-        int64_t const at = -(n[0] * p[0][0] + n[1] * p[0][1] + n[2] * p[0][2]);
-        int64_t step[3];
-        for (int a = 0; a < 3; a++) step[a] = (n[a] < 0 ? -n[a] : n[a]) * half;
-        return child_plane_misses(
-            at, step, (uint32_t)(n[0] > 0) | (uint32_t)(n[1] > 0) << 1 | (uint32_t)(n[2] > 0) << 2);
-    }
-    return child_plane_misses_wide(n, p[0], half);
-}
-
 uint32_t bvxi_children_touched(const int32_t (*p)[3], int32_t half)
 {
-    int64_t spread, reach;
     int held;
-    uint32_t mask = children_of_box(p, half, &held, &spread, &reach);
+    uint32_t mask = children_of_box(p, half, &held);
 
     /* Most triangles end here: of a voxel's list few reach over more than one middle plane. */
     if ((mask & (mask - 1)) == 0) return mask; /* the only octant left, and the cube is touched */
@@ -155,7 +114,7 @@ uint32_t bvxi_children_touched(const int32_t (*p)[3], int32_t half)
     mask &= ~child_projection_misses(p, 0, 2, half);
     mask &= ~child_projection_misses(p, 1, 2, half);
     if ((mask & (mask - 1)) == 0) return mask;
-    return mask & ~children_beside_plane(p, half, spread, reach);
+    return mask & ~children_beside_plane(p, half);
 }
 
 /* ---- The octants that each of many triangles touches, in doubles where these are sure ---- */

@@ -32,28 +32,6 @@ static int32_t levels_for(int32_t resolution, const bvx_refine_options *o)
     return levels;
 }
 
-static bvx_status check_choose_arguments(bvx_context *ctx, const bvx_refine_options *given,
-                                         bvx_refine_options *o)
-{
-    if (given == NULL) return bvxi_fail_null(ctx, choose_name, "options");
-    BVXI_TRY(bvxi_take_options(ctx, choose_name, given, o, sizeof *o));
-
-    /* The answer is written into the caller's struct, which an older header may have made shorter. */
-    if (given->struct_size < offsetof(bvx_refine_options, start_level))
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_OPTIONS, "%s: options have no room for levels",
-                             choose_name);
-    for (int a = 0; a < 3; a++)
-        if (o->window.size[a] < 0 || (o->window.size[a] == 0) != (o->window.size[0] == 0))
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the window's sides are %d, %d, %d", choose_name,
-                             (int64_t)o->window.size[0], (int64_t)o->window.size[1],
-                             (int64_t)o->window.size[2]);
-    if (!(o->tolerance >= 0) || !(o->tolerance - o->tolerance == 0))
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
-                             "%s: tolerance is %g; it must be 0 or more and finite", choose_name,
-                             o->tolerance);
-    return BVX_OK;
-}
-
 static bvx_status run_refine_choose(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,
                                     bvx_refine_options *options, bvx_lattice *base)
 {
@@ -61,7 +39,23 @@ static bvx_status run_refine_choose(bvx_context *context, const bvx_mesh_view *m
     bvx_lattice made;
 
     if (base == NULL) return bvxi_fail_null(context, choose_name, "base");
-    BVXI_TRY(check_choose_arguments(context, options, &o));
+
+    if (options == NULL) return bvxi_fail_null(context, choose_name, "options");
+    BVXI_TRY(bvxi_take_options(context, choose_name, options, &o, sizeof o));
+
+    /* The answer is written into the caller's struct, which an older header may have made shorter. */
+    if (options->struct_size < offsetof(bvx_refine_options, start_level))
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_OPTIONS,
+                             "%s: options have no room for levels", choose_name);
+    for (int a = 0; a < 3; a++)
+        if (o.window.size[a] < 0 || (o.window.size[a] == 0) != (o.window.size[0] == 0))
+            return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: the window's sides are %d, %d, %d", choose_name,
+                             (int64_t)o.window.size[0], (int64_t)o.window.size[1], (int64_t)o.window.size[2]);
+    if (!(o.tolerance >= 0) || !(o.tolerance - o.tolerance == 0))
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "%s: tolerance is %g; it must be 0 or more and finite", choose_name,
+                             o.tolerance);
+
     if (mesh != NULL && mesh->triangle_count == 0)
         return bvxi_fail(context, BVX_ERR_EMPTY, "%s: the mesh has no triangles", choose_name);
     /* Refuses meshes and resolutions that have no lattice. */

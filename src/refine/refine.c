@@ -99,18 +99,6 @@ static bvx_status take_refine_window(bvxi_refine_job *job, bvx_refine_options *o
     return BVX_OK;
 }
 
-static bvx_status last_lattice(bvx_context *ctx, const bvx_lattice *base, int32_t levels, bvx_lattice *last)
-{
-    double spacing[3];
-    int32_t dims[3];
-    /* Halving is exact in doubles. */
-    for (int a = 0; a < 3; a++) {
-        spacing[a] = base->spacing[a] / (double)((int32_t)1 << levels);
-        dims[a] = base->dims[a] << levels;
-    }
-    return bvx_lattice_make(ctx, base->origin, spacing, dims, last);
-}
-
 /* 1 when the window is less than an eighth of the lattice. */
 static int window_is_small(const bvxi_refine_job *job)
 {
@@ -216,7 +204,16 @@ static bvx_status run_refinement(bvxi_refine_job *job)
 
 static bvx_status refine_mesh(bvxi_refine_job *job, const bvx_lattice *base, bvx_refine_options *o)
 {
-    BVXI_TRY(last_lattice(job->ctx, base, o->levels, &job->tree->lattice));
+    bvx_lattice *const last = &job->tree->lattice;
+    double spacing[3];
+    int32_t dims[3];
+    /* Halving is exact in doubles. */
+    for (int a = 0; a < 3; a++) {
+        spacing[a] = base->spacing[a] / (double)((int32_t)1 << o->levels);
+        dims[a] = base->dims[a] << o->levels;
+    }
+    BVXI_TRY(bvx_lattice_make(job->ctx, base->origin, spacing, dims, last));
+
     BVXI_TRY(bvxi_snap(job->ctx, bvx_refine_name, job->view, &job->tree->lattice, &job->snapped));
     BVXI_TRY(take_refine_window(job, o));
 

@@ -197,8 +197,25 @@ static void place_children(void *user, int32_t index)
     }
 }
 
-static bvx_status open_next_front(bvx_context *ctx, level_job *job)
+void bvxi_refine_free_front(bvxi_refine_job *job, bvxi_refine_front *front)
 {
+    bvxi_drop(job->ctx, front->slot);
+    bvxi_drop(job->ctx, front->list);
+    bvxi_drop(job->ctx, front->offset);
+    bvxi_drop(job->ctx, front->ijk);
+    memset(front, 0, sizeof *front);
+}
+
+static bvx_status split_front(level_job *job, double from, double to)
+{
+    bvxi_refine_job *const refine = job->refine;
+    bvx_context *const ctx = refine->ctx;
+    BVXI_TRY(bvxi_octets_open(ctx, refine->front.count, bvxi_octet_words(refine->front.count),
+                              bvxi_refine_split_kind(refine, job->level + 1), job->octets));
+    BVXI_TRY(bvxi_each(ctx, "refine", from, (from + to) / 2, job->pieces, mark_octets, job));
+    bvxi_octets_count(job->octets);
+    if (job->last) return BVX_OK;
+
     bvxi_refine_front *const next = &job->next;
 
     next->count = bvxi_place_counts(job->children, (uint64_t)job->pieces);
@@ -219,29 +236,9 @@ static bvx_status open_next_front(bvx_context *ctx, level_job *job)
 
         next->offset[next->slots] = next->pairs;
     }
-    return bvxi_alloc(ctx, BVXI_SCRATCH, next->count * 4, "a level's parents",
-                      &job->refine->up[job->level + 1]);
-}
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, next->count * 4, "a level's parents",
+                        &job->refine->up[job->level + 1]));
 
-void bvxi_refine_free_front(bvxi_refine_job *job, bvxi_refine_front *front)
-{
-    bvxi_drop(job->ctx, front->slot);
-    bvxi_drop(job->ctx, front->list);
-    bvxi_drop(job->ctx, front->offset);
-    bvxi_drop(job->ctx, front->ijk);
-    memset(front, 0, sizeof *front);
-}
-
-static bvx_status split_front(level_job *job, double from, double to)
-{
-    bvxi_refine_job *const refine = job->refine;
-    bvx_context *const ctx = refine->ctx;
-    BVXI_TRY(bvxi_octets_open(ctx, refine->front.count, bvxi_octet_words(refine->front.count),
-                              bvxi_refine_split_kind(refine, job->level + 1), job->octets));
-    BVXI_TRY(bvxi_each(ctx, "refine", from, (from + to) / 2, job->pieces, mark_octets, job));
-    bvxi_octets_count(job->octets);
-    if (job->last) return BVX_OK;
-    BVXI_TRY(open_next_front(ctx, job));
     job->up = refine->up[job->level + 1];
     return bvxi_each(ctx, "refine", (from + to) / 2, to, job->pieces, place_children, job);
 }

@@ -111,28 +111,6 @@ static inline uint64_t reach_down(uint64_t g, uint64_t p)
     return g | (p & g >> 32);
 }
 
-/* Fill a row's runs that hold outside bits. */
-static void fill_base_row(const states_job *job, uint64_t row)
-{
-    uint64_t const begin = row * (uint64_t)job->row_words, end = begin + (uint64_t)job->row_words;
-    uint64_t *const outside = job->tree->root.outside;
-    uint64_t carry = 0;
-
-    for (uint64_t i = begin; i < end; i++) {
-        uint64_t const empty = empty_of_row(job, i);
-        outside[i] = reach_up(outside[i] | (carry & empty), empty);
-        carry = outside[i] >> 63;
-    }
-
-    /* And back, for what lies below an outside voxel of its run. */
-    carry = 0;
-    for (uint64_t i = end; i-- > begin;) {
-        uint64_t const empty = empty_of_row(job, i);
-        outside[i] = reach_down(outside[i] | (carry << 63 & empty), empty);
-        carry = outside[i] & 1;
-    }
-}
-
 /* Face d of base voxels that are split is exposed: bits of one word. */
 static void expose_base_octets(states_job *job, uint64_t word, uint64_t bits, int d)
 {
@@ -163,7 +141,26 @@ static void work_on_row(states_job *job, uint64_t row)
 
     /* Off the list first, so that it can be listed again by what it changes. */
     job->row_in_list[row] = 0;
-    fill_base_row(job, row);
+
+    /* Fill a row's runs that hold outside bits. */
+    uint64_t const begin = row * (uint64_t)job->row_words, end = begin + (uint64_t)job->row_words;
+    uint64_t *const outside = job->tree->root.outside;
+    uint64_t carry = 0;
+
+    for (uint64_t i = begin; i < end; i++) {
+        uint64_t const empty = empty_of_row(job, i);
+        outside[i] = reach_up(outside[i] | (carry & empty), empty);
+        carry = outside[i] >> 63;
+    }
+
+    /* And back, for what lies below an outside voxel of its run. */
+    carry = 0;
+    for (uint64_t i = end; i-- > begin;) {
+        uint64_t const empty = empty_of_row(job, i);
+        outside[i] = reach_down(outside[i] | (carry << 63 & empty), empty);
+        carry = outside[i] & 1;
+    }
+
     for (uint64_t i = 0; i < (uint64_t)job->row_words; i++) {
         uint64_t const news = job->tree->root.outside[first + i] & ~job->passed[first + i];
         if (news == 0) continue;

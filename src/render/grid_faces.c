@@ -76,32 +76,6 @@ static void extent_of_rows(void *user, int32_t index, uint64_t begin, uint64_t e
     s->extent[index] = e;
 }
 
-static bvx_status fit_kept_voxels(bvx_context *ctx, bvxi_grid_scene *s)
-{
-    bvxi_camera_extent all = bvxi_camera_nothing;
-
-    for (int a = 0; a < 3; a++)
-        if (s->begin[a] == s->end[a])
-            return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the cut leaves no voxel", s->picture.function);
-    s->pieces = bvxi_piece_count(bvxi_kept_rows(s->begin, s->end), GRID_GRAIN);
-    uint64_t const size = (uint64_t)s->pieces * sizeof *s->extent;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "the picture's extents", &s->extent));
-    BVXI_TRY(bvxi_for_pieces(ctx, "render", 0.0, 0.1, s->pieces, bvxi_kept_rows(s->begin, s->end),
-                             extent_of_rows, s));
-    for (int32_t i = 0; i < s->pieces; i++) bvxi_camera_extent_join(&all, &s->extent[i]);
-    bvxi_drop(ctx, s->extent);
-
-    if (all.low[0] > all.high[0])
-        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no voxel is set%s", s->picture.function,
-                         bvxi_kept_rows(s->begin, s->end) < bvxi_grid_rows(s->grid) ||
-                                 s->end[0] - s->begin[0] < s->grid->size[0]
-                             ? " where the cut leaves any"
-                             : "");
-    bvxi_camera_show(&s->picture.camera, s->picture.options.camera.show, &all);
-    bvxi_camera_fit(&s->picture.camera, &all, s->picture.raster.width, s->picture.raster.height);
-    return BVX_OK;
-}
-
 /* ---- the lattice in the frame ---- */
 
 static void look_at_grid(bvxi_grid_scene *s)
@@ -361,7 +335,29 @@ bvx_status bvxi_grid_scene_fit(bvx_context *ctx, bvxi_grid_scene *scene)
     const bvx_render_options *const o = &scene->picture.options;
     bvxi_grid_cut(scene->grid, o->cut.low, o->cut.high, scene->begin, scene->end);
     look_at_grid(scene);
-    BVXI_TRY(fit_kept_voxels(ctx, scene));
+
+    bvxi_camera_extent all = bvxi_camera_nothing;
+
+    for (int a = 0; a < 3; a++)
+        if (scene->begin[a] == scene->end[a])
+            return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the cut leaves no voxel", scene->picture.function);
+    scene->pieces = bvxi_piece_count(bvxi_kept_rows(scene->begin, scene->end), GRID_GRAIN);
+    uint64_t const size = (uint64_t)scene->pieces * sizeof *scene->extent;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "the picture's extents", &scene->extent));
+    BVXI_TRY(bvxi_for_pieces(ctx, "render", 0.0, 0.1, scene->pieces, bvxi_kept_rows(scene->begin, scene->end),
+                             extent_of_rows, scene));
+    for (int32_t i = 0; i < scene->pieces; i++) bvxi_camera_extent_join(&all, &scene->extent[i]);
+    bvxi_drop(ctx, scene->extent);
+
+    if (all.low[0] > all.high[0])
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no voxel is set%s", scene->picture.function,
+                         bvxi_kept_rows(scene->begin, scene->end) < bvxi_grid_rows(scene->grid) ||
+                                 scene->end[0] - scene->begin[0] < scene->grid->size[0]
+                             ? " where the cut leaves any"
+                             : "");
+    bvxi_camera_show(&scene->picture.camera, scene->picture.options.camera.show, &all);
+    bvxi_camera_fit(&scene->picture.camera, &all, scene->picture.raster.width, scene->picture.raster.height);
+
     place_grid(scene);
     return BVX_OK;
 }

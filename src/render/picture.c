@@ -19,18 +19,6 @@ static bvx_status check_picture_direction(bvx_context *ctx, const char *function
     return BVX_OK;
 }
 
-static bvx_status check_picture_view(bvx_context *ctx, const char *function, const bvx_render_options *o)
-{
-    BVXI_TRY(check_picture_direction(ctx, function, "direction", o->camera.direction));
-    BVXI_TRY(check_picture_direction(ctx, function, "up", o->camera.up));
-    for (int a = 0; a < 2; a++)
-        if (!(o->camera.show[a] >= 0.0) || o->camera.show[a] - o->camera.show[a] != 0.0)
-            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
-                                 "%s: show is %g, %g; both must be 0 or more, and finite", function,
-                                 o->camera.show[0], o->camera.show[1]);
-    return BVX_OK;
-}
-
 static const bvxi_option picture_rows[] = {
     BVXI_OR(bvx_render_options, width, WHOLE, 1024, 1, PICTURE_SIDE),
     BVXI_OR(bvx_render_options, height, WHOLE, 768, 1, PICTURE_SIDE),
@@ -77,7 +65,14 @@ static bvx_status take_picture_options(bvx_context *ctx, const char *function,
                                  "%s: the cut from %g to %g along %s is not a range", function,
                                  options->cut.low[a], options->cut.high[a], axis[a]);
 
-    return check_picture_view(ctx, function, options);
+    BVXI_TRY(check_picture_direction(ctx, function, "direction", options->camera.direction));
+    BVXI_TRY(check_picture_direction(ctx, function, "up", options->camera.up));
+    for (int a = 0; a < 2; a++)
+        if (!(options->camera.show[a] >= 0.0) || options->camera.show[a] - options->camera.show[a] != 0.0)
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                                 "%s: show is %g, %g; both must be 0 or more, and finite", function,
+                                 options->camera.show[0], options->camera.show[1]);
+    return BVX_OK;
 }
 
 bvx_status bvxi_picture_open(bvx_context *ctx, const char *function, const bvx_render_options *options,

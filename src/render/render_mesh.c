@@ -80,25 +80,6 @@ static void extent_of_piece(void *user, int32_t index, uint64_t begin, uint64_t 
     s->extent[index] = e;
 }
 
-static bvx_status fit_scene(bvx_context *ctx, mesh_scene *s)
-{
-    bvxi_camera_extent all = bvxi_camera_nothing;
-
-    /* Extents of pieces are joined afterwards: neither their number nor their order shows. */
-    s->pieces = bvxi_piece_count(s->view->triangle_count, SCENE_GRAIN);
-    uint64_t const size = (uint64_t)s->pieces * sizeof *s->extent;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "the picture's extents", &s->extent));
-    BVXI_TRY(
-        bvxi_for_pieces(ctx, "render", 0.0, 0.05, s->pieces, s->view->triangle_count, extent_of_piece, s));
-    for (int32_t i = 0; i < s->pieces; i++) bvxi_camera_extent_join(&all, &s->extent[i]);
-    bvxi_drop(ctx, s->extent);
-    if (all.low[0] > all.high[0])
-        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the cut leaves nothing", s->picture.function);
-    bvxi_camera_show(&s->picture.camera, s->picture.options.camera.show, &all);
-    bvxi_camera_fit(&s->picture.camera, &all, s->picture.raster.width, s->picture.raster.height);
-    return BVX_OK;
-}
-
 /* ---- vertices ---- */
 
 /* Vertices that no triangle uses may lie anywhere; the range keeps them harmless. */
@@ -400,7 +381,22 @@ static void see_mesh(const void *user, const bvxi_raster *raster, uint32_t id, i
 static bvx_status make_scene(bvx_context *ctx, mesh_scene *s)
 {
     int32_t const bands = (s->picture.options.height + BVXI_PICTURE_BAND - 1) / BVXI_PICTURE_BAND;
-    BVXI_TRY(fit_scene(ctx, s));
+
+    bvxi_camera_extent all = bvxi_camera_nothing;
+
+    /* Extents of pieces are joined afterwards: neither their number nor their order shows. */
+    s->pieces = bvxi_piece_count(s->view->triangle_count, SCENE_GRAIN);
+    uint64_t const size = (uint64_t)s->pieces * sizeof *s->extent;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "the picture's extents", &s->extent));
+    BVXI_TRY(
+        bvxi_for_pieces(ctx, "render", 0.0, 0.05, s->pieces, s->view->triangle_count, extent_of_piece, s));
+    for (int32_t i = 0; i < s->pieces; i++) bvxi_camera_extent_join(&all, &s->extent[i]);
+    bvxi_drop(ctx, s->extent);
+    if (all.low[0] > all.high[0])
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the cut leaves nothing", s->picture.function);
+    bvxi_camera_show(&s->picture.camera, s->picture.options.camera.show, &all);
+    bvxi_camera_fit(&s->picture.camera, &all, s->picture.raster.width, s->picture.raster.height);
+
     BVXI_TRY(place_vertices(ctx, s));
     BVXI_TRY(bvxi_triangle_bins_open(ctx, s->view->triangle_count, bands, bands_of_triangle, s, &s->bins));
     if (s->picture.options.smooth) BVXI_TRY(make_scene_normals(ctx, s));

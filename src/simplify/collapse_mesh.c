@@ -252,22 +252,6 @@ static int position_before(const double p[3], const double q[3])
     return p[2] != q[2] ? p[2] < q[2] : p[1] != q[1] ? p[1] < q[1] : p[0] < q[0];
 }
 
-/* Vertices of one key by their positions: there are hardly any. */
-static void order_equal_keys(collapse_order *o, uint64_t used)
-{
-    for (uint64_t i = 1; i < used; i++)
-        for (uint64_t j = i; j > 0 && o->key[j] == o->key[j - 1]; j--) {
-            double p[3], q[3];
-            uint32_t const swap = o->index[j];
-
-            bvxi_view_position(o->view, o->index[j], p);
-            bvxi_view_position(o->view, o->index[j - 1], q);
-            if (!position_before(p, q)) break;
-            o->index[j] = o->index[j - 1];
-            o->index[j - 1] = swap;
-        }
-}
-
 /* The corners of a triangle in the new order of vertices, the least one first, which keeps the sense; returns which
  * one that was. */
 static int ranked_triangle(const collapse_order *o, uint64_t t, uint32_t to[3])
@@ -422,7 +406,20 @@ static bvx_status take_mesh(bvxi_collapse *c, collapse_order *o)
 
     bvxi_ranges(c->ctx, bvxi_looking_pieces(c->ctx), o->view->vertex_count, keys_piece, o);
     BVXI_TRY(bvxi_radix_sort(c->ctx, o->key, o->index, used));
-    order_equal_keys(o, used);
+
+    /* Vertices of one key by their positions: there are hardly any. */
+    for (uint64_t i = 1; i < used; i++)
+        for (uint64_t j = i; j > 0 && o->key[j] == o->key[j - 1]; j--) {
+            double p[3], q[3];
+            uint32_t const swap = o->index[j];
+
+            bvxi_view_position(o->view, o->index[j], p);
+            bvxi_view_position(o->view, o->index[j - 1], q);
+            if (!position_before(p, q)) break;
+            o->index[j] = o->index[j - 1];
+            o->index[j - 1] = swap;
+        }
+
     bvxi_ranges(c->ctx, bvxi_piece_count(used, COLLAPSE_GRAIN), used, positions_piece, o);
     return order_triangles(c, o);
 }
@@ -492,8 +489,8 @@ static void add_plane(bvxi_corner_vertex *at, const double n[3], double weight)
         for (int j = i; j < 3; j++) at->q.a[index++] += weight * n[i] * n[j];
 }
 
-/* Each triangle's plane to those of its corners from begin to end, by area; b, 0 after add_lines, sums the triangles'
- * area normals. Its doubled area waits in a field that is not set yet. */
+/* Each triangle's plane to those of its corners from begin to end, by area; b, 0 once lines are added, sums
+ * the triangles' area normals. Its doubled area waits in a field that is not set yet. */
 BVXI_VECTOR_INLINE void add_planes(bvxi_collapse *c, uint64_t begin, uint64_t end)
 {
     const bvxi_corners *const m = &c->mesh;
@@ -533,10 +530,16 @@ BVXI_VECTOR_INLINE void add_planes(bvxi_collapse *c, uint64_t begin, uint64_t en
 
 BVXI_AVX2_COPY(add_planes_avx2, (bvxi_collapse * c, uint64_t begin, uint64_t end), add_planes(c, begin, end))
 
-/* The squared distance to the line through each vertex along its normal, b: to the vertex, less that along the
- * normal. */
-static void add_lines(bvxi_collapse *c, uint64_t begin, uint64_t end)
+/* The quadrics of some vertices, whose sums go in the order of triangles. */
+static void quadrics_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
+    bvxi_collapse *const c = user;
+
+    (void)piece;
+    BVXI_PATH(c->fast, add_planes(c, begin, end), add_planes_avx2(c, begin, end));
+
+    /* After it: the weight of lines is a share of that of planes. The squared distance to the line through
+     * each vertex along its normal, b: to the vertex, less that along the normal. */
     for (uint64_t v = begin; v < end; v++) {
         bvxi_corner_vertex *const at = &c->mesh.at[v];
         double const length = bvxi_vec_length(at->q.b);
@@ -552,17 +555,6 @@ static void add_lines(bvxi_collapse *c, uint64_t begin, uint64_t end)
         for (int i = 0; i < 3 && length > 0; i++)
             for (int j = i; j < 3; j++) at->q.a[index++] += weight * ((i == j) - n[i] * n[j]);
     }
-}
-
-/* The quadrics of some vertices, whose sums go in the order of triangles. */
-static void quadrics_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
-{
-    bvxi_collapse *const c = user;
-
-    (void)piece;
-    BVXI_PATH(c->fast, add_planes(c, begin, end), add_planes_avx2(c, begin, end));
-    /* After it: the weight of lines is a share of that of planes. */
-    add_lines(c, begin, end);
 }
 
 /* A plane upright on a triangle along one of its edges, to both ends of it. */

@@ -264,16 +264,6 @@ static void walk_fans_piece(void *user, int32_t piece, uint64_t begin, uint64_t 
     job->count[piece] = reached;
 }
 
-/* 1: the corners of every vertex are one fan, which is walked from any of them. */
-static int has_one_fan_each(bvx_context *ctx, bvxi_corners *m, edge_lists *lists)
-{
-    int32_t const pieces = bvxi_looking_pieces(ctx);
-    edge_job job = {.m = m, .lists = lists};
-
-    bvxi_ranges(ctx, pieces, m->vertices, walk_fans_piece, &job);
-    return bvxi_place_counts(job.count, (uint64_t)pieces) == 3 * m->triangles + 2 * m->ghosts;
-}
-
 /* ---- Borders ---- */
 
 static bvx_status grow_triangles(bvx_context *ctx, const char *function, bvxi_corners *m)
@@ -395,7 +385,14 @@ bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_cor
         put_ghosts(m);
         join_ghosts(m);
     }
-    int const one = has_one_fan_each(ctx, m, &lists);
+
+    /* 1: the corners of every vertex are one fan, which is walked from any of them. */
+    int32_t const pieces = bvxi_looking_pieces(ctx);
+    edge_job job = {.m = m, .lists = &lists};
+
+    bvxi_ranges(ctx, pieces, m->vertices, walk_fans_piece, &job);
+    int const one = bvxi_place_counts(job.count, (uint64_t)pieces) == 3 * m->triangles + 2 * m->ghosts;
+
     bvxi_drop(ctx, lists.wait);
     if (one) return BVX_OK;
     if (borders == BVXI_BORDERS_REFUSED)

@@ -16,36 +16,6 @@ bvx_status bvxi_collapse_number(bvxi_collapse *c, uint32_t **index)
     return BVX_OK;
 }
 
-/* Where each vertex of the mesh is after packing. */
-static bvx_status follow_vertices(bvxi_collapse *c, const uint32_t *moved)
-{
-    uint32_t *now = c->now;
-
-    if (now == NULL)
-        BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->first_vertices * 4, "vertices that went", &now));
-    for (uint64_t v = 0; v < c->first_vertices; v++) now[v] = moved[bvxi_collapse_now(c, (uint32_t)v)];
-    c->now = now;
-    return BVX_OK;
-}
-
-static void pack_vertices(bvxi_collapse *c, const uint32_t *moved)
-{
-    bvxi_corners *const m = &c->mesh;
-    uint64_t kept = 0;
-
-    for (uint64_t v = 0; v < m->vertices; v++) {
-        if (bvxi_collapse_is_gone(c, (uint32_t)v)) continue;
-        kept = moved[v];
-        m->at[kept] = m->at[v];
-        m->source[kept] = m->source[v];
-        c->kind[kept] = c->kind[v];
-        c->stale[kept] = c->stale[v];
-        if (c->came != NULL) c->came[kept] = c->came[v];
-    }
-    m->vertices = c->alive;
-    memset(c->last, 0xff, (size_t)m->vertices * sizeof *c->last);
-}
-
 /* Neighbours point both ways: where a triangle moves to, its neighbours point at once. What lies ahead is found there
  * when its turn comes, what lies behind has its new place already. */
 static void pack_triangles(bvxi_collapse *c, const uint32_t *moved)
@@ -78,9 +48,32 @@ bvx_status bvxi_collapse_pack(bvxi_collapse *c)
 
     if (3 * c->mesh.left > 2 * c->mesh.triangles) return BVX_OK;
     BVXI_TRY(bvxi_collapse_number(c, &moved));
-    BVXI_TRY(follow_vertices(c, moved));
+
+    /* Where each vertex of the mesh is after packing. */
+    uint32_t *now = c->now;
+
+    if (now == NULL)
+        BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->first_vertices * 4, "vertices that went", &now));
+    for (uint64_t v = 0; v < c->first_vertices; v++) now[v] = moved[bvxi_collapse_now(c, (uint32_t)v)];
+    c->now = now;
+
     pack_triangles(c, moved);
-    pack_vertices(c, moved);
+
+    bvxi_corners *const m = &c->mesh;
+    uint64_t kept = 0;
+
+    for (uint64_t v = 0; v < m->vertices; v++) {
+        if (bvxi_collapse_is_gone(c, (uint32_t)v)) continue;
+        kept = moved[v];
+        m->at[kept] = m->at[v];
+        m->source[kept] = m->source[v];
+        c->kind[kept] = c->kind[v];
+        c->stale[kept] = c->stale[v];
+        if (c->came != NULL) c->came[kept] = c->came[v];
+    }
+    m->vertices = c->alive;
+    memset(c->last, 0xff, (size_t)m->vertices * sizeof *c->last);
+
     bvxi_drop(c->ctx, moved);
     c->order = 0;
     bvxi_collapse_index(c);

@@ -121,32 +121,6 @@ static void settle_piece(void *user, int32_t piece)
     for (uint64_t i = begin; i < end; i++) ask_triangle(l->c, (l->first + i) * l->step, &l->asked[i]);
 }
 
-/* Every corner's part of what is asked, in the order of the mesh. Shares add up to one, so that their steps together
- * are no further from what is asked than before. */
-static bvx_status sum_asked(const bvxi_collapse *c, uint64_t step, bvxi_quadric *sum)
-{
-    uint64_t const total = (c->first_triangles + step - 1) / step;
-    settle_level l = {.c = c, .step = step};
-
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, SETTLE_BATCH * sizeof *l.asked, "what is asked", &l.asked));
-    for (; l.first < total; l.first += l.count) {
-        l.count = total - l.first < SETTLE_BATCH ? total - l.first : SETTLE_BATCH;
-        bvxi_tasks(c->ctx, bvxi_piece_count(l.count, SETTLE_GRAIN), settle_piece, &l);
-        for (const settle_asked *a = l.asked; a < l.asked + l.count; a++)
-            for (int k = 0; k < 3 && a->triangle >= 0; k++) {
-                bvxi_quadric *const q = &sum[c->mesh.triangle[a->triangle].vertex[k]];
-                int index = 0;
-
-                for (int i = 0; i < 3; i++) {
-                    for (int j = i; j < 3; j++) q->a[index++] += a->share[k] * a->n[i] * a->n[j];
-                    q->b[i] -= a->share[k] * a->way * a->n[i];
-                }
-            }
-    }
-    bvxi_drop(c->ctx, l.asked);
-    return BVX_OK;
-}
-
 static void move_vertex(bvxi_collapse *c, uint32_t v, const double p[3])
 {
     double way[3];
@@ -239,7 +213,29 @@ static bvx_status settle_nearest(bvxi_collapse *c)
         c->first_triangles < step * SETTLE_LEAST * c->alive)
         return BVX_OK;
     BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, m->vertices * sizeof *sum, "the vertices' steps", &sum));
-    BVXI_TRY(sum_asked(c, step, sum));
+
+    /* Every corner's part of what is asked, in the order of the mesh. Shares add up to one, so that their
+     * steps together are no further from what is asked than before. */
+    uint64_t const total = (c->first_triangles + step - 1) / step;
+    settle_level l = {.c = c, .step = step};
+
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, SETTLE_BATCH * sizeof *l.asked, "what is asked", &l.asked));
+    for (; l.first < total; l.first += l.count) {
+        l.count = total - l.first < SETTLE_BATCH ? total - l.first : SETTLE_BATCH;
+        bvxi_tasks(c->ctx, bvxi_piece_count(l.count, SETTLE_GRAIN), settle_piece, &l);
+        for (const settle_asked *a = l.asked; a < l.asked + l.count; a++)
+            for (int k = 0; k < 3 && a->triangle >= 0; k++) {
+                bvxi_quadric *const q = &sum[c->mesh.triangle[a->triangle].vertex[k]];
+                int index = 0;
+
+                for (int i = 0; i < 3; i++) {
+                    for (int j = i; j < 3; j++) q->a[index++] += a->share[k] * a->n[i] * a->n[j];
+                    q->b[i] -= a->share[k] * a->way * a->n[i];
+                }
+            }
+    }
+    bvxi_drop(c->ctx, l.asked);
+
     for (uint32_t v = 0; v < m->vertices; v++)
         if (!bvxi_collapse_is_gone(c, v) && c->kind[v] == 0) settle_vertex(c, v, &sum[v]);
     bvxi_drop(c->ctx, sum);

@@ -417,29 +417,6 @@ static uint64_t run_length(const sheet_work *w, uint64_t m, uint64_t *up)
     return end - m;
 }
 
-/* Those of a patch belong together where as many run up as down; of what remains, all. */
-static bvx_status order_sheet_crowd(sheet_work *w)
-{
-    for (uint64_t m = 0; m < w->crowded; m++) w->crowd[m] = (uint32_t)m;
-    BVXI_TRY(sort_crowd(w));
-    for (uint64_t m = 0, n, up; m < w->crowded; m += n) {
-        n = run_length(w, m, &up);
-        for (uint64_t i = m; i < m + n && 2 * up != n; i++) w->patch[w->crowd[i]] = NO_PATCH;
-    }
-
-    /* Around the edge; at one angle what closes an inside comes before what opens the next one. */
-    for (uint64_t m = 0; m < w->crowded; m++) {
-        double const angle = angle_of(w, w->at[m]);
-        uint64_t bits;
-
-        memcpy(&bits, &angle, sizeof bits);
-        w->order[m] = bits >> ANGLE_ROUNDING << 1 | (uint64_t)!runs_up(w, w->at[m]);
-        w->crowd[m] = (uint32_t)m;
-    }
-    BVXI_TRY(bvxi_radix_sort(w->ctx, w->order, w->crowd, w->crowded));
-    return sort_crowd(w);
-}
-
 /* ---- Pairs ---- */
 
 /* Two half-edges that run along an edge in opposite directions: their corners share vertices. */
@@ -472,14 +449,6 @@ static void pair_run(sheet_work *w, uint64_t m, uint64_t n)
     }
 }
 
-static void pair_crowd(sheet_work *w)
-{
-    for (uint64_t m = 0, n, up; m < w->crowded; m += n) {
-        n = run_length(w, m, &up);
-        if (2 * up == n) pair_run(w, m, n);
-    }
-}
-
 static void pair_edges(sheet_work *w)
 {
     for (uint32_t h = 0; h < 3 * w->triangles; h++) w->parent[h] = h;
@@ -488,7 +457,11 @@ static void pair_edges(sheet_work *w)
         if (n == 2 && runs_up(w, w->half[i]) != runs_up(w, w->half[i + 1]))
             join_halves(w, w->half[i], w->half[i + 1]);
     }
-    pair_crowd(w);
+
+    for (uint64_t m = 0, n, up; m < w->crowded; m += n) {
+        n = run_length(w, m, &up);
+        if (2 * up == n) pair_run(w, m, n);
+    }
 }
 
 /* 1: two pairs of a run have the same vertices at both ends, which no mesh of indices can tell apart. */
@@ -604,7 +577,26 @@ static bvx_status pair_and_split(sheet_work *w, bvxi_sheets *sheets)
 {
     if (w->crowded != 0) {
         BVXI_TRY(open_crowd(w));
-        BVXI_TRY(order_sheet_crowd(w));
+
+        /* Those of a patch belong together where as many run up as down; of what remains, all. */
+        for (uint64_t m = 0; m < w->crowded; m++) w->crowd[m] = (uint32_t)m;
+        BVXI_TRY(sort_crowd(w));
+        for (uint64_t m = 0, n, up; m < w->crowded; m += n) {
+            n = run_length(w, m, &up);
+            for (uint64_t i = m; i < m + n && 2 * up != n; i++) w->patch[w->crowd[i]] = NO_PATCH;
+        }
+
+        /* Around the edge; at one angle what closes an inside comes before what opens the next one. */
+        for (uint64_t m = 0; m < w->crowded; m++) {
+            double const angle = angle_of(w, w->at[m]);
+            uint64_t bits;
+
+            memcpy(&bits, &angle, sizeof bits);
+            w->order[m] = bits >> ANGLE_ROUNDING << 1 | (uint64_t)!runs_up(w, w->at[m]);
+            w->crowd[m] = (uint32_t)m;
+        }
+        BVXI_TRY(bvxi_radix_sort(w->ctx, w->order, w->crowd, w->crowded));
+        BVXI_TRY(sort_crowd(w));
     }
     bvxi_drop(w->ctx, w->link);
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->triangles * 12, "the corners' vertices", &w->parent));

@@ -341,28 +341,6 @@ static bvx_status hold_crossings(complex_round *r, uint64_t *count)
     return BVX_OK;
 }
 
-/* The complex as the round found it. */
-static void load_complex_round(complex_round *r)
-{
-    const bvx_mesh *const mesh = &r->from->mesh;
-    bvx_mesh_view view;
-
-    bvx_mesh_view_of(mesh, &view);
-    r->left = mesh->triangle_count;
-    memcpy(r->triangle, mesh->triangles, (size_t)mesh->triangle_count * 12);
-    memset(r->first, 0xff, (size_t)mesh->vertex_count * 4);
-    for (uint64_t c = 3 * mesh->triangle_count; c-- > 0;) {
-        r->next[c] = r->first[r->triangle[c]];
-        r->first[r->triangle[c]] = (uint32_t)c;
-    }
-    for (uint64_t v = 0; v < mesh->vertex_count; v++) {
-        bvxi_view_position(&view, v, r->at[v].p);
-        r->into[v] = (uint32_t)v;
-        r->fresh[v] = 0;
-    }
-    for (uint64_t v = 0; v < mesh->vertex_count; v++) line_quadric(r, (uint32_t)v);
-}
-
 /* Lines get longer edges as triangles get larger ones. What would cross is held, and all is done anew. */
 static bvx_status thin_junction_lines(complex_round *r, uint64_t target)
 {
@@ -371,7 +349,25 @@ static bvx_status thin_junction_lines(complex_round *r, uint64_t target)
     for (int tries = 0;; tries++) {
         uint64_t crossings = 0;
 
-        load_complex_round(r);
+        /* The complex as the round found it. */
+        const bvx_mesh *const mesh = &r->from->mesh;
+        bvx_mesh_view view;
+
+        bvx_mesh_view_of(mesh, &view);
+        r->left = mesh->triangle_count;
+        memcpy(r->triangle, mesh->triangles, (size_t)mesh->triangle_count * 12);
+        memset(r->first, 0xff, (size_t)mesh->vertex_count * 4);
+        for (uint64_t c = 3 * mesh->triangle_count; c-- > 0;) {
+            r->next[c] = r->first[r->triangle[c]];
+            r->first[r->triangle[c]] = (uint32_t)c;
+        }
+        for (uint64_t v = 0; v < mesh->vertex_count; v++) {
+            bvxi_view_position(&view, v, r->at[v].p);
+            r->into[v] = (uint32_t)v;
+            r->fresh[v] = 0;
+        }
+        for (uint64_t v = 0; v < mesh->vertex_count; v++) line_quadric(r, (uint32_t)v);
+
         if (tries == LINE_TRIES) return BVX_OK;
         BVXI_TRY(BVXI_SCOPE(r->ctx, collapse_lines(r, (uint64_t)(share * (double)list_lines(r, NULL)))));
         BVXI_TRY(BVXI_SCOPE(r->ctx, hold_crossings(r, &crossings)));

@@ -58,25 +58,6 @@ static void corner_places(const mesh_filter *w, uint64_t t, uint32_t c[3])
     for (int k = 0; k < 3; k++) c[k] = w->place[c[k]];
 }
 
-static bvx_status sort_half_edges(bvx_context *ctx, mesh_filter *w)
-{
-    uint64_t const triangles = w->view->triangle_count;
-
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, triangles * 24, "the half-edges", &w->key));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, triangles * 12, "the half-edges' numbers", &w->half));
-    for (uint64_t t = 0; t < triangles; t++) {
-        uint32_t c[3];
-        corner_places(w, t, c);
-        for (uint32_t k = 0; k < 3; k++) {
-            uint32_t const a = c[k], b = c[(k + 1) % 3];
-            if (a == b) continue;
-            w->key[w->edges] = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
-            w->half[w->edges++] = (uint32_t)(3 * t + k);
-        }
-    }
-    return bvxi_radix_sort(ctx, w->key, w->half, w->edges);
-}
-
 /* Whether the triangles of two half-edges of one edge turn by more than the angle. */
 static int turns_sharply(const mesh_filter *w, const uint32_t half[2])
 {
@@ -133,7 +114,22 @@ static bvx_status find_neighbours(bvx_context *ctx, mesh_filter *w)
 {
     uint64_t const vertices = w->view->vertex_count;
 
-    BVXI_TRY(sort_half_edges(ctx, w));
+    uint64_t const triangles = w->view->triangle_count;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, triangles * 24, "the half-edges", &w->key));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, triangles * 12, "the half-edges' numbers", &w->half));
+    for (uint64_t t = 0; t < triangles; t++) {
+        uint32_t c[3];
+        corner_places(w, t, c);
+        for (uint32_t k = 0; k < 3; k++) {
+            uint32_t const a = c[k], b = c[(k + 1) % 3];
+            if (a == b) continue;
+            w->key[w->edges] = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+            w->half[w->edges++] = (uint32_t)(3 * t + k);
+        }
+    }
+    BVXI_TRY(bvxi_radix_sort(ctx, w->key, w->half, w->edges));
+
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, vertices, "the lines at vertices", &w->lines));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (vertices + 2) * 8, "where neighbours begin", &w->first));
     judge_smooth_edges(w);

@@ -70,8 +70,16 @@ static void renew_vertex(bvxi_collapse *c, uint32_t v)
     bvxi_edge_find_least(c, v);
 }
 
-static void undo_one(bvxi_collapse *c, uint32_t v)
+uint32_t bvxi_collapse_undo(bvxi_collapse *c, uint32_t v)
 {
+    uint32_t next;
+
+    /* What it went into may be gone itself: that came later. */
+    while (bvxi_collapse_is_gone(c, c->undo[v].stayed)) v = c->undo[v].stayed;
+
+    /* The last one of those that touch it; their order rises, so that this ends. */
+    while ((next = latest_around(c, c->undo[v].stayed)) != v) v = next;
+
     bvxi_corners *const m = &c->mesh;
     collapse_undo *const undo = &c->undo[v];
     int32_t const edge = undo->edge, across = bvxi_corner_opposite(m, edge);
@@ -99,18 +107,6 @@ static void undo_one(bvxi_collapse *c, uint32_t v)
     c->alive++;
     renew_vertex(c, u);
     renew_vertex(c, v);
-}
-
-uint32_t bvxi_collapse_undo(bvxi_collapse *c, uint32_t v)
-{
-    uint32_t next;
-
-    /* What it went into may be gone itself: that came later. */
-    while (bvxi_collapse_is_gone(c, c->undo[v].stayed)) v = c->undo[v].stayed;
-
-    /* The last one of those that touch it; their order rises, so that this ends. */
-    while ((next = latest_around(c, c->undo[v].stayed)) != v) v = next;
-    undo_one(c, v);
     return v;
 }
 

@@ -96,9 +96,16 @@ bvx_status bvxi_solid_fill(bvxi_call step, bvxi_solid_job *job, const bvx_grid *
     return BVX_OK;
 }
 
-/* The buffers of chunks and workers: one block of scratch. */
-static bvx_status open_chunks(bvx_context *ctx, bvxi_solid_job *job)
+bvx_status bvxi_solid_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                           const bvx_lattice *lattice, bvxi_solid_job *job)
 {
+    memset(job, 0, sizeof *job);
+    job->function = function;
+    job->view = mesh;
+    job->fraction_bits = lattice->fraction_bits;
+    job->cpu = bvxi_cpu(ctx);
+
+    /* The buffers of chunks and workers: one block of scratch. */
     uint64_t const triangles = job->view->triangle_count;
     uint64_t const workers = (uint64_t)bvxi_threads(ctx);
     bvxi_crossing *found;
@@ -125,18 +132,6 @@ static bvx_status open_chunks(bvx_context *ctx, bvxi_solid_job *job)
         job->chunk[c].sorted = found;
         job->chunk[c].large = large;
     }
-    return BVX_OK;
-}
-
-bvx_status bvxi_solid_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
-                           const bvx_lattice *lattice, bvxi_solid_job *job)
-{
-    memset(job, 0, sizeof *job);
-    job->function = function;
-    job->view = mesh;
-    job->fraction_bits = lattice->fraction_bits;
-    job->cpu = bvxi_cpu(ctx);
-    BVXI_TRY(open_chunks(ctx, job));
     return bvxi_snap(ctx, function, mesh, lattice, &job->snapped);
 }
 

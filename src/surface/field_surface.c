@@ -89,21 +89,6 @@ static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_
     return BVX_OK;
 }
 
-/* Triangles of the field are looked up in the mesh. */
-static bvx_status check_field_triangles(bvx_context *ctx, const char *function, const bvx_field *f,
-                                        const bvx_mesh_view *mesh)
-{
-    double low[3], high[3];
-    BVXI_TRY(bvxi_view_check(ctx, function, mesh));
-    BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
-    for (uint64_t n = 0; n < f->value_count; n++)
-        if (f->triangles[n] >= mesh->triangle_count)
-            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
-                                 "%s: field.triangles[%i] is %u, the mesh has %u triangles", function, n,
-                                 (uint64_t)f->triangles[n], mesh->triangle_count);
-    return BVX_OK;
-}
-
 /* Sharp edges: as asked for, or where the mesh has them. */
 static bvx_status choose_field_sharp(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                                      bvx_field_surface_options *o)
@@ -214,7 +199,16 @@ static bvx_status run_extract_field_surface(bvx_context *context, const bvx_fiel
     BVXI_TRY(choose_field_sharp(context, name, mesh, &o));
     /* Triangles make planes exact; without them vectors stand in. */
     if (o.placing.sharp == BVX_SHARP_ALWAYS && mesh != NULL && field->triangles != NULL) {
-        BVXI_TRY(check_field_triangles(context, name, field, mesh));
+        /* Triangles of the field are looked up in the mesh. */
+        double low[3], high[3];
+        BVXI_TRY(bvxi_view_check(context, name, mesh));
+        BVXI_TRY(bvxi_view_bounds(context, name, mesh, low, high));
+        for (uint64_t n = 0; n < field->value_count; n++)
+            if (field->triangles[n] >= mesh->triangle_count)
+                return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_INDEX,
+                                     "%s: field.triangles[%i] is %u, the mesh has %u triangles", name, n,
+                                     (uint64_t)field->triangles[n], mesh->triangle_count);
+
         BVXI_TRY(bvxi_view_apart(context, name, mesh, surface));
         v.mesh = mesh;
     }

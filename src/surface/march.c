@@ -24,19 +24,6 @@ static const bvxi_option extract_rows[] = {
     BVXI_RESERVED(bvx_extract_options, reserved),
 };
 
-static bvx_status check_extract_options(bvx_context *ctx, const char *function, const bvx_grid *grid,
-                                        bvx_extract_options *o)
-{
-    BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(extract_rows)));
-    /* A key packs three coordinates of 20 bits and an axis into one word, which merging sorts by. */
-    for (int32_t a = 0; o->keys && a < 3; a++)
-        if (grid->lattice.dims[a] >= 1 << 20)
-            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                                 "%s: keys hold lattices of up to %d voxels along an axis, this one has %d",
-                                 function, (int64_t)(1 << 20) - 1, (int64_t)grid->lattice.dims[a]);
-    return BVX_OK;
-}
-
 /* The largest coordinate of a grid along an axis, without its sign. */
 static double farthest_coordinate(const bvx_grid *grid, const double origin[3], int32_t a)
 {
@@ -241,7 +228,16 @@ bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid
 {
     BVXI_TRY(bvxi_grid_check(ctx, m->function, grid));
     m->options = *options;
-    BVXI_TRY(check_extract_options(ctx, m->function, grid, &m->options));
+
+    bvx_extract_options *const o = &m->options;
+    BVXI_TRY(bvxi_check_options(ctx, m->function, o, BVXI_OPTIONS(extract_rows)));
+    /* A key packs three coordinates of 20 bits and an axis into one word, which merging sorts by. */
+    for (int32_t a = 0; o->keys && a < 3; a++)
+        if (grid->lattice.dims[a] >= 1 << 20)
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                 "%s: keys hold lattices of up to %d voxels along an axis, this one has %d",
+                                 m->function, (int64_t)(1 << 20) - 1, (int64_t)grid->lattice.dims[a]);
+
     m->grid = grid;
     m->cpu = bvxi_cpu(ctx);
     for (int32_t a = 0; a < 3; a++) {

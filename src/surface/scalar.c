@@ -19,21 +19,6 @@ static const bvxi_option scalar_rows[] = {
     BVXI_RESERVED(bvx_scalar_options, reserved),
 };
 
-/* The struct of a grid over the volume's window, without words. */
-static void shape_inside(const bvx_volume_view *volume, bvx_grid *inside)
-{
-    bvx_window window;
-    memset(inside, 0, sizeof *inside);
-    memcpy(window.low, volume->low, sizeof window.low);
-    memcpy(window.size, volume->size, sizeof window.size);
-    inside->lattice = volume->lattice;
-    /* Words follow: the caller gives the room. */
-    memcpy(inside->low, volume->low, sizeof inside->low);
-    memcpy(inside->size, volume->size, sizeof inside->size);
-    inside->words_per_row = bvxi_row_words(volume->size[0]);
-    inside->word_capacity = bvx_grid_bound(&volume->lattice, &window);
-}
-
 /* Bits, then the surface between them; stride is the view's. */
 static bvx_status extract_level(bvx_context *ctx, const char *function, const bvx_volume_view *volume,
                                 const int64_t stride[3], const bvx_scalar_options *o, bvx_grid *inside,
@@ -84,7 +69,19 @@ static bvx_status run_extract_scalar(bvx_context *context, const bvx_volume_view
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE, "%s: level is NaN", name);
     BVXI_TRY(bvxi_check_options(context, name, &o, BVXI_OPTIONS(scalar_rows)));
     BVXI_TRY(bvxi_volume_check(context, name, volume, stride));
-    shape_inside(volume, &inside);
+
+    /* The struct of a grid over the volume's window, without words. */
+    bvx_window window;
+    memset(&inside, 0, sizeof inside);
+    memcpy(window.low, volume->low, sizeof window.low);
+    memcpy(window.size, volume->size, sizeof window.size);
+    inside.lattice = volume->lattice;
+    /* Words follow: the caller gives the room. */
+    memcpy(inside.low, volume->low, sizeof inside.low);
+    memcpy(inside.size, volume->size, sizeof inside.size);
+    inside.words_per_row = bvxi_row_words(volume->size[0]);
+    inside.word_capacity = bvx_grid_bound(&volume->lattice, &window);
+
     BVXI_TRY(
         bvxi_alloc(context, BVXI_SCRATCH, inside.word_capacity * 8, "the samples' sides", &inside.words));
     bvx_status const status = extract_level(context, name, volume, stride, &o, &inside, mesh);

@@ -15,11 +15,14 @@ typedef struct bin_job {
     int fill;
 } bin_job;
 
-/* The tiles of a vertex: each of its rows and slices that its closed boxes reach, cut to one beyond the
- * window's ends. As bytes: the least tile along y, least along z, and 255 less the greatest ones, so that
- * bytewise least is what a triangle needs. */
-static void cell_range(const bvxi_surface_job *job, uint64_t begin, uint64_t end, uint32_t *cell)
+static void cell_piece_of_bins(void *user, uint64_t begin, uint64_t end)
 {
+    bin_job *const b = user;
+
+    /* The tiles of a vertex: each of its rows and slices that its closed boxes reach, cut to one beyond
+     * the window's ends. As bytes: the least tile along y, least along z, and 255 less the greatest ones, so
+     * that bytewise least is what a triangle needs. */
+    const bvxi_surface_job *const job = b->job;
     const int32_t *const xyz = job->snapped.xyz;
     int32_t const f = job->fraction_bits;
 
@@ -38,14 +41,8 @@ static void cell_range(const bvxi_surface_job *job, uint64_t begin, uint64_t end
                                            : high >= job->size[a] ? OUTSIDE
                                                                   : 1 + (high >> shift));
         }
-        cell[v] = byte[0] | byte[1] << 8 | byte[2] << 16 | byte[3] << 24;
+        b->job->snapped.cell[v] = byte[0] | byte[1] << 8 | byte[2] << 16 | byte[3] << 24;
     }
-}
-
-static void cell_piece_of_bins(void *user, uint64_t begin, uint64_t end)
-{
-    bin_job *const b = user;
-    cell_range(b->job, begin, end, b->job->snapped.cell);
 }
 
 static inline uint32_t least_byte(uint32_t p, uint32_t q, uint32_t r, int shift)

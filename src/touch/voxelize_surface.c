@@ -220,53 +220,10 @@ static bvx_status attach_triangles(bvx_context *ctx, bvxi_surface_job *job, bvx_
     return BVX_OK;
 }
 
-/* One thread takes all triangles as they come. So do several with a grid each where these are small beside the
- * mesh: the work of one thread, shared. Lists of attached triangles have to be in order; they, and large grids,
- * get some tiles a thread, so that none waits long for the last one. Large tiles are cut further, so that they
- * are not long without a report. */
-static void share_work(const bvx_context *ctx, int attach, bvxi_surface_job *job)
-{
-    uint64_t const triangles = job->view->triangle_count, words = bvxi_grid_words(job->grid);
-    int32_t const threads = bvxi_threads(ctx);
-    int32_t tiles = 8 * threads;
-    /* Of hundreds of workers the counts take more than the grids. */
-    uint64_t const apart = words * 8 + sizeof *job->helpers;
-
-    job->pieces = 1;
-    if (threads == 1) {
-        tiles = 1;
-        job->pieces = bvxi_piece_count(triangles, SURFACE_GRAIN);
-    } else if (!attach && apart <= triangles * APART_BYTES / (uint64_t)(threads - 1)) {
-        tiles = 1;
-        job->pieces = bvxi_piece_count(triangles, APART_GRAIN);
-        job->helper_count = threads - 1;
-    } else if (threads >= BVXI_SURFACE_TILES / 8 || words > LARGE_GRID) {
-        tiles = BVXI_SURFACE_TILES;
-    }
-    bvxi_tiles_choose(&job->tiles, job->size[1], job->size[2], tiles);
-}
-
 static const bvxi_option surface_option_rows[] = {
     BVXI_CHOICE(bvx_surface_options, mode, BVX_SURFACE_CONSERVATIVE, BVX_SURFACE_SAMPLED),
     BVXI_RESERVED(bvx_surface_options, reserved),
 };
-
-static bvx_status check_surface_arguments(bvx_context *ctx, const bvx_mesh_view *mesh,
-                                          const bvx_lattice *lattice, const bvx_surface_options *given,
-                                          bvx_surface_options *o, bvx_window *window)
-{
-    BVXI_TRY(bvxi_take_options(ctx, surface_name, given, o, sizeof *o));
-    BVXI_TRY(bvxi_check_options(ctx, surface_name, o, BVXI_OPTIONS(surface_option_rows)));
-    if (o->attached != NULL && o->attached->offsets == NULL && o->attached->triangles != NULL)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
-                             "%s: attached brings triangles, which are not used; zero it first",
-                             surface_name);
-    BVXI_TRY(bvxi_view_check(ctx, surface_name, mesh));
-    if (mesh->triangle_count == 0)
-        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", surface_name);
-    BVXI_TRY(bvxi_lattice_check(ctx, surface_name, lattice));
-    return bvxi_window_take(ctx, surface_name, lattice, &o->window, window);
-}
 
 static bvx_status run_surface(bvx_context *ctx, const char *function, const bvx_surface_options *o,
                               bvxi_surface_job *job)
@@ -289,7 +246,29 @@ static void begin_surface(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t m
     job->cpu = bvxi_cpu(ctx);
     memcpy(job->size, grid->size, sizeof job->size);
     memcpy(job->low, grid->low, sizeof job->low);
-    share_work(ctx, attach, job);
+
+    /* One thread takes all triangles as they come. So do several with a grid each where these are small
+     * beside the mesh: the work of one thread, shared. Lists of attached triangles have to be in order; they,
+     * and large grids, get some tiles a thread, so that none waits long for the last one. Large tiles are cut
+     * further, so that they are not long without a report. */
+    uint64_t const triangles = job->view->triangle_count, words = bvxi_grid_words(job->grid);
+    int32_t const threads = bvxi_threads(ctx);
+    int32_t tiles = 8 * threads;
+    /* Of hundreds of workers the counts take more than the grids. */
+    uint64_t const apart = words * 8 + sizeof *job->helpers;
+
+    job->pieces = 1;
+    if (threads == 1) {
+        tiles = 1;
+        job->pieces = bvxi_piece_count(triangles, SURFACE_GRAIN);
+    } else if (!attach && apart <= triangles * APART_BYTES / (uint64_t)(threads - 1)) {
+        tiles = 1;
+        job->pieces = bvxi_piece_count(triangles, APART_GRAIN);
+        job->helper_count = threads - 1;
+    } else if (threads >= BVXI_SURFACE_TILES / 8 || words > LARGE_GRID) {
+        tiles = BVXI_SURFACE_TILES;
+    }
+    bvxi_tiles_choose(&job->tiles, job->size[1], job->size[2], tiles);
 }
 
 bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
@@ -320,7 +299,19 @@ static bvx_status run_voxelize_surface(bvx_context *context, const bvx_mesh_view
     bvxi_surface_job job;
 
     if (surface == NULL) return bvxi_fail_null(context, surface_name, "surface");
-    BVXI_TRY(check_surface_arguments(context, mesh, lattice, options, &o, &window));
+
+    BVXI_TRY(bvxi_take_options(context, surface_name, options, &o, sizeof o));
+    BVXI_TRY(bvxi_check_options(context, surface_name, &o, BVXI_OPTIONS(surface_option_rows)));
+    if (o.attached != NULL && o.attached->offsets == NULL && o.attached->triangles != NULL)
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
+                             "%s: attached brings triangles, which are not used; zero it first",
+                             surface_name);
+    BVXI_TRY(bvxi_view_check(context, surface_name, mesh));
+    if (mesh->triangle_count == 0)
+        return bvxi_fail(context, BVX_ERR_EMPTY, "%s: the mesh has no triangles", surface_name);
+    BVXI_TRY(bvxi_lattice_check(context, surface_name, lattice));
+    BVXI_TRY(bvxi_window_take(context, surface_name, lattice, &o.window, &window));
+
     bvxi_grid_renew(context, lattice, &window, surface);
 
     bvx_grid made = *surface;

@@ -104,16 +104,6 @@ static bvx_status find_label(label_table *t, uint64_t value, uint64_t *entry)
     return BVX_OK;
 }
 
-static void add_label_run(label_entry *e, int32_t x, int32_t end, int32_t y, int32_t z)
-{
-    int32_t const low[3] = {x, y, z}, high[3] = {end - 1, y, z};
-    e->voxels += (uint64_t)(end - x);
-    for (int a = 0; a < 3; a++) {
-        if (low[a] < e->low[a]) e->low[a] = low[a];
-        if (high[a] > e->high[a]) e->high[a] = high[a];
-    }
-}
-
 static bvx_status list_row(label_table *t, const bvx_volume_view *v, const uint8_t *row, int64_t step,
                            int32_t y, int32_t z, uint64_t *last)
 {
@@ -129,7 +119,14 @@ static bvx_status list_row(label_table *t, const bvx_volume_view *v, const uint8
         if (value == t->skip) continue;
         /* Mostly the value of the run before; only others are searched for. */
         if (*last >= t->count || t->entries[*last].value != value) BVXI_TRY(find_label(t, value, last));
-        add_label_run(&t->entries[*last], begin, x, y, z);
+
+        label_entry *const e = &t->entries[*last];
+        int32_t const low[3] = {begin, y, z}, high[3] = {x - 1, y, z};
+        e->voxels += (uint64_t)(x - begin);
+        for (int a = 0; a < 3; a++) {
+            if (low[a] < e->low[a]) e->low[a] = low[a];
+            if (high[a] > e->high[a]) e->high[a] = high[a];
+        }
     }
     return BVX_OK;
 }

@@ -96,24 +96,6 @@ static const bvxi_option points_rows[] = {
     BVXI_RESERVED(bvx_points_options, reserved),
 };
 
-static bvx_status check_points_options(bvx_context *ctx, const bvx_lattice *lattice, bvx_points_options *o,
-                                       bvx_window *window)
-{
-    BVXI_TRY(bvxi_check_options(ctx, points_name, o, BVXI_OPTIONS(points_rows)));
-    if (o->close_gaps != 0 && !o->body)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION, "%s: close_gaps requires body",
-                             points_name);
-    BVXI_TRY(bvxi_lattice_check(ctx, points_name, lattice));
-    BVXI_TRY(bvxi_window_take(ctx, points_name, lattice, &o->window, window));
-    for (int32_t a = 0; a < 3 && o->body; a++)
-        if (window->size[a] != lattice->dims[a])
-            return bvxi_fail_for(
-                ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                "%s: body needs the whole lattice, as what lies in the window depends on what lies outside",
-                points_name);
-    return BVX_OK;
-}
-
 static bvx_status voxelize_cloud(bvx_context *ctx, const bvx_points_options *o, points_work *w)
 {
     w->words = bvxi_grid_words(w->grid);
@@ -145,7 +127,20 @@ static bvx_status run_voxelize_points(bvx_context *context, const bvx_mesh_view 
     BVXI_TRY(bvxi_view_take_points(context, points_name, points, &work.view));
     if (work.view.vertex_count == 0)
         return bvxi_fail(context, BVX_ERR_EMPTY, "%s: there are no points", points_name);
-    BVXI_TRY(check_points_options(context, lattice, &o, &window));
+
+    BVXI_TRY(bvxi_check_options(context, points_name, &o, BVXI_OPTIONS(points_rows)));
+    if (o.close_gaps != 0 && !o.body)
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: close_gaps requires body", points_name);
+    BVXI_TRY(bvxi_lattice_check(context, points_name, lattice));
+    BVXI_TRY(bvxi_window_take(context, points_name, lattice, &o.window, &window));
+    for (int32_t a = 0; a < 3 && o.body; a++)
+        if (window.size[a] != lattice->dims[a])
+            return bvxi_fail_for(
+                context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                "%s: body needs the whole lattice, as what lies in the window depends on what lies outside",
+                points_name);
+
     BVXI_TRY(bvxi_snap_scale(context, points_name, lattice, work.scale));
     bvxi_grid_renew(context, lattice, &window, grid);
     bvx_grid made = *grid;

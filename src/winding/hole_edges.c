@@ -81,19 +81,6 @@ static void waiting_edge_key(const void *user, uint64_t number, uint32_t key[BVX
     key[1] = (uint32_t)(keys[number] >> 32);
 }
 
-static void put_edge_in_tree(edge_table *t, uint64_t key, int64_t direction)
-{
-    /* Written at the end first, as the tree compares keys of the list; kept only when new. */
-    t->key[t->listed] = key;
-    t->net[t->listed] = 0;
-    uint64_t const at = bvxi_key_tree_find(&t->tree, t->listed);
-    t->listed += at == t->listed;
-    /* used counts the edges that still wait, whatever remains in the list. */
-    t->used -= t->net[at] != 0;
-    t->net[at] += direction;
-    t->used += t->net[at] != 0;
-}
-
 static bvx_status plant_edge_tree(bvx_context *ctx, edge_table *t)
 {
     BVXI_TRY(bvxi_key_tree_open(ctx, &t->tree, waiting_edge_key, t->key, t->size));
@@ -169,7 +156,15 @@ static inline void put_hole_edge(edge_table *t, uint32_t from, uint32_t to)
 
     if (from == to) return;
     if (BVXI_UNLIKELY(t->tree.child != NULL)) {
-        put_edge_in_tree(t, key, direction);
+        /* Written at the end first, as the tree compares keys of the list; kept only when new. */
+        t->key[t->listed] = key;
+        t->net[t->listed] = 0;
+        uint64_t const at = bvxi_key_tree_find(&t->tree, t->listed);
+        t->listed += at == t->listed;
+        /* used counts the edges that still wait, whatever remains in the list. */
+        t->used -= t->net[at] != 0;
+        t->net[at] += direction;
+        t->used += t->net[at] != 0;
         return;
     }
     t->puts++;

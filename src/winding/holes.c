@@ -20,29 +20,6 @@ static int place_before(const void *of, uint32_t v, uint32_t w)
     return a[0] < b[0];
 }
 
-/* place[n] becomes the vertex of the n-th corner by position; edges change to these numbers and are sorted.
- * number: scratch [Size: vertex_count]. Returns how many corners there are. */
-static uint64_t number_places(const bvxi_snapped *s, uint64_t *edges, uint64_t count, uint32_t *number,
-                              uint32_t *place)
-{
-    uint64_t n = 0;
-
-    /* Each corner once, in the order of its first appearance; that order is sorted away next. */
-    for (uint64_t v = 0; v < s->vertex_count; v++) number[v] = 0;
-    for (uint64_t i = 0; i < 2 * count; i++) {
-        uint32_t const v = (uint32_t)(edges[i / 2] >> (i % 2 != 0 ? 32 : 0));
-        if (number[v]++ == 0) place[n++] = v;
-    }
-
-    bvxi_sort_items(place, n, place_before, s->xyz);
-    /* Numbers by position: the same geometry gives the same numbers, whatever the vertices were called. */
-    for (uint64_t i = 0; i < n; i++) number[place[i]] = (uint32_t)i;
-    for (uint64_t i = 0; i < count; i++)
-        edges[i] = (uint64_t)number[edges[i] >> 32] << 32 | number[(uint32_t)edges[i]];
-    bvxi_sort_u64(edges, count);
-    return n;
-}
-
 /* ---- Loops ---- */
 
 /* A walk along open edges, each taken once. */
@@ -67,29 +44,6 @@ static uint32_t next_open_edge(hole_walk *w, uint32_t corner)
          w->in[corner]++)
         if (!w->used[w->incoming[w->in[corner]]]) return w->incoming[w->in[corner]];
     return HOLE_NONE;
-}
-
-static void start_hole_walk(hole_walk *w, uint64_t corners)
-{
-    uint64_t sum = 0;
-
-    memset(w->used, 0, (size_t)w->count);
-    memset(w->out, 0, (size_t)(corners + 1) * 8);
-    memset(w->in, 0, (size_t)(corners + 1) * 8);
-    /* Counts go one place up, so that sums make them starts. */
-    for (uint64_t e = 0; e < w->count; e++) {
-        w->out[(w->edges[e] >> 32) + 1]++;
-        w->in[(uint32_t)w->edges[e] + 1]++;
-    }
-    for (uint64_t c = 1; c <= corners; c++) w->out[c] += w->out[c - 1]; /* starts */
-    for (uint64_t c = 0; c <= corners; c++) {
-        sum += w->in[c];
-        w->in[c] = sum;
-    }
-    for (uint64_t e = 0; e < w->count; e++) w->incoming[w->in[(uint32_t)w->edges[e]]++] = (uint32_t)e;
-    /* filling moved each to the next one's start */
-    for (uint64_t c = corners; c > 0; c--) w->in[c] = w->in[c - 1];
-    w->in[0] = 0;
 }
 
 /* Walk until no edge is left; a corner met again closes a loop and takes it off: no corner twice. */
@@ -134,8 +88,28 @@ static bvx_status join_loops(bvx_context *ctx, const uint64_t *edges, uint64_t c
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count, "the open edges' marks", &w.used));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, corners * 4, "the trail along open edges", &w.trail));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, corners * 4, "the trail's marks", &w.met));
+
     /* All arrays were made: the walk itself cannot fail. */
-    start_hole_walk(&w, corners);
+    uint64_t sum = 0;
+
+    memset(w.used, 0, (size_t)w.count);
+    memset(w.out, 0, (size_t)(corners + 1) * 8);
+    memset(w.in, 0, (size_t)(corners + 1) * 8);
+    /* Counts go one place up, so that sums make them starts. */
+    for (uint64_t e = 0; e < w.count; e++) {
+        w.out[(w.edges[e] >> 32) + 1]++;
+        w.in[(uint32_t)w.edges[e] + 1]++;
+    }
+    for (uint64_t c = 1; c <= corners; c++) w.out[c] += w.out[c - 1]; /* starts */
+    for (uint64_t c = 0; c <= corners; c++) {
+        sum += w.in[c];
+        w.in[c] = sum;
+    }
+    for (uint64_t e = 0; e < w.count; e++) w.incoming[w.in[(uint32_t)w.edges[e]]++] = (uint32_t)e;
+    /* filling moved each to the next one's start */
+    for (uint64_t c = corners; c > 0; c--) w.in[c] = w.in[c - 1];
+    w.in[0] = 0;
+
     walk_loops(&w, place, holes);
     return bvxi_scratch_end(ctx, mark, BVX_OK);
 }
@@ -176,7 +150,26 @@ bvx_status bvxi_holes_append(bvx_context *ctx, const bvxi_snapped *s, uint64_t *
     uint32_t *place = NULL, *number = NULL;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the open edges' corners", &place));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the corners' numbers", &number));
-    uint64_t const corners = number_places(s, edges, count, number, place);
+
+    /* place[n] becomes the vertex of the n-th corner by position; edges change to these numbers and are
+     * sorted. number: scratch [Size: vertex_count]. Returns how many corners there are. */
+    uint64_t n = 0;
+
+    /* Each corner once, in the order of its first appearance; that order is sorted away next. */
+    for (uint64_t v = 0; v < s->vertex_count; v++) number[v] = 0;
+    for (uint64_t i = 0; i < 2 * count; i++) {
+        uint32_t const v = (uint32_t)(edges[i / 2] >> (i % 2 != 0 ? 32 : 0));
+        if (number[v]++ == 0) place[n++] = v;
+    }
+
+    bvxi_sort_items(place, n, place_before, s->xyz);
+    /* Numbers by position: the same geometry gives the same numbers, whatever the vertices were called. */
+    for (uint64_t i = 0; i < n; i++) number[place[i]] = (uint32_t)i;
+    for (uint64_t i = 0; i < count; i++)
+        edges[i] = (uint64_t)number[edges[i] >> 32] << 32 | number[(uint32_t)edges[i]];
+    bvxi_sort_u64(edges, count);
+    uint64_t const corners = n;
+
     BVXI_TRY(join_loops(ctx, edges, count, place, corners, holes));
     bvxi_drop(ctx, number);
     bvxi_drop(ctx, place);

@@ -196,25 +196,6 @@ static void fill_sheet_cell(const bvxi_sheet *s, const bvxi_sheet_tree *tree, bv
     }
 }
 
-static bvx_status make_sheet_cells(bvx_context *ctx, const bvxi_sheet *s, bvxi_sheet_tree *tree)
-{
-    uint64_t const bytes = tree->triangles * 8;
-    uint64_t *keys = NULL;
-
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the triangles' places", &keys));
-
-    /* Counted first, so that cells are made in their exact number; then the same walk fills them. */
-    BVXI_TRY(BVXI_SCOPE(ctx, order_sheet(ctx, s, tree, keys)));
-    cut_sheet_cells(keys, tree);
-    BVXI_TRY(BVXI_ARRAY(ctx, tree->cells, "the sheet's cells", tree->cell));
-    cut_sheet_cells(keys, tree);
-    /* Backwards, as halves stand after what they are halves of. */
-    for (uint64_t c = tree->cells; c-- > 0;) fill_sheet_cell(s, tree, &tree->cell[c]);
-    if (s->strips.loops > 0) tree->pendings = tree->triangles;
-    bvxi_drop(ctx, keys);
-    return BVX_OK;
-}
-
 void bvxi_sheet_tree_close(bvx_context *ctx, bvxi_sheet_tree *tree)
 {
     if (tree == NULL) return;
@@ -238,7 +219,22 @@ bvx_status bvxi_sheet_tree_open(bvx_context *ctx, const bvxi_sheet *sheet, bvxi_
     t->triangles = holes->points - 2 * holes->loops;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, t->triangles * 12, "the sheet's triangles", &t->corner));
     BVXI_TRY(BVXI_ARRAY(ctx, t->triangles, "the triangles' shapes", t->shape));
-    BVXI_TRY(make_sheet_cells(ctx, sheet, t));
+
+    uint64_t const bytes = t->triangles * 8;
+    uint64_t *keys = NULL;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the triangles' places", &keys));
+
+    /* Counted first, so that cells are made in their exact number; then the same walk fills them. */
+    BVXI_TRY(BVXI_SCOPE(ctx, order_sheet(ctx, sheet, t, keys)));
+    cut_sheet_cells(keys, t);
+    BVXI_TRY(BVXI_ARRAY(ctx, t->cells, "the sheet's cells", t->cell));
+    cut_sheet_cells(keys, t);
+    /* Backwards, as halves stand after what they are halves of. */
+    for (uint64_t c = t->cells; c-- > 0;) fill_sheet_cell(sheet, t, &t->cell[c]);
+    if (sheet->strips.loops > 0) t->pendings = t->triangles;
+    bvxi_drop(ctx, keys);
+
     *tree = t;
     return BVX_OK;
 }

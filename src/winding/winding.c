@@ -128,9 +128,13 @@ static uint64_t rows_through(const bvx_mesh_view *mesh, const bvxi_holes *holes,
     return rows;
 }
 
-static bvx_status wind_over_holes(bvx_context *ctx, bvxi_solid_job *job, const bvxi_holes *holes,
+static bvx_status wind_with_holes(bvx_context *ctx, bvxi_solid_job *job, const bvxi_holes *holes,
                                   const bvx_grid *solid, double from, double to, bvx_solid_report *report)
 {
+    /* A mesh without open edges needs no angles: whole turns are the rule nonzero's. */
+    if (holes->loops == 0)
+        return bvxi_solid_fill(bvxi_solid_step(ctx, job, from, to), job, solid, 0, BVX_FILL_NONZERO, report);
+
     wind_work w = {solid, NULL, NULL, report};
     bvx_mesh_view view;
     bvxi_sheet sheet;
@@ -150,15 +154,6 @@ static bvx_status wind_over_holes(bvx_context *ctx, bvxi_solid_job *job, const b
         report->unbalanced_rows = rows_through(job->view, holes, &solid->lattice);
     bvxi_sheet_close(ctx, &sheet);
     return BVX_OK;
-}
-
-static bvx_status wind_with_holes(bvx_context *ctx, bvxi_solid_job *job, const bvxi_holes *holes,
-                                  const bvx_grid *solid, double from, double to, bvx_solid_report *report)
-{
-    /* A mesh without open edges needs no angles: whole turns are the rule nonzero's. */
-    if (holes->loops == 0)
-        return bvxi_solid_fill(bvxi_solid_step(ctx, job, from, to), job, solid, 0, BVX_FILL_NONZERO, report);
-    return wind_over_holes(ctx, job, holes, solid, from, to, report);
 }
 
 bvx_status bvxi_wind(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *solid, double from, double to,

@@ -157,19 +157,17 @@ static bvx_status run_bodies(section_run *run, bvx_context *ctx, uint64_t *mark)
 
 static bvx_status run_files(section_run *run, bvx_context *ctx, uint64_t *mark)
 {
-    static const int32_t formats[] = {BVX_FORMAT_CSL, BVX_FORMAT_CSV, BVX_FORMAT_SVG, BVX_FORMAT_CSL,
-                                      BVX_FORMAT_CSV};
+    static const int32_t formats[] = {BVX_FORMAT_CSL, BVX_FORMAT_CSV, BVX_FORMAT_CSL, BVX_FORMAT_CSV};
     bvx_status status = BVX_OK;
 
-    for (int i = 0; i < 5 && status == BVX_OK; i++) {
+    for (int i = 0; i < 4 && status == BVX_OK; i++) {
         bvx_buffer file = {0};
         bvx_sections read;
         memset(&read, 0, sizeof read);
-        status = bvx_write_sections(ctx, i >= 3 ? &oblique.s : &stack.s, formats[i], &file);
+        status = bvx_write_sections(ctx, i >= 2 ? &oblique.s : &stack.s, formats[i], &file);
         if (status == BVX_OK) *mark = bvx_hash(file.bytes, (size_t)file.size, *mark);
         bvx_read_sections_options o = {.struct_size = sizeof o};
-        if (status == BVX_OK && i != 2)
-            status = bvx_read_sections(ctx, file.bytes, file.size, formats[i], &o, &read);
+        if (status == BVX_OK) status = bvx_read_sections(ctx, file.bytes, file.size, formats[i], &o, &read);
         if (status != BVX_OK) run->wrong |= read.points != NULL;
         bvx_sections_free(ctx, &read);
         bvx_buffer_free(ctx, &file);

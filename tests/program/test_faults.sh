@@ -43,7 +43,6 @@ vtu refine small.ply --halvings 2 --base 4
 bvx refine small.ply --halvings 3 --base 4
 ply sections knot.csv
 csl slice small.ply --spacing 1
-svg slice small.ply --spacing 1
 ply boolean union small.ply small.ply --resolution 12
 ply faces small.ply --resolution 12
 png render small.ply --size 99x99

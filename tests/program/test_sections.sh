@@ -127,7 +127,6 @@ gives 'standard input without a format' 2 'give it with --format' sections - -o 
 if [ -e x.ply ] || [ -e b.csv ]; then not_ok 'refusals leave no file' 'x.ply or b.csv is there'; else ok 'refusals leave no file'; fi
 
 gives 'slice' 0 'planes' slice "$knot" -o knot.csl --spacing 0.05
-gives 'slice to a drawing' 0 'loops' slice "$knot" -o knot.svg --axis x --spacing 0.2
 gives 'slice to a table' 0 'points' slice "$knot" -o knot.csv --spacing 0.05
 gives 'a table across x' 2 'take .csl' slice "$knot" -o knot2.csv --axis x --spacing 0.2
 gives 'slice without spacing' 2 '--spacing is needed' slice "$knot" -o knot2.csl

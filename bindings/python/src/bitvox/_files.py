@@ -249,7 +249,7 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
         a mesh.
     format
         stl, obj, ply, off, glb or 3mf, with ``bitvox[view]`` vtp; a `Grid`: npy, binvox, vox, nrrd, vti, bvx, vdb, nvdb,
-        mha or nii; a `Volume`: nrrd, mha, nii or vti; an `Octree`: vtu or bvx; a `Field`: npy, nrrd, vti, vdb or nvdb; `Sections`: csl, csv or svg; an `Image`: png.
+        mha or nii; a `Volume`: nrrd, mha, nii or vti; an `Octree`: vtu or bvx; a `Field`: npy, nrrd, vti, vdb or nvdb; `Sections`: csl or csv; an `Image`: png.
     states
         of an octree's vtu: which leaves, by default ("surface", "inside").
     vectors

@@ -289,7 +289,7 @@ class Sections:
         return from_sections(self, **options)
 
     def save(self, path: Any, format: str | None = None) -> None:
-        """Write to ``path``, by its ending or ``format``: .csl, .csv (planes z = position) or .svg (a drawing). Names of bodies stand in
+        """Write to ``path``, by its ending or ``format``: .csl or .csv (planes z = position). Names of bodies stand in
         .csv; .csl holds numbers alone, which a warning lists.
 
         Examples
