@@ -128,6 +128,15 @@ void bvxi_closest_ask(const bvx_closest *closest, const double point[3], uint32_
     *hint = nearest.place;
 }
 
+double bvxi_closest_bound(const bvx_closest *closest, const double point[3], uint32_t hint)
+{
+    double const s = query_scale(&closest->tree, point), p[3] = {point[0] * s, point[1] * s, point[2] * s};
+    double t[3][3], q[3];
+
+    bvxi_closest_corners(&closest->tree, hint, t);
+    return sqrt(bvxi_closest_on_triangle(p, (const double(*)[3])t, q)) / s;
+}
+
 /* ---- Made ready and released ---- */
 
 bvx_status bvxi_closest_open(bvxi_call call, const bvx_mesh_view *mesh, bvx_closest *closest)
