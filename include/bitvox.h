@@ -1059,7 +1059,8 @@ BVX_API bvx_status bvx_mesh_carry(bvx_context *context, const bvx_mesh *source, 
  *  grid     in the mesh's coordinates, without its frame
  *  labels   0 where no voxel is set [Size: size[0] * size[1] * size[2]] x fastest
  *  palette  red, green, blue, alpha of each label [Size: 1024]
- *  Returns BVX_ERR_ARGUMENT (the mesh has neither), BVX_ERR_RANGE (2^32 - 1 set voxels or more). */
+ *  Returns BVX_ERR_ARGUMENT (the mesh has neither), BVX_ERR_EMPTY (no triangle of area), BVX_ERR_RANGE (2^32 - 1 set
+ *  voxels or more). */
 BVX_API bvx_status bvx_label_voxels(bvx_context *context, const bvx_mesh *mesh, const bvx_grid *grid, uint8_t *labels,
                                     uint8_t *palette);
 
