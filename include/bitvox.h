@@ -1059,7 +1059,8 @@ BVX_API bvx_status bvx_mesh_carry(bvx_context *context, const bvx_mesh *source, 
  *  grid     in the mesh's coordinates, without its frame
  *  labels   0 where no voxel is set [Size: size[0] * size[1] * size[2]] x fastest
  *  palette  red, green, blue, alpha of each label [Size: 1024]
- *  Returns BVX_ERR_ARGUMENT (the mesh has neither), BVX_ERR_RANGE (2^32 - 1 set voxels or more). */
+ *  Returns BVX_ERR_ARGUMENT (the mesh has neither), BVX_ERR_EMPTY (no triangle of area), BVX_ERR_RANGE (2^32 - 1 set
+ *  voxels or more). */
 BVX_API bvx_status bvx_label_voxels(bvx_context *context, const bvx_mesh *mesh, const bvx_grid *grid, uint8_t *labels,
                                     uint8_t *palette);
 
@@ -1318,6 +1319,20 @@ typedef struct bvx_ray_hit {
 /** Cast count rays. Hits have 0 <= t <= t_max. Boxes are closed: the hit is the lowest (t, z, y, x) of all voxels that
  *  the ray touches. Returns BVX_ERR_ARGUMENT (a direction of 0, t_max below 0 or NaN). */
 BVX_API bvx_status bvx_grid_cast(bvx_context *context, const bvx_grid *grid, const double *rays, uint64_t count,
+                                 double t_max, bvx_ray_hit *hits);
+/** A grid prepared for rays: which bricks of 8 x 8 x 8 voxels hold a set one. It borrows the grid's words, which stay
+ *  where they are until it is freed, and a change of them is to be told by bvx_rays_update. */
+typedef struct bvx_rays bvx_rays;
+/** Prepare a grid. A handle that is passed again is overwritten: free it first. */
+BVX_API bvx_status bvx_rays_create(bvx_context *context, const bvx_grid *grid, bvx_rays **caster);
+BVX_API void bvx_rays_free(bvx_context *context, bvx_rays *caster);
+/** Look again at the voxels of a window (NULL: all) that have changed, those beyond the grid's own aside. grid is the
+ *  same one, or another of the same lattice and window, whose words are borrowed from now on.
+ *  Returns BVX_ERR_RANGE (the window is not in the lattice), BVX_ERR_LATTICE; after a failure nothing has changed. */
+BVX_API bvx_status bvx_rays_update(bvx_context *context, bvx_rays *caster, const bvx_grid *grid,
+                                   const bvx_window *changed);
+/** As bvx_grid_cast, bit for bit; one ray costs what it does among many. */
+BVX_API bvx_status bvx_rays_cast(bvx_context *context, const bvx_rays *caster, const double *rays, uint64_t count,
                                  double t_max, bvx_ray_hit *hits);
 /** Trilinear samples at count points: 1 at centres of set voxels, 0 at those of others and beyond the window. gradients
  *  (three doubles a point, [Units: 1 / world]) may be NULL. */

@@ -20,7 +20,7 @@ extern "Python" int32_t bvxpy_open(void *, const char *, bvx_file_bytes *);
 extern "Python" void bvxpy_close(void *, bvx_file_bytes *);
 """
 # What the library makes and takes back; an older library has fewer.
-THINGS = ("grid", "mesh", "attached", "buffer", "image", "closest", "octree", "field", "sections", "volume", "complex")
+THINGS = ("grid", "mesh", "attached", "buffer", "image", "closest", "rays", "octree", "field", "sections", "volume", "complex")
 
 GLUE = """
 #include "bitvox_io.h"

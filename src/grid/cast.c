@@ -28,11 +28,18 @@
 enum { BRICK_SHIFT = 3, BRICK_GRAIN = 64 /* least rows of bricks a piece */ };
 
 /* Bit i of a row is the brick of voxels 8 i .. 8 i + 7 of the window; rows of bricks as in a grid. */
-typedef struct voxel_bricks {
-    const bvx_grid *grid;
-    uint64_t *words; /* NULL when there are none */
+struct bvx_rays {
+    bvx_grid grid;    /* its words are the caller's */
+    uint64_t *bricks; /* NULL: there are none */
+    uint64_t bytes;   /* of bricks */
     int32_t size[3], words_per_row;
-} voxel_bricks;
+};
+
+/* Rows of bricks along y and z, and words of the grid along x, whose bricks are computed. */
+typedef struct brick_box {
+    bvx_rays *rays;
+    int32_t low[3], size[3];
+} brick_box;
 
 /* Bit i of the result says whether byte i of w is not 0. */
 static uint64_t bytes_to_bits(uint64_t w)
@@ -59,46 +66,65 @@ static uint64_t join_brick_words(const bvx_grid *g, int32_t k, int32_t y, int32_
     return w;
 }
 
-static void make_brick_rows(void *user, uint64_t begin, uint64_t end)
+static void make_brick_rows(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
-    voxel_bricks *const b = user;
+    const brick_box *const box = user;
+    bvx_rays *const in = box->rays;
+
+    (void)index;
     for (uint64_t r = begin; r < end; r++) {
-        /* Rows of bricks are eight rows of voxels along y and eight slices. */
-        int32_t const y = (int32_t)(r % (uint64_t)b->size[1]) * 8;
-        int32_t const z = (int32_t)(r / (uint64_t)b->size[1]) * 8;
-        uint64_t *const row = b->words + (size_t)r * (size_t)b->words_per_row;
-        memset(row, 0, (size_t)b->words_per_row * 8);
-        for (int32_t k = 0; k < b->grid->words_per_row; k++)
-            row[k >> 3] |= bytes_to_bits(join_brick_words(b->grid, k, y, z)) << 8 * (k & 7);
+        int32_t const y = box->low[1] + (int32_t)(r % (uint64_t)box->size[1]);
+        int32_t const z = box->low[2] + (int32_t)(r / (uint64_t)box->size[1]);
+        uint64_t *const row = in->bricks +
+                              ((size_t)z * (size_t)in->size[1] + (size_t)y) * (size_t)in->words_per_row;
+        /* A word of the grid is a byte of bricks. */
+        for (int32_t k = box->low[0]; k < box->low[0] + box->size[0]; k++) {
+            int const at = 8 * (k & 7);
+            uint64_t const bits = bytes_to_bits(join_brick_words(&in->grid, k, 8 * y, 8 * z));
+            row[k >> 3] = (row[k >> 3] & ~(UINT64_C(0xff) << at)) | bits << at;
+        }
     }
 }
 
-static void free_bricks(bvx_context *ctx, voxel_bricks *bricks)
+/* The box of a part of the grid's window; 0: there is none of it. */
+static int box_of_bricks(bvx_rays *rays, const bvx_window *part, brick_box *box)
 {
-    bvxi_drop(ctx, bricks->words);
-    memset(bricks, 0, sizeof *bricks);
+    box->rays = rays;
+    for (int a = 0; a < 3; a++) {
+        int32_t const shift = a == 0 ? 6 : BRICK_SHIFT, before = rays->grid.low[a];
+        int32_t const low = part->low[a] > before ? part->low[a] - before : 0;
+        int32_t const end = part->low[a] - before + part->size[a];
+        int32_t const high = (end < rays->grid.size[a] ? end : rays->grid.size[a]) - 1;
+        if (high < low) return 0;
+        box->low[a] = low >> shift;
+        box->size[a] = (high >> shift) - box->low[a] + 1;
+    }
+    return 1;
 }
 
-/* Memory (scratch): 1/512 of the grid's, rounded up to whole words a row. */
-static bvx_status make_bricks(bvx_context *ctx, const char *stage, double from, double to,
-                              const bvx_grid *grid, voxel_bricks *bricks)
+/* The bricks of a checked grid. Memory (scratch): 1/512 of the grid's, rounded up to whole words a row. */
+static bvx_status make_bricks(bvx_context *ctx, const bvx_grid *grid, bvx_rays *rays)
 {
-    memset(bricks, 0, sizeof *bricks);
-    bricks->grid = grid;
-    for (int32_t a = 0; a < 3; a++) bricks->size[a] = (grid->size[a] + 7) >> BRICK_SHIFT;
-    bricks->words_per_row = bvxi_row_words(bricks->size[0]);
+    bvx_window all;
+    brick_box box;
+
+    rays->grid = *grid;
+    for (int a = 0; a < 3; a++) {
+        rays->size[a] = (grid->size[a] + 7) >> BRICK_SHIFT;
+        all.low[a] = grid->low[a];
+        all.size[a] = grid->size[a];
+    }
+    rays->words_per_row = bvxi_row_words(rays->size[0]);
+    rays->bytes = (uint64_t)rays->size[1] * (uint64_t)rays->size[2] * (uint64_t)rays->words_per_row * 8;
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, rays->bytes, "the grid's bricks", &rays->bricks));
     /* A piece writes rows of its own, so its bits do not depend on the others. */
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH,
-                        (uint64_t)bricks->size[1] * (uint64_t)bricks->size[2] *
-                            (uint64_t)bricks->words_per_row * 8,
-                        "the grid's bricks", &bricks->words));
-    bvx_status const status = BVXI_SHARE(ctx, from, to,
-                                         bvxi_for(ctx, stage,
-                                                  (uint64_t)bricks->size[1] * (uint64_t)bricks->size[2],
-                                                  BRICK_GRAIN, make_brick_rows, bricks));
-    if (status != BVX_OK) free_bricks(ctx, bricks);
-    return status;
+    (void)box_of_bricks(rays, &all, &box);
+    uint64_t const rows = (uint64_t)box.size[1] * (uint64_t)box.size[2];
+    return bvxi_for_pieces(ctx, "cast", 0.0, 1.0, bvxi_piece_count(rows, BRICK_GRAIN), rows, make_brick_rows,
+                           &box);
 }
+
+/* ---- One ray ---- */
 
 enum {
     CAST_GRAIN = 64,       /* least rays a piece */
@@ -116,8 +142,7 @@ typedef struct cast_axis {
 } cast_axis;
 
 typedef struct cast_ray {
-    const bvx_grid *grid;
-    const voxel_bricks *bricks;
+    const bvx_rays *in;
     cast_axis axis[3];
     double end;       /* no hit after this t */
     double t;         /* of the best hit so far; end while there is none */
@@ -187,7 +212,7 @@ static int try_cast_voxel(cast_ray *r, int32_t x, int32_t y, int32_t z, double f
 /* Set voxels among low..high of a row, in the ray's order, as long as they can matter. */
 static void cast_row(cast_ray *r, int32_t low, int32_t high, int32_t y, int32_t z, double from, double to)
 {
-    const bvx_grid *const g = r->grid;
+    const bvx_grid *const g = &r->in->grid;
     const uint64_t *const row = g->words +
                                 ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row;
     int32_t const k_low = low >> 6, k_high = high >> 6, back = r->axis[0].way < 0;
@@ -206,9 +231,9 @@ static void cast_row(cast_ray *r, int32_t low, int32_t high, int32_t y, int32_t 
     }
 }
 
-static int cast_bricks_hold(const voxel_bricks *b, int32_t low, int32_t high, int32_t y, int32_t z)
+static int cast_bricks_hold(const bvx_rays *b, int32_t low, int32_t high, int32_t y, int32_t z)
 {
-    const uint64_t *const row = b->words +
+    const uint64_t *const row = b->bricks +
                                 ((size_t)z * (size_t)b->size[1] + (size_t)y) * (size_t)b->words_per_row;
     int32_t const first = low >> BRICK_SHIFT;
     int32_t const last = high >> BRICK_SHIFT;
@@ -259,12 +284,12 @@ static inline void cast_rows(cast_ray *r, int32_t shift, int32_t y, int32_t z, c
     int32_t low, high;
 
     /* Where the ray lies exactly between two rows, all rows beside it are looked at. */
-    if (!cast_reach(&a[0], r->grid->size[0], s.p, s.q, &low, &high)) return;
+    if (!cast_reach(&a[0], r->in->grid.size[0], s.p, s.q, &low, &high)) return;
     for (int32_t k = z; k <= z_end; k++)
         for (int32_t j = y; j <= y_end; j++) {
             if (shift == 0) {
                 cast_row(r, low, high, j, k, s.from, s.to);
-            } else if (cast_bricks_hold(r->bricks, low, high, j, k)) {
+            } else if (cast_bricks_hold(r->in, low, high, j, k)) {
                 walk_cast_voxels(r, s.from, s.to);
                 return; /* it has looked beside all of these rows */
             }
@@ -276,8 +301,8 @@ static inline void walk_cast_rows(cast_ray *r, int32_t shift, double t, double e
 {
     const cast_axis *const a = r->axis;
     int32_t const last_y = a[1].last >> shift, last_z = a[2].last >> shift;
-    int32_t y = cast_start(&a[1], shift, r->grid->size[1], t);
-    int32_t z = cast_start(&a[2], shift, r->grid->size[2], t);
+    int32_t y = cast_start(&a[1], shift, r->in->grid.size[1], t);
+    int32_t z = cast_start(&a[2], shift, r->in->grid.size[2], t);
     double leave_y = cast_leave_cell(&a[1], shift, y);
     double leave_z = cast_leave_cell(&a[2], shift, z);
     double p = cast_place(&a[0], t);
@@ -349,7 +374,7 @@ static int clip_cast_ray(const double *ray, double t_max, cast_ray *r, double *b
     /* A finite end keeps t finite, also where a plane lies at infinity. */
     r->end = t_max < 0x1.fffffffffffffp+1023 ? t_max : 0x1.fffffffffffffp+1023;
     for (int32_t i = 0; i < 3; i++) {
-        if (!plan_cast_axis(r->grid, i, ray[i], ray[3 + i], &r->axis[i])) return 0;
+        if (!plan_cast_axis(&r->in->grid, i, ray[i], ray[3 + i], &r->axis[i])) return 0;
         double const enter = cast_enter(&r->axis[i], r->axis[i].first);
         double const leave = cast_leave(&r->axis[i], r->axis[i].last);
         *begin = enter > *begin ? enter : *begin;
@@ -380,9 +405,10 @@ static void report_cast_hit(const double *ray, const cast_ray *r, bvx_ray_hit *h
     }
 }
 
+/* ---- Many rays ---- */
+
 typedef struct cast_work {
-    const bvx_grid *grid;
-    const voxel_bricks *bricks;
+    const bvx_rays *in;
     const double *rays;
     bvx_ray_hit *hits;
     double t_max;
@@ -397,40 +423,118 @@ static void cast_piece(void *user, uint64_t begin, uint64_t end)
         cast_ray r;
         double start;
         memset(&w->hits[i], 0, sizeof w->hits[i]);
-        r.grid = w->grid;
-        r.bricks = w->bricks;
+        r.in = w->in;
         if (!clip_cast_ray(ray, w->t_max, &r, &start)) continue;
-        if (r.bricks->words != NULL) walk_cast_rows(&r, BRICK_SHIFT, start, r.end);
+        if (r.in->bricks != NULL) walk_cast_rows(&r, BRICK_SHIFT, start, r.end);
         else walk_cast_voxels(&r, start, r.end);
         if (r.voxel[0] >= 0) report_cast_hit(ray, &r, &w->hits[i]);
     }
+}
+
+static bvx_status check_cast(bvx_context *ctx, const char *function, const double *rays, uint64_t count,
+                             double t_max, const bvx_ray_hit *hits)
+{
+    if (rays == NULL && count != 0) return bvxi_fail_null(ctx, function, "rays");
+    if (hits == NULL && count != 0) return bvxi_fail_null(ctx, function, "hits");
+    if (count > SIZE_MAX / sizeof *hits)
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: %u rays are beyond this machine's addresses", function, count);
+    return bvxi_check_rays(ctx, function, rays, count, t_max);
 }
 
 static bvx_status run_grid_cast(bvx_context *context, const bvx_grid *grid, const double *rays,
                                 uint64_t count, double t_max, bvx_ray_hit *hits)
 {
     static const char *const function = "bvx_grid_cast";
-    voxel_bricks bricks = {NULL, NULL, {0, 0, 0}, 0};
-    cast_work w = {grid, &bricks, rays, hits, t_max};
+    bvx_rays in = {.bricks = NULL};
+    cast_work w = {&in, rays, hits, t_max};
 
     BVXI_TRY(bvxi_grid_check(context, function, grid));
-    if (rays == NULL && count != 0) return bvxi_fail_null(context, function, "rays");
-    if (hits == NULL && count != 0) return bvxi_fail_null(context, function, "hits");
-    if (count > SIZE_MAX / sizeof *hits)
-        return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: %u rays are beyond this machine's addresses", function, count);
-    BVXI_TRY(bvxi_check_rays(context, function, rays, count, t_max));
+    BVXI_TRY(check_cast(context, function, rays, count, t_max, hits));
+    in.grid = *grid;
 
     /* Bricks pay where there are many rays for the words that they are made of. */
     if (count >= CAST_BRICK_RAYS && bvxi_grid_words(grid) / count <= CAST_BRICK_WORDS)
-        BVXI_TRY(make_bricks(context, "cast", 0.0, 0.05, grid, &bricks));
-    BVXI_TRY(BVXI_SHARE(context, 0.05, 1.0, bvxi_for(context, "cast", count, CAST_GRAIN, cast_piece, &w)));
-    free_bricks(context, &bricks);
-    return BVX_OK;
+        BVXI_TRY(BVXI_SHARE(context, 0.0, 0.05, make_bricks(context, grid, &in)));
+    return BVXI_SHARE(context, 0.05, 1.0, bvxi_for(context, "cast", count, CAST_GRAIN, cast_piece, &w));
 }
 
 bvx_status bvx_grid_cast(bvx_context *context, const bvx_grid *grid, const double *rays, uint64_t count,
                          double t_max, bvx_ray_hit *hits)
 {
     return BVXI_CALL(context, run_grid_cast(context, grid, rays, count, t_max, hits));
+}
+
+/* ---- Bricks kept ---- */
+
+static bvx_status run_rays_create(bvx_context *context, const bvx_grid *grid, bvx_rays **caster)
+{
+    static const char *const function = "bvx_rays_create";
+    bvx_rays *made = NULL;
+
+    if (caster == NULL) return bvxi_fail_null(context, function, "caster");
+    *caster = NULL;
+    BVXI_TRY(bvxi_grid_check(context, function, grid));
+    /* What has been taken since the mark is given to the object when all went well. */
+    uint64_t const mark = bvxi_scratch_begin(context);
+    BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, sizeof *made, "the bricks' head", &made));
+    BVXI_TRY(make_bricks(context, grid, made));
+    bvxi_scratch_adopt(context, mark);
+    *caster = made;
+    return BVX_OK;
+}
+
+bvx_status bvx_rays_create(bvx_context *context, const bvx_grid *grid, bvx_rays **caster)
+{
+    return BVXI_CALL(context, run_rays_create(context, grid, caster));
+}
+
+void bvx_rays_free(bvx_context *context, bvx_rays *caster)
+{
+    if (context == NULL || caster == NULL) return;
+    bvxi_free(context, caster->bricks, caster->bytes);
+    bvxi_free(context, caster, sizeof *caster);
+}
+
+static bvx_status run_rays_update(bvx_context *context, bvx_rays *caster, const bvx_grid *grid,
+                                  const bvx_window *changed)
+{
+    static const char *const function = "bvx_rays_update";
+    bvx_window part;
+    brick_box box;
+
+    if (caster == NULL) return bvxi_fail_null(context, function, "caster");
+    BVXI_TRY(bvxi_grid_check(context, function, grid));
+    BVXI_TRY(bvxi_grid_same(context, function, &caster->grid, grid));
+    BVXI_TRY(bvxi_window_take(context, function, &grid->lattice, changed, &part));
+    BVXI_TRY(bvxi_progress(context, "cast", 0.0));
+
+    /* From here on nothing fails or stops: bricks of two grids would hide voxels of both. */
+    caster->grid = *grid;
+    if (!box_of_bricks(caster, &part, &box)) return BVX_OK;
+    uint64_t const rows = (uint64_t)box.size[1] * (uint64_t)box.size[2];
+    bvxi_ranges(context, bvxi_piece_count(rows, BRICK_GRAIN), rows, make_brick_rows, &box);
+    return BVX_OK;
+}
+
+bvx_status bvx_rays_update(bvx_context *context, bvx_rays *caster, const bvx_grid *grid,
+                           const bvx_window *changed)
+{
+    return BVXI_CALL(context, run_rays_update(context, caster, grid, changed));
+}
+
+static bvx_status run_rays_cast(bvx_context *context, const bvx_rays *caster, const double *rays,
+                                uint64_t count, double t_max, bvx_ray_hit *hits)
+{
+    static const char *const function = "bvx_rays_cast";
+    cast_work w = {caster, rays, hits, t_max};
+    if (caster == NULL) return bvxi_fail_null(context, function, "caster");
+    BVXI_TRY(check_cast(context, function, rays, count, t_max, hits));
+    return bvxi_for(context, "cast", count, CAST_GRAIN, cast_piece, &w);
+}
+
+bvx_status bvx_rays_cast(bvx_context *context, const bvx_rays *caster, const double *rays, uint64_t count,
+                         double t_max, bvx_ray_hit *hits)
+{
+    return BVXI_CALL(context, run_rays_cast(context, caster, rays, count, t_max, hits));
 }

@@ -156,11 +156,14 @@ void bvxi_closest_shut(bvx_context *ctx, bvx_closest *closest);
 void bvxi_closest_ask(const bvx_closest *closest, const double point[3], uint32_t *hint,
                       bvx_closest_point *found);
 
+/* How far a point is from the triangle of a hint that an answer left: a bound above the nearest's distance. */
+double bvxi_closest_bound(const bvx_closest *closest, const double point[3], uint32_t hint);
+
 /* carry.c: refuse the fields of a mesh that no view of it shows. */
 bvx_status bvxi_check_carried_mesh(bvx_context *ctx, const char *function, const bvx_mesh *mesh);
 
-/* Where on triangle t its closest point q to p lies, as in bvx_closest_point.feature. */
-int32_t bvxi_closest_feature(const double p[3], const double t[3][3], const double q[3]);
+/* Where on triangle t its closest point q to p lies: feature and weights, no more. */
+void bvxi_closest_place(const double p[3], const double t[3][3], const double q[3], bvx_closest_point *found);
 
 /* The search tree of a mesh, kept from one comparison to the next. Zeroed: not built yet. */
 typedef struct bvxi_distance_tree {

@@ -67,9 +67,7 @@ static void weigh_query_face(const double p[3], const double t[3][3], double wei
     weight[2] = vc / area2;
 }
 
-/* Feature and weights of q, the nearest point to p in triangle t. */
-static void place_in_query_triangle(const double p[3], const double t[3][3], const double q[3],
-                                    bvx_closest_point *found)
+void bvxi_closest_place(const double p[3], const double t[3][3], const double q[3], bvx_closest_point *found)
 {
     static const int32_t edge[4][3] = {{0, 1, 1}, {1, 2, 2}, {0, 2, 3}, {2, 0, 3}}; /* from, to, feature */
     double s;
@@ -94,13 +92,6 @@ static void place_in_query_triangle(const double p[3], const double t[3][3], con
     }
     weigh_query_face(p, t, found->weight);
     found->feature = 0;
-}
-
-int32_t bvxi_closest_feature(const double p[3], const double t[3][3], const double q[3])
-{
-    bvx_closest_point found;
-    place_in_query_triangle(p, t, q, &found);
-    return found.feature;
 }
 
 /* ---- One point ---- */
@@ -133,8 +124,17 @@ void bvxi_closest_ask(const bvx_closest *closest, const double point[3], uint32_
     for (int a = 0; a < 3; a++) found->position[a] = nearest.point[a] / tree->scale;
     found->distance = sqrt(nearest.distance2) / s;
     found->triangle = nearest.triangle;
-    place_in_query_triangle(p, (const double(*)[3])t, nearest.point, found);
+    bvxi_closest_place(p, (const double(*)[3])t, nearest.point, found);
     *hint = nearest.place;
+}
+
+double bvxi_closest_bound(const bvx_closest *closest, const double point[3], uint32_t hint)
+{
+    double const s = query_scale(&closest->tree, point), p[3] = {point[0] * s, point[1] * s, point[2] * s};
+    double t[3][3], q[3];
+
+    bvxi_closest_corners(&closest->tree, hint, t);
+    return sqrt(bvxi_closest_on_triangle(p, (const double(*)[3])t, q)) / s;
 }
 
 /* ---- Made ready and released ---- */

@@ -6,27 +6,43 @@
 #include "grid/grid.h"
 #include "mesh/mesh.h"
 #include "nearest/closest.h"
+#include "nearest/nearest_tree.h"
+
+#include <math.h>
 
 enum { LABEL_MOST = 255, LABEL_CELLS = 32 * 32 * 32 };
 
 typedef struct voxel_labels {
     const bvx_mesh *mesh;
     const bvx_grid *grid;
-    bvx_closest closest;
-    bvx_mesh_view view;
+    bvxi_nearest *nearest;
     int by_material;
-    uint64_t *first; /* set voxels before each slice */
+    uint64_t *first; /* set voxels before each row */
     uint64_t *keys;  /* of each set voxel: its material, or red, green, blue */
-    uint32_t *voxel;
+    uint32_t *voxel; /* its triangle, then its number, sorted by keys */
 } voxel_labels;
 
-/* The colour of a material times that of its triangle's corners, as bytes of sRGB. */
-static uint64_t colour_key(const voxel_labels *w, const bvx_closest_point *at)
+/* The colour of a material times that of its triangle's corners at the voxel's closest point, as bytes of sRGB. */
+static uint64_t colour_key(const voxel_labels *w, uint32_t triangle, const int32_t voxel[3])
 {
     const bvx_mesh *const m = w->mesh;
     const bvx_assets *const assets = m->assets;
-    uint32_t const material = m->materials != NULL ? m->materials[at->triangle] : UINT32_MAX;
+    const bvx_lattice *const l = &w->grid->lattice;
+    uint32_t const material = m->materials != NULL ? m->materials[triangle] : UINT32_MAX;
+    const uint32_t *const corner = m->triangles + 3 * (size_t)triangle;
+    bvx_closest_point at;
     uint64_t key = 0;
+
+    if (m->colours != NULL) {
+        double p[3], t[3][3], q[3];
+
+        for (int a = 0; a < 3; a++)
+            p[a] = (l->origin[a] + ((double)(w->grid->low[a] + voxel[a]) + 0.5) * l->spacing[a]) *
+                   w->nearest->scale;
+        bvxi_near_corners(w->nearest, triangle, t);
+        bvxi_closest_on_triangle(p, (const double(*)[3])t, q);
+        bvxi_closest_place(p, (const double(*)[3])t, q, &at);
+    }
 
     for (int i = 0; i < 3; i++) {
         double v = 255.0;
@@ -34,9 +50,8 @@ static uint64_t colour_key(const voxel_labels *w, const bvx_closest_point *at)
         if (assets != NULL && assets->base_colours != NULL && material < assets->material_count)
             v = (double)assets->base_colours[4 * (size_t)material + (size_t)i];
         if (m->colours != NULL) {
-            const uint32_t *const corner = m->triangles + 3 * (size_t)at->triangle;
             double sum = 0.0;
-            for (int k = 0; k < 3; k++) sum += at->weight[k] * m->colours[4 * (size_t)corner[k] + (size_t)i];
+            for (int k = 0; k < 3; k++) sum += at.weight[k] * m->colours[4 * (size_t)corner[k] + (size_t)i];
             v = v * sum / 255.0;
         }
         key = key << 8 | (uint64_t)(v >= 255.0 ? 255 : (int32_t)(v + 0.5));
@@ -44,28 +59,24 @@ static uint64_t colour_key(const voxel_labels *w, const bvx_closest_point *at)
     return key;
 }
 
+/* A voxel's key from its triangle, which stands in voxel before the number. */
 static void label_slices(void *user, uint64_t begin, uint64_t end)
 {
     const voxel_labels *const w = user;
     const bvx_grid *const g = w->grid;
-    uint32_t hint = 0;
 
     for (uint64_t z = begin; z < end; z++) {
-        uint64_t next = w->first[z];
+        uint64_t next = w->first[z * (uint64_t)g->size[1]];
 
         for (int32_t y = 0; y < g->size[1]; y++)
             for (int32_t k = 0; k < g->words_per_row; k++)
                 for (uint64_t bits = bvxi_grid_row(g, y, (int32_t)z)[k]; bits != 0;
                      bits &= bits - 1, next++) {
                     int32_t const v[3] = {k * BVXI_WORD_BITS + bvxi_lowest(bits), y, (int32_t)z};
-                    bvx_closest_point at;
-                    double p[3];
+                    uint32_t const triangle = w->voxel[next];
 
-                    for (int a = 0; a < 3; a++)
-                        p[a] = g->lattice.origin[a] +
-                               ((double)(g->low[a] + v[a]) + 0.5) * g->lattice.spacing[a];
-                    bvxi_closest_ask(&w->closest, p, &hint, &at);
-                    w->keys[next] = w->by_material ? w->mesh->materials[at.triangle] : colour_key(w, &at);
+                    w->keys[next] = w->by_material ? w->mesh->materials[triangle]
+                                                   : colour_key(w, triangle, v);
                     w->voxel[next] = (uint32_t)next;
                 }
     }
@@ -149,7 +160,8 @@ static bvx_status run_label_voxels(bvx_context *ctx, const bvx_mesh *mesh, const
 {
     static const char *const function = "bvx_label_voxels";
     voxel_labels w = {.mesh = mesh, .grid = grid};
-    uint64_t count = 0, next = 0;
+    bvx_mesh_view view;
+    uint64_t next = 0;
 
     if (mesh == NULL) return bvxi_fail_null(ctx, function, "mesh");
     if (labels == NULL || palette == NULL)
@@ -162,26 +174,23 @@ static bvx_status run_label_voxels(bvx_context *ctx, const bvx_mesh *mesh, const
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
                              "%s: the mesh has neither colours of its vertices nor materials", function);
     w.by_material = mesh->colours == NULL && materials < LABEL_MOST;
-    bvx_mesh_view_of(mesh, &w.view);
+    bvx_mesh_view_of(mesh, &view);
 
-    BVXI_TRY(BVXI_ARRAY(ctx, (uint64_t)grid->size[2], "the slices' numbers", w.first));
-    for (int32_t z = 0; z < grid->size[2]; z++) {
-        const uint64_t *const slice = bvxi_grid_row(grid, 0, z);
-        w.first[z] = count;
-        for (uint64_t i = 0; i < (uint64_t)grid->size[1] * (uint64_t)grid->words_per_row; i++)
-            count += (uint64_t)bvxi_popcount(slice[i]);
-    }
+    BVXI_TRY(BVXI_ARRAY(ctx, bvxi_grid_rows(grid) + 1, "the rows' numbers", w.first));
+    uint64_t const count = bvxi_sparse_number(grid, w.first);
     if (count >= UINT32_MAX)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: %u voxels are set; 2^32 - 2 are possible, label windows of the grid",
                              function, count);
     BVXI_TRY(BVXI_ARRAY(ctx, count, "colours of voxels", w.keys));
     BVXI_TRY(BVXI_ARRAY(ctx, count, "numbers of voxels", w.voxel));
-    BVXI_TRY(bvxi_closest_open(bvxi_call_of(ctx, function, "label", 0.0, 0.2), &w.view, &w.closest));
-    bvx_status const status = BVXI_SHARE(
-        ctx, 0.2, 0.9, bvxi_for(ctx, "label", (uint64_t)grid->size[2], 1, label_slices, &w));
-    bvxi_closest_shut(ctx, &w.closest);
-    BVXI_TRY(status);
+    BVXI_TRY(
+        bvxi_nearest_open(bvxi_call_of(ctx, function, "label", 0.0, 0.1), &view, &grid->lattice, &w.nearest));
+    bvxi_sparse const triangles = {.where = *grid, .first = w.first, .count = count, .triangles = w.voxel};
+    BVXI_TRY(
+        bvxi_nearest_fill(bvxi_call_of(ctx, function, "label", 0.1, 0.8), w.nearest, HUGE_VAL, &triangles));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.8, 0.9, bvxi_for(ctx, "label", (uint64_t)grid->size[2], 1, label_slices, &w)));
+    bvxi_nearest_close(ctx, w.nearest);
 
     memset(palette, 255, 1024);
     memset(palette, 0, 4);

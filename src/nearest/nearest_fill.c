@@ -75,15 +75,16 @@ static void put_near_value(const fill_work *w, const bvxi_near_pairs *pairs, int
         double const d = sqrt(pairs->distance2[p]) * w->to_world;
         put_near_numbers(v->value_type, v->distances, i, &d, 1);
     }
-    if (v->triangles != NULL) v->triangles[i] = pairs->triangle[p];
     if (v->features != NULL) {
+        bvx_closest_point place;
         double t[3][3], point[3], q[3];
         for (int k = 0; k < 9; k++) t[k / 3][k % 3] = pairs->corner[k][p];
         for (int a = 0; a < 3; a++) {
             point[a] = pairs->point[a][p];
             q[a] = pairs->closest[a][p];
         }
-        v->features[i] = (uint8_t)bvxi_closest_feature(point, (const double(*)[3])t, q);
+        bvxi_closest_place(point, (const double(*)[3])t, q, &place);
+        v->features[i] = (uint8_t)place.feature;
     }
 }
 
@@ -120,7 +121,9 @@ static void fill_near_brick(const fill_work *w, const int32_t cube[3], const int
                             const uint32_t *remembered, fill_ranks *ranks, bvxi_near_worker *worker)
 {
     uint64_t const set = bvxi_near_slots_of(w->where, first);
+    const bvxi_sparse *const v = w->values;
     bvxi_near_pairs *const pairs = &worker->pairs;
+    uint64_t value[BVXI_NEAR_SLOTS]; /* the number of each pair's */
     int32_t index[3];
 
     for (int a = 0; a < 3; a++) index[a] = w->where->low[a] + first[a];
@@ -140,18 +143,21 @@ static void fill_near_brick(const fill_work *w, const int32_t cube[3], const int
     /* Slots of a brick lie in the order of its rows, and so do the values. */
     for (uint64_t m = set; m != 0; m &= m - 1) {
         int32_t const s = bvxi_lowest(m);
+        int32_t const y = first[1] % BVXI_NEAR_CUBE + (s >> 2 & 3);
+        int32_t const z = first[2] % BVXI_NEAR_CUBE + (s >> 4);
+        uint64_t const i = ranks->next[z][y]++;
         double const point[3] = {worker->centre[0][s & 3], worker->centre[1][s >> 2 & 3],
                                  worker->centre[2][s >> 4]};
+
+        if (v->triangles != NULL) v->triangles[i] = worker->triangle[s];
+        if (v->vectors == NULL && v->distances == NULL && v->features == NULL) continue;
+        value[pairs->count] = i;
         bvxi_near_take_pair(w->n, pairs, point, worker->triangle[s], s);
     }
 
     /* Values come from the evaluation in doubles alone, whoever found the triangle. */
     bvxi_near_evaluate(w->n, worker->fast, pairs);
-    for (int32_t p = 0; p < pairs->count; p++) {
-        int32_t const y = first[1] % BVXI_NEAR_CUBE + (pairs->slot[p] >> 2 & 3);
-        int32_t const z = first[2] % BVXI_NEAR_CUBE + (pairs->slot[p] >> 4);
-        put_near_value(w, pairs, p, ranks->next[z][y]++);
-    }
+    for (int32_t p = 0; p < pairs->count; p++) put_near_value(w, pairs, p, value[p]);
 }
 
 /* ---- All ---- */

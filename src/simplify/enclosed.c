@@ -99,6 +99,8 @@ static int is_far(const bvxi_enclosed *e, const double *const p[3], uint32_t *hi
         reach = way > reach ? way : reach;
         for (int a = 0; a < 3; a++) half[k][a] = 0.5 * (p[k][a] + p[(k + 1) % 3][a]);
     }
+    /* Most are near to what the one before was near to, and need no search. */
+    if (bvxi_closest_bound(&e->closest, middle, *hint) + reach <= e->farthest) return 0;
     bvxi_closest_ask(&e->closest, middle, hint, &found);
     if (found.distance + reach <= e->farthest) return 0;
     if (found.distance > e->farthest || reach < ENCLOSED_FINEST * e->farthest) return 1;

@@ -135,6 +135,23 @@ static bvx_status cast(void *user, bvx_context *ctx)
     return status;
 }
 
+static bvx_status cast_by_handle(void *user, bvx_context *ctx)
+{
+    static bvx_ray_hit hits[QUERIES];
+    bvx_window const part = {{solid.low[0], solid.low[1], solid.low[2]}, {1, 1, 1}};
+    bvx_rays *caster = NULL;
+    bvx_status status;
+
+    (void)user;
+    status = bvx_rays_create(ctx, &solid, &caster);
+    left_behind |= status != BVX_OK && caster != NULL;
+    if (status == BVX_OK) status = bvx_rays_update(ctx, caster, &solid, &part);
+    if (status == BVX_OK) status = bvx_rays_cast(ctx, caster, rays, QUERIES, 1e9, hits);
+    if (status == BVX_OK) mark = bvx_hash(hits, sizeof hits, 0);
+    bvx_rays_free(ctx, caster);
+    return status;
+}
+
 static bvx_status sample(void *user, bvx_context *ctx)
 {
     static double values[4 * QUERIES];
@@ -160,8 +177,9 @@ static bvx_status compare(void *user, bvx_context *ctx)
 }
 
 static fault_row queries[] = {
-    {"find", find, 1, 1, 0},   {"carry", carry, 1, 1, 0},   {"cast", cast, 1, 1, 0},
-    {"label", label, 1, 1, 0}, {"sample", sample, 0, 1, 0}, {"compare", compare, 1, 1, 0},
+    {"find", find, 1, 1, 0},           {"carry", carry, 1, 1, 0}, {"cast", cast, 1, 1, 0},
+    {"rays", cast_by_handle, 1, 1, 0}, {"label", label, 1, 1, 0}, {"sample", sample, 0, 1, 0},
+    {"compare", compare, 1, 1, 0},
 };
 
 /* ---- Tests ---- */

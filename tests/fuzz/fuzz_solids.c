@@ -150,7 +150,8 @@ static void fuzz_levels(bvx_context *ctx, fuzz_input *in, const bvx_grid *solid)
 static void fuzz_ask(bvx_context *ctx, fuzz_input *in, const bvx_grid *solid)
 {
     bvx_grid_difference d;
-    bvx_ray_hit hit[2];
+    bvx_ray_hit hit[2], again[2];
+    bvx_rays *caster;
     double rays[12], values[4], gradients[12];
 
     for (int i = 0; i < 12; i++) rays[i] = fuzz_range(in, -64, 64) / 8.0;
@@ -160,6 +161,11 @@ static void fuzz_ask(bvx_context *ctx, fuzz_input *in, const bvx_grid *solid)
     for (int i = 0; i < 2; i++)
         fuzz_require(!hit[i].hit || bvx_grid_get(solid, hit[i].voxel[0], hit[i].voxel[1], hit[i].voxel[2]),
                      "a hit on an empty voxel");
+    fuzz_must(ctx, bvx_rays_create(ctx, solid, &caster));
+    fuzz_must(ctx, bvx_rays_update(ctx, caster, solid, NULL));
+    fuzz_must(ctx, bvx_rays_cast(ctx, caster, rays, 2, 1e9, again));
+    fuzz_require(memcmp(hit, again, sizeof hit) == 0, "bricks that are kept change a hit");
+    bvx_rays_free(ctx, caster);
     fuzz_must(ctx, bvx_grid_sample(ctx, solid, rays, 4, values, gradients));
     for (int i = 0; i < 4; i++) fuzz_require(values[i] >= 0 && values[i] <= 1, "a sample outside 0..1");
     fuzz_must(ctx, bvx_grid_compare(ctx, solid, solid, &d));

@@ -77,21 +77,32 @@ static void query_numbers(double *numbers, uint64_t count)
         numbers[i] = (double)(shape_random(&state) >> 40) / 16777216.0 * 7.0 - 3.5;
 }
 
+static uint64_t mixed_hits(const bvx_ray_hit hits[QUERY_COUNT])
+{
+    uint64_t h = 0;
+    for (int i = 0; i < QUERY_COUNT; i++) {
+        h = mixed_integers(mixed_doubles(h, &hits[i].t, 1), hits[i].voxel, 3);
+        h = mixed_doubles(h, hits[i].position, 3) + (uint64_t)(hits[i].axis + 2 * hits[i].hit);
+    }
+    return h;
+}
+
 static void grid_questions(golden *g, const bvx_grid *a, const bvx_grid *b)
 {
     static double rays[6 * QUERY_COUNT], values[QUERY_COUNT], gradients[3 * QUERY_COUNT];
     static bvx_ray_hit hits[QUERY_COUNT];
     bvx_grid_difference d;
-    uint64_t h = 0;
+    bvx_rays *caster = NULL;
 
     query_numbers(rays, 6 * QUERY_COUNT);
-    if (golden_good(g, bvx_grid_cast(g->context, a, rays, QUERY_COUNT, 1e9, hits))) {
-        for (int i = 0; i < QUERY_COUNT; i++) {
-            h = mixed_integers(mixed_doubles(h, &hits[i].t, 1), hits[i].voxel, 3);
-            h = mixed_doubles(h, hits[i].position, 3) + (uint64_t)(hits[i].axis + 2 * hits[i].hit);
-        }
-        golden_hex(g, "cast", h);
-    }
+    if (golden_good(g, bvx_grid_cast(g->context, a, rays, QUERY_COUNT, 1e9, hits)))
+        golden_hex(g, "cast", mixed_hits(hits));
+    /* The bricks of b, then of a: what an update leaves shows. */
+    if (golden_good(g, bvx_rays_create(g->context, b, &caster)) &&
+        golden_good(g, bvx_rays_update(g->context, caster, a, NULL)) &&
+        golden_good(g, bvx_rays_cast(g->context, caster, rays, QUERY_COUNT, 1e9, hits)))
+        golden_hex(g, "rays_kept", mixed_hits(hits));
+    bvx_rays_free(g->context, caster);
     if (golden_good(g, bvx_grid_sample(g->context, a, rays, QUERY_COUNT, values, gradients)))
         golden_hex(g, "sample",
                    mixed_doubles(mixed_doubles(0, values, QUERY_COUNT), gradients, 3 * QUERY_COUNT));
@@ -179,9 +190,10 @@ static void golden_labels(golden *g, const bvx_mesh *surface, const bvx_grid *gr
         golden_hex(g, "labels", bvx_hash(labels, voxels, bvx_hash(palette, sizeof palette, 0)));
     if (golden_good(g, bvx_write_labels(g->context, grid, labels, palette, BVX_FORMAT_VOX, &file)) &&
         golden_good(g, bvx_read_labels(g->context, file.bytes, file.size, BVX_FORMAT_VOX, &back, palette)))
-        golden_hex(g, "labels_read", bvx_hash(back.bytes, back.size, bvx_hash(palette, sizeof palette, 0)));
+        golden_hex(g, "labels_read",
+                   bvx_hash(back.bytes, (size_t)back.size, bvx_hash(palette, sizeof palette, 0)));
     if (golden_good(g, bvx_write_labels(g->context, grid, labels, palette, BVX_FORMAT_NRRD, &file)))
-        golden_hex(g, "segments", bvx_hash(file.bytes, file.size, 0));
+        golden_hex(g, "segments", bvx_hash(file.bytes, (size_t)file.size, 0));
     bvx_buffer_free(g->context, &file);
     bvx_buffer_free(g->context, &back);
 }

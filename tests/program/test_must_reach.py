@@ -18,7 +18,7 @@ sys.path.insert(0, 'tests/tools')
 from made_meshes import Mesh, box, made_meshes
 
 LARGE = 60000
-HUGE = 3 << 20  # bytes of a packed file: smaller ones take the same ways, so these are left to BITVOX_LARGE=1
+HUGE = 1 << 20  # bytes of a packed file: smaller ones take the same ways, so these are left to BITVOX_LARGE=1
 BUDGET = 60.0  # seconds of processor time of all runs; what is left of the list then is skipped, and said
 program = os.path.abspath(sys.argv[1] if len(sys.argv) > 1 else os.environ.get('BITVOX', 'build/bitvox'))
 folder = os.path.abspath(sys.argv[2] if len(sys.argv) > 2 else '../shared/meshes')

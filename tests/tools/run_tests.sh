@@ -62,8 +62,8 @@ row_threads() {
     # GNU's OpenMP is not built to be seen by TSan.
     mk $once CC=clang THREADS=posix ZLIB=0 CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=thread' CPPFLAGS='-include tests/tools/more_threads.h' "$@"
 }
-row_i686() { mk $once CC="$i686" AR="$i686_ar" CFLAGS=-O2 LDFLAGS=-static THREADS=0 ZLIB=0 WERROR=1 "$@"; }
-row_windows() { mk $once CC=x86_64-w64-mingw32-gcc AR=x86_64-w64-mingw32-ar CFLAGS=-O2 LDFLAGS=-static "$@"; }
+row_i686() { mk $once CC="$i686" AR="$i686_ar" CFLAGS=-O1 LDFLAGS=-static THREADS=0 ZLIB=0 WERROR=1 "$@"; }
+row_windows() { mk $once CC=x86_64-w64-mingw32-gcc AR=x86_64-w64-mingw32-ar CFLAGS=-O1 LDFLAGS=-static "$@"; }
 row_s390x() {
     mk $once CC=s390x-linux-gnu-gcc AR=s390x-linux-gnu-ar CFLAGS=-O2 LDFLAGS=-static THREADS=0 ZLIB=0 WERROR=1 "$@"
 }

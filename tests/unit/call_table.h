@@ -40,6 +40,7 @@ enum {
     TO_IMAGE,
     TO_VOLUME,
     TO_CLOSEST,
+    TO_RAYS,
     TO_COMPLEX
 };
 
@@ -53,6 +54,7 @@ typedef union result {
     bvx_image image;
     bvx_volume volume;
     bvx_closest *closest;
+    bvx_rays *caster;
     bvx_complex complex_;
     unsigned char plain[4096];
 } result;
@@ -189,6 +191,10 @@ static bvx_status label_voxels(const world *w)
 static bvx_status grid_cast(const world *w)
 {
     return bvx_grid_cast(w->ctx, w->grid, a_ray, 1, 100, (bvx_ray_hit *)w->out);
+}
+static bvx_status rays_create(const world *w)
+{
+    return bvx_rays_create(w->ctx, w->grid, (bvx_rays **)w->out);
 }
 static bvx_status grid_sample(const world *w)
 {
@@ -646,6 +652,7 @@ static const call calls[] = {
     CALL(mesh_crossings, MESH | SECOND | SLOT, PLAIN),
     CALL(mesh_drop_nonfinite, BODY, PLAIN),
     CALL(grid_cast, GRID, PLAIN),
+    CALL(rays_create, GRID, TO_RAYS),
     CALL(grid_sample, GRID, PLAIN),
     CALL(grid_compare, GRID | OTHER, PLAIN),
     CALL(voxelize_solid, MESH | LATTICE | OPTIONS, TO_GRID),
@@ -845,6 +852,7 @@ static void free_result(bvx_context *ctx, int to)
     case TO_VOLUME: bvx_volume_free(ctx, &out.volume); break;
     case TO_COMPLEX: bvx_complex_free(ctx, &out.complex_); break;
     case TO_CLOSEST: bvx_closest_free(ctx, out.closest); break;
+    case TO_RAYS: bvx_rays_free(ctx, out.caster); break;
     default: break;
     }
     memset(&out, 0, sizeof out);

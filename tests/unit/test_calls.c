@@ -580,6 +580,7 @@ static void test_nothing_is_freed(void)
         bvx_image_free(c, NULL);
         bvx_volume_free(c, NULL);
         bvx_closest_free(c, NULL);
+        bvx_rays_free(c, NULL);
         bvx_attached_free(c, NULL);
         memset(&out, 0, sizeof out);
         memset(&attached, 0, sizeof attached);
@@ -630,10 +631,12 @@ static void test_sizes_beyond_memory_and_none(void)
     static const char text[] = "x";
     bvx_context *ctx = NULL;
     bvx_closest *closest = NULL;
+    bvx_rays *caster = NULL;
 
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
     make_world(ctx);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_create(ctx, &mesh, &closest));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_rays_create(ctx, &solid, &caster));
     memset(&out, 0, sizeof out);
     for (int i = 0; i < 3; i++) {
         uint64_t const n = sizes[i];
@@ -654,6 +657,7 @@ static void test_sizes_beyond_memory_and_none(void)
         expect_refused(ctx, bvx_read_volume(ctx, text, 1, BVX_FORMAT_NRRD, &o, &out.volume),
                        "bvx_read_volume");
         expect_refused(ctx, bvx_grid_cast(ctx, &solid, a_ray, n, 1, (bvx_ray_hit *)&out), "bvx_grid_cast");
+        expect_refused(ctx, bvx_rays_cast(ctx, caster, a_ray, n, 1, (bvx_ray_hit *)&out), "bvx_rays_cast");
         expect_refused(ctx, bvx_grid_sample(ctx, &solid, a_point, n, (double *)&out, NULL),
                        "bvx_grid_sample");
         expect_refused(ctx, bvx_closest_find(ctx, closest, a_point, n, (bvx_closest_point *)&out),
@@ -664,10 +668,17 @@ static void test_sizes_beyond_memory_and_none(void)
                        "bvx_closest_crossings");
     }
     expect_refused(ctx, bvx_closest_winding(ctx, closest, NULL, 1, (int64_t *)&out), "bvx_closest_winding");
+    expect_refused(ctx, bvx_rays_update(ctx, caster, NULL, NULL), "bvx_rays_update");
+    expect_refused(ctx, bvx_rays_update(ctx, NULL, &solid, NULL), "bvx_rays_update");
+    for (int i = 0; i < 2; i++) {
+        bvx_window const beyond = {{1, 0, 0}, {i * INT32_MAX, 1, 1}};
+        expect_refused(ctx, bvx_rays_update(ctx, caster, &solid, &beyond), "bvx_rays_update");
+    }
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_at(ctx, tree, NULL, 0, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_find(ctx, tree, NULL, 0, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_cast(ctx, tree, 0, NULL, 0, 1, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_cast(ctx, &solid, NULL, 0, 1, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_rays_cast(ctx, caster, NULL, 0, 1, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_sample(ctx, &solid, NULL, 0, NULL, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_find(ctx, closest, NULL, 0, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_cast(ctx, closest, NULL, 0, 1, NULL));
@@ -708,6 +719,7 @@ static void test_sizes_beyond_memory_and_none(void)
         }
     TEST_ASSERT_EQUAL_HEX64(UINT64_MAX, bvx_field_value(NULL, 0, 0, 0));
     bvx_closest_free(ctx, closest);
+    bvx_rays_free(ctx, caster);
     free_world(ctx);
     bvx_context_destroy(ctx);
 }

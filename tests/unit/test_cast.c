@@ -421,6 +421,125 @@ static void test_cast_is_the_same_for_any_threads(void)
     }
 }
 
+/* ---- Bricks kept ---- */
+
+static bvx_rays *caster;
+
+/* One by one and together by the handle, as without bricks. */
+static void expect_kept(const double rays[6 * COMPANY])
+{
+    static bvx_ray_hit hits[COMPANY];
+
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_rays_cast(ctx, caster, rays, COMPANY, 1e9, hits));
+    for (int i = 0; i < COMPANY; i++) {
+        bvx_ray_hit const want = cast_one(rays + 6 * i, 1e9);
+        bvx_ray_hit got;
+        memset(&got, 0x55, sizeof got);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_rays_cast(ctx, caster, rays + 6 * i, 1, 1e9, &got));
+        TEST_ASSERT_EQUAL_MEMORY(&want, &got, sizeof got);
+        TEST_ASSERT_EQUAL_MEMORY(&want, &hits[i], sizeof got);
+        hits_seen += (uint64_t)got.hit;
+    }
+}
+
+/* A window of the lattice that begins and ends in, at or beyond the grid's own; where they meet voxels change. */
+static bvx_window change_part(int32_t per_mille)
+{
+    bvx_window w;
+    int32_t low[3], end[3];
+
+    for (int a = 0; a < 3; a++) {
+        w.low[a] = maker_below(&seed, grid.lattice.dims[a]);
+        w.size[a] = 1 + maker_below(&seed, grid.lattice.dims[a] - w.low[a]);
+        low[a] = w.low[a] > grid.low[a] ? w.low[a] - grid.low[a] : 0;
+        end[a] = w.low[a] + w.size[a] - grid.low[a];
+        end[a] = end[a] < grid.size[a] ? end[a] : grid.size[a];
+    }
+    for (int32_t z = low[2]; z < end[2]; z++)
+        for (int32_t y = low[1]; y < end[1]; y++)
+            for (int32_t x = low[0]; x < end[0]; x++)
+                bvx_grid_set(&grid, x, y, z, maker_below(&seed, 1000) < per_mille);
+    return w;
+}
+
+/* Whole grids and changes by windows, also to nothing and to all. */
+static void test_bricks_kept_give_the_same_hits(void)
+{
+    static const int32_t densities[5] = {0, 1, 5, 100, 1000};
+    double rays[6 * COMPANY];
+
+    hits_seen = 0;
+    for (int round = 0; round < 30; round++) {
+        random_grid(1);
+        scatter(densities[round % 5]);
+        for (int i = 0; i < 6 * COMPANY; i++) rays[i] = world_place(i % 3, 1000);
+        for (int i = 0; i < 6 * COMPANY; i++)
+            if (i % 6 > 2) rays[i] -= rays[i - 3] - 1e-3;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_rays_create(ctx, &grid, &caster));
+        expect_kept(rays);
+        for (int change = 0; change < 4; change++) {
+            bvx_window const w = change_part(densities[(round + change) % 5]);
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_rays_update(ctx, caster, &grid, &w));
+            expect_kept(rays);
+        }
+        bvx_rays_free(ctx, caster);
+    }
+    TEST_ASSERT_TRUE(hits_seen > 2000);
+}
+
+static int32_t stop_at_once(void *user, const char *stage, double fraction)
+{
+    (void)user;
+    (void)stage;
+    (void)fraction;
+    return 1;
+}
+
+/* Another grid's words by an update; a refused or stopped one leaves the handle as it was; no cast takes memory. */
+static void test_an_update_is_whole_or_none(void)
+{
+    double const ray[6] = {-5, 1.5, 1.5, 1, 0, 0};
+    bvx_context_options o = {.struct_size = sizeof o, .progress.call = stop_at_once};
+    bvx_window const beside = {{0, 0, 0}, {10, 5, 5}};
+    bvx_window bad = {{0, 0, 0}, {200, 1, 1}};
+    bvx_context *stopping;
+    bvx_grid other = {0};
+    bvx_ray_hit hit;
+    uint64_t held;
+
+    make_plain(130, 4, 5);
+    bvx_grid_set(&grid, 65, 1, 1, 1);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_complement(ctx, &grid, &other));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &stopping));
+    TEST_ASSERT_EQUAL_INT32(BVX_CANCELLED, bvx_rays_create(stopping, &grid, &caster));
+    TEST_ASSERT_NULL(caster);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_rays_create(ctx, &grid, &caster));
+    held = bvx_memory_used(ctx);
+    bvx_memory_reset_peak(ctx);
+
+    TEST_ASSERT_EQUAL_INT32(BVX_CANCELLED, bvx_rays_update(stopping, caster, &other, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_rays_update(ctx, caster, &other, &bad));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_rays_update(ctx, caster, NULL, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_rays_update(ctx, NULL, &other, NULL));
+    other.lattice.spacing[1] = 2;
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_LATTICE, bvx_rays_update(ctx, caster, &other, NULL));
+    other.lattice = grid.lattice;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_rays_cast(ctx, caster, ray, 1, 1e9, &hit));
+    TEST_ASSERT_TRUE(hit.hit == 1 && hit.voxel[0] == 65);
+
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_rays_update(ctx, caster, &other, &beside));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_rays_cast(ctx, caster, ray, 1, 1e9, &hit));
+    TEST_ASSERT_TRUE(hit.hit == 1 && hit.voxel[0] == 0);
+    TEST_ASSERT_EQUAL_UINT64(held, bvx_memory_peak(ctx));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_rays_cast(ctx, NULL, ray, 1, 1e9, &hit));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_rays_cast(ctx, caster, NULL, 1, 1e9, &hit));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_rays_cast(ctx, caster, ray, 1, -1, &hit));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_rays_create(ctx, &grid, NULL));
+    bvx_rays_free(ctx, caster);
+    bvx_grid_free(ctx, &other);
+    bvx_context_destroy(stopping);
+}
+
 static void test_cast_refuses_what_is_no_ray(void)
 {
     double rays[12] = {0, 0, 0, 1, 0, 0, 5, 5, 5, 0, 1, 0};
@@ -472,6 +591,8 @@ int main(void)
     RUN_TEST(test_cast_at_the_ends_of_doubles);
     RUN_TEST(test_cast_is_the_same_in_a_window);
     RUN_TEST(test_cast_is_the_same_for_any_threads);
+    RUN_TEST(test_bricks_kept_give_the_same_hits);
+    RUN_TEST(test_an_update_is_whole_or_none);
     RUN_TEST(test_cast_refuses_what_is_no_ray);
     return UNITY_END();
 }

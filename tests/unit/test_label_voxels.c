@@ -82,6 +82,35 @@ static void test_label_voxels_by_the_nearest_material(void)
     bvx_grid_free(ctx, &solid);
 }
 
+static void test_labels_are_of_the_closest_triangle(void)
+{
+    static double centre[VOXELS][3];
+    static bvx_closest_point found[VOXELS];
+    bvx_assets assets = {.material_count = 24};
+    bvx_closest *closest = NULL;
+    bvx_mesh_view view;
+
+    make_cubes();
+    cubes.assets = &assets;
+    for (uint32_t t = 0; t < 24; t++) material[t] = t;
+    for (int i = 0; i < VOXELS; i++) {
+        centre[i][0] = i % (2 * SIDE) + 0.5;
+        centre[i][1] = i / (2 * SIDE) % SIDE + 0.5;
+        centre[i][2] = i / (2 * SIDE) / SIDE + 0.5;
+    }
+    bvx_mesh_view_of(&cubes, &view);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_create(ctx, &view, &closest));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_find(ctx, closest, centre[0], VOXELS, found));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_label_voxels(ctx, &cubes, &solid, labels, palette));
+
+    /* On diagonals of the cubes faces are equally far: the lower number decides. */
+    for (int i = 0; i < VOXELS; i++) TEST_ASSERT_EQUAL_UINT8(1 + found[i].triangle, labels[i]);
+    bvx_closest_free(ctx, closest);
+    memset(triangle, 0, sizeof triangle);
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvx_label_voxels(ctx, &cubes, &solid, labels, palette));
+    bvx_grid_free(ctx, &solid);
+}
+
 static void test_label_voxels_by_colours_of_vertices(void)
 {
     int seen[256] = {0}, used = 0;
@@ -219,6 +248,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_label_voxels_by_the_nearest_material);
+    RUN_TEST(test_labels_are_of_the_closest_triangle);
     RUN_TEST(test_label_voxels_by_colours_of_vertices);
     RUN_TEST(test_labels_come_back_from_files);
     RUN_TEST(test_faces_of_some_voxels_are_a_part_of_all);

@@ -63,6 +63,7 @@ static const char *wrong_rise(const record *r)
 
 static bvx_buffer ply, packed_tree;
 static bvx_closest *finder;
+static bvx_rays *caster;
 
 static bvx_status read_points(const world *w)
 {
@@ -76,11 +77,18 @@ static bvx_status closest_find(const world *w)
 {
     return bvx_closest_find(w->ctx, finder, a_point, 1, (bvx_closest_point *)w->out);
 }
+static bvx_status rays_update(const world *w)
+{
+    return bvx_rays_update(w->ctx, caster, w->out != NULL ? w->grid : NULL, NULL);
+}
+static bvx_status rays_cast(const world *w)
+{
+    return bvx_rays_cast(w->ctx, caster, a_ray, 1, 100, (bvx_ray_hit *)w->out);
+}
 
 static const call more_calls[] = {
-    CALL(read_points, 0, TO_MESH),
-    CALL(read_octree, 0, TO_TREE),
-    CALL(closest_find, 0, PLAIN),
+    CALL(read_points, 0, TO_MESH), CALL(read_octree, 0, TO_TREE), CALL(closest_find, 0, PLAIN),
+    CALL(rays_update, 0, PLAIN),   CALL(rays_cast, 0, PLAIN),
 };
 enum { MORE_CALLS = sizeof more_calls / sizeof more_calls[0] };
 
@@ -105,6 +113,7 @@ static void make_files(bvx_context *ctx)
     MADE(bvx_write_mesh(ctx, &body, 1, NULL, BVX_FORMAT_PLY, &ply));
     MADE(bvx_write_octree(ctx, tree, 0, BVX_FORMAT_BVX, &packed_tree));
     MADE(bvx_closest_create(ctx, &mesh, &finder));
+    MADE(bvx_rays_create(ctx, &solid, &caster));
 }
 
 static void free_files(bvx_context *ctx)
@@ -112,6 +121,7 @@ static void free_files(bvx_context *ctx)
     bvx_buffer_free(ctx, &ply);
     bvx_buffer_free(ctx, &packed_tree);
     bvx_closest_free(ctx, finder);
+    bvx_rays_free(ctx, caster);
     free_world(ctx);
     TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));
     bvx_context_destroy(ctx);

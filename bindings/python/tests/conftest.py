@@ -82,6 +82,16 @@ def knot():
     return bitvox.read(path)
 
 
+@pytest.fixture(scope="module")
+def two_workers(tmp_path_factory):
+    """A client of two worker processes of one thread; one that is killed comes again."""
+    distributed = pytest.importorskip("distributed")
+    folder = str(tmp_path_factory.mktemp("dask"))
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, local_directory=folder) as cluster:
+        with distributed.Client(cluster, set_as_default=False) as client:
+            yield client
+
+
 @pytest.fixture(scope="session")
 def ball():
     """A closed mesh of a ball."""

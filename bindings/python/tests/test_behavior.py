@@ -22,12 +22,12 @@ def things():
         "mesh": mesh, "grid": grid, "lattice": grid.lattice, "surface grid": bitvox.voxelize(mesh, resolution=6, mode="thin", attached=True),
         "volume": bitvox.Volume(values, spacing=(1, 2, 3), center0=(5, 6, 7), direction=[[0, 1, 0], [-1, 0, 0], [0, 0, 1]], frame="ras"),
         "field": bitvox.field(mesh, resolution=8, features=True), "unsigned field": bitvox.field(mesh, resolution=8, sign="none", vectors=False),
-        "closest": bitvox.Closest(mesh), "octree": bitvox.refine(mesh, base=4, levels=2), "image": bitvox.render(grid, size=(40, 30)),
+        "closest": bitvox.Closest(mesh), "rays": bitvox.Rays(grid), "octree": bitvox.refine(mesh, base=4, levels=2), "image": bitvox.render(grid, size=(40, 30)),
         "sections": bitvox.slice_mesh(mesh, spacing=0.5), "loops": bitvox.Sections([np.array([[0.0, 0, 1], [1, 0, 1], [0, 1, 1]])]),
     }
 
 
-NAMES = ("mesh", "grid", "lattice", "surface grid", "volume", "field", "unsigned field", "closest", "octree", "image", "sections", "loops")
+NAMES = ("mesh", "grid", "lattice", "surface grid", "volume", "field", "unsigned field", "closest", "rays", "octree", "image", "sections", "loops")
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -295,6 +295,7 @@ def test_connectivity_is_one_word(name):
 
 def test_everything_says_what_it_is(knot):
     assert repr(bitvox.Closest(knot)) == f"Closest({knot.n_vertices} vertices, {knot.n_faces} faces)"
+    assert repr(bitvox.Rays(bitvox.Grid.from_numpy(np.ones((2, 3, 4))))) == "Rays(2 x 3 x 4 voxels)"
     assert repr(bitvox.slice_mesh(box_mesh((0, 0, 0), (4, 4, 4)), spacing=4.0)) == "Sections(1 plane, 1 loop, 1 body)"
 
 

@@ -116,16 +116,13 @@ def test_neuroglancer_reads_each_body(tmp_path, sharded, monkeypatch):
 
 
 @pytest.mark.parametrize("stage", ["_joined", "_shared"])  # of bodies alone, of bodies with shared faces
-def test_a_worker_that_is_killed(tmp_path, monkeypatch, stage):
-    distributed = pytest.importorskip("distributed")
+def test_a_worker_that_is_killed(tmp_path, monkeypatch, two_workers, stage):
     array = zarr.open_array(str(tmp_path / "l.zarr"), mode="w", shape=(64, 64, 64), chunks=(32, 32, 32), dtype="uint64")
     array[...] = cells(shape=(64, 64, 64))
-    labels = big.Labels(big.samples_from_zarr(tmp_path / "l.zarr"), chunks=16, shared=stage == "_shared")
+    labels = big.Labels(big.samples_from_zarr(tmp_path / "l.zarr"), chunks=24, shared=stage == "_shared")
     alone = big.run(labels, tmp_path / "alone", levels=3, show=None)
     monkeypatch.setattr(big.pieces, stage, functools.partial(killed_once, getattr(big.pieces, stage), tmp_path / "killed"))
-    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None,
-                                  local_directory=str(tmp_path)) as cluster, distributed.Client(cluster) as client:
-        made = big.run(labels, tmp_path / "two", levels=3, client=client, show=None)
+    made = big.run(labels, tmp_path / "two", levels=3, client=two_workers, show=None)
     assert (tmp_path / "killed").exists() and made.records == alone.records
 
 

@@ -259,14 +259,11 @@ def test_neuroglancer_reads_what_is_written(made, tmp_path, sharded):
 
 
 @pytest.mark.parametrize("stage", ["_made", "_joined"])
-def test_two_workers_and_one_that_is_killed(tmp_path, monkeypatch, stage):
-    distributed = pytest.importorskip("distributed")
-    cut = volume(32, 120)
+def test_two_workers_and_one_that_is_killed(tmp_path, monkeypatch, two_workers, stage):
+    cut = volume(48, 120)
     alone = big.run(cut, tmp_path / "alone", levels=3, show=None)
     monkeypatch.setattr(big.pieces, stage, functools.partial(killed_once, getattr(big.pieces, stage), tmp_path / "killed"))
-    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None,
-                                  local_directory=str(tmp_path / "dask")) as cluster, distributed.Client(cluster) as client:
-        found = big.run(cut, tmp_path / "two", levels=3, show=None, client=client)
+    found = big.run(cut, tmp_path / "two", levels=3, show=None, client=two_workers)
     assert (tmp_path / "killed").exists() and found.records == alone.records
 
 

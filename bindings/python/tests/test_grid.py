@@ -203,6 +203,25 @@ def test_cast_and_sample():
         grid.cast([[0, 0, 0, 0, 0, 0]])
 
 
+def test_rays_kept_are_those_of_the_grid():
+    rng = np.random.default_rng(7)
+    array = rng.random((70, 20, 30)) < 0.01
+    first = Grid.from_numpy(array, spacing=0.5, corner=(1, 1, 1))
+    lines = np.hstack([rng.random((300, 3)) * 40 - 2, rng.random((300, 3)) - 0.5])
+    kept = bitvox.Rays(first)
+    assert kept.cast(lines).tobytes() == first.cast(lines).tobytes()
+    assert kept.cast(lines[:1], t_max=0.5).tobytes() == first.cast(lines[:1], t_max=0.5).tobytes()
+    array[9:33, 4:9, 5:30] = True
+    second = Grid.from_numpy(array, spacing=0.5, corner=(1, 1, 1))
+    kept.update(second, ((9, 4, 5), (24, 5, 25)))
+    assert kept.cast(lines).tobytes() == second.cast(lines).tobytes() != first.cast(lines).tobytes()
+    assert kept == bitvox.Rays(second) != bitvox.Rays(first) and kept.cast(np.zeros((0, 6))).shape == (0,)
+    for wrong in (lambda: kept.update(Grid.from_numpy(array)), lambda: kept.cast([[0, 0, 0, 0, 0, 0]]), lambda: kept.update(second, ((0, 0, 0), (71, 1, 1)))):
+        with pytest.raises(bitvox.Error):
+            wrong()
+    assert kept.cast(lines).tobytes() == second.cast(lines).tobytes()
+
+
 def test_fill_and_pockets_against_scipy():
     ndimage = pytest.importorskip("scipy.ndimage")
     array = np.random.default_rng(3).random((40, 30, 20)) < 0.6

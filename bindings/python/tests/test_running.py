@@ -121,7 +121,7 @@ def _with_progress():
     sections = bitvox.slice_mesh(mesh, spacing=0.1)
     part = bitvox.surface(grid, keys=True)
     rays, points = [[-1, 0.2, 0.2, 1, 0, 0]], [[0.2, 0.2, 0.2]]
-    finder, skin, ply = bitvox.Closest(mesh), bitvox.surface(grid), bitvox.dumps(mesh, "ply")
+    finder, caster, skin, ply = bitvox.Closest(mesh), bitvox.Rays(grid), bitvox.surface(grid), bitvox.dumps(mesh, "ply")
     return {
         "voxelize": lambda **p: bitvox.voxelize(mesh, resolution=32, **p),
         "voxelize surface": lambda **p: bitvox.voxelize(mesh, resolution=32, mode="thin", **p),
@@ -141,6 +141,9 @@ def _with_progress():
         "inspect": lambda **p: bitvox.inspect(mesh, resolution=16, **p),
         "Closest": lambda **p: bitvox.Closest(mesh, **p),
         "Closest.find": lambda **p: finder.find(points, **p),
+        "Rays": lambda **p: bitvox.Rays(grid, **p),
+        "Rays.cast": lambda **p: caster.cast(rays, **p),
+        "Rays.update": lambda **p: caster.update(grid, **p),
         "repair": lambda **p: bitvox.repair(mesh, resolution=16, **p),
         "hull": lambda **p: bitvox.hull(colored, resolution=16, triangles=40, carry=True, **p),
         "repair, all of it": lambda **p: bitvox.repair(colored, resolution=16, triangles=40, measure=True, measure_samples=50, carry=True, **p),

@@ -42,7 +42,7 @@ from ._run import version as _version
 from ._sections import Loop as Loop, Sections as Sections, from_sections as from_sections, slice_mesh as slice_mesh
 from ._stages import (
     Closest as Closest, boolean as boolean, carry as carry, check as check, compare as compare, content_hash as content_hash, faces as faces,
-    find_pockets as find_pockets, find_seed as find_seed, Inspection as Inspection, inspect as inspect, label_voxels as label_voxels, merge as merge, repair as repair, surface as surface, surface_counts as surface_counts,
+    find_pockets as find_pockets, find_seed as find_seed, Inspection as Inspection, inspect as inspect, label_voxels as label_voxels, merge as merge, Rays as Rays, repair as repair, surface as surface, surface_counts as surface_counts,
     voxelize as voxelize,
 )
 from ._trimesh import register_with_trimesh as register_with_trimesh
