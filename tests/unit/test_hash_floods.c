@@ -1,5 +1,5 @@
-/* test_hash_floods.c - triangles, edges and places whose hashes were made to collide: the answers are those
- * of any others, and a tree, which is one allocation more, takes the table's place. */
+/* test_hash_floods.c - triangles and edges whose hashes were made to collide: the answers are those of any others, and a
+ * tree, which is one allocation more, takes the table's place. */
 #include "core/key_tree.h"
 #include "mesh/topology.h"
 #include "tools/fault.h"
