@@ -42,38 +42,22 @@ static void mix_vertices(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-/* Most meshes: three uint32_t a triangle. Returns where it stopped: end, or
- * at a triangle with an index beyond the vertices. */
-static uint64_t sum_packed(const balance_work *w, uint64_t begin, uint64_t end, uint64_t *sum)
+/* Returns where it stopped: end, or at a triangle with an index beyond the vertices, so that the view need not be gone
+ * over before. packed: three uint32_t a triangle, a constant. */
+BVXI_VECTOR_INLINE uint64_t sum_until(const balance_work *w, uint64_t t, uint64_t end, int packed,
+                                      uint64_t *sum)
 {
-    const unsigned char *const indices = bvxi_view_index_at(w->view, 0);
+    const unsigned char *const indices = packed ? bvxi_view_index_at(w->view, 0) : NULL;
     uint64_t const vertices = w->view->vertex_count;
-    uint64_t s = 0, t = begin;
+    uint64_t s = 0;
 
     for (; t < end; t++) {
         uint32_t c[3];
 
-        memcpy(c, indices + 12 * t, sizeof c);
-        /* Checked here, so that the view need not be gone over before. */
-        if (BVXI_UNLIKELY((c[0] >= vertices) | (c[1] >= vertices) | (c[2] >= vertices))) break;
-        uint64_t const a = w->mixed[c[0]];
-        uint64_t const b = w->mixed[c[1]];
-        uint64_t const d = w->mixed[c[2]];
-        s += (b - a) * (d - a) * (d - b);
-    }
-    *sum = s;
-    return t;
-}
-
-static uint64_t sum_any(const balance_work *w, uint64_t begin, uint64_t end, uint64_t *sum)
-{
-    uint64_t s = 0, t = begin;
-
-    for (; t < end; t++) {
-        uint32_t c[3];
-
-        /* The slow way for other layouts; the sum is the same. */
-        if (BVXI_UNLIKELY(!bvxi_view_triangle(w->view, t, c))) break;
+        if (packed) memcpy(c, indices + 12 * t, sizeof c);
+        if (BVXI_UNLIKELY(packed ? (c[0] >= vertices) | (c[1] >= vertices) | (c[2] >= vertices)
+                                 : !bvxi_view_triangle(w->view, t, c)))
+            break;
         uint64_t const a = w->mixed[c[0]];
         uint64_t const b = w->mixed[c[1]];
         uint64_t const d = w->mixed[c[2]];
@@ -86,8 +70,8 @@ static uint64_t sum_any(const balance_work *w, uint64_t begin, uint64_t end, uin
 static void sum_triangles(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     balance_work *const w = user;
-    uint64_t const stop = bvxi_view_packed_u32(w->view) ? sum_packed(w, begin, end, &w->sum[piece])
-                                                        : sum_any(w, begin, end, &w->sum[piece]);
+    uint64_t const stop = bvxi_view_packed_u32(w->view) ? sum_until(w, begin, end, 1, &w->sum[piece])
+                                                        : sum_until(w, begin, end, 0, &w->sum[piece]);
     w->bad[piece] = stop < end ? stop : UINT64_MAX;
 }
 
