@@ -326,23 +326,14 @@ BVXI_VECTOR_INLINE void find_crossings(const bvxi_solid_job *job, bvxi_chunk *ch
     sort_by_tile(job, chunk, b);
 }
 
-#if BVXI_HAVE_AVX2
-BVXI_AVX2 static void find_crossings_avx2(const bvxi_solid_job *job, bvxi_chunk *chunk, bvxi_cross_batch *b)
-{
-    find_crossings(job, chunk, b);
-}
-#endif
+BVXI_AVX2_COPY(find_crossings_avx2, (const bvxi_solid_job *job, bvxi_chunk *chunk, bvxi_cross_batch *b),
+               find_crossings(job, chunk, b))
 
 void bvxi_find_crossings(void *user, int32_t chunk, int32_t worker)
 {
     const bvxi_solid_job *const job = user;
     bvxi_cross_batch *const batch = job->batch + worker;
 
-#if BVXI_HAVE_AVX2
-    if (job->cpu == BVX_CPU_AVX2) {
-        find_crossings_avx2(job, job->chunk + chunk, batch);
-        return;
-    }
-#endif
-    find_crossings(job, job->chunk + chunk, batch);
+    BVXI_PATH(job->cpu == BVX_CPU_AVX2, find_crossings(job, job->chunk + chunk, batch),
+              find_crossings_avx2(job, job->chunk + chunk, batch));
 }

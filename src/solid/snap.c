@@ -40,7 +40,7 @@ BVXI_VECTOR_INLINE int snap_run(const unsigned char *BVXI_RESTRICT from, const d
     return 1;
 }
 
-BVXI_VECTOR_INLINE int snap_range(const snap_job *job, uint64_t begin, uint64_t end)
+BVXI_VECTOR_INLINE void snap_range(snap_job *job, int32_t index, uint64_t begin, uint64_t end)
 {
     const bvx_mesh_view *const view = job->view;
     int fits = 1;
@@ -69,27 +69,17 @@ BVXI_VECTOR_INLINE int snap_range(const snap_job *job, uint64_t begin, uint64_t 
             fits = 0;
         }
     }
-    return fits;
+    job->bad[index] = !fits;
 }
 
-#if BVXI_HAVE_AVX2
-BVXI_AVX2 static int snap_range_avx2(const snap_job *job, uint64_t begin, uint64_t end)
-{
-    return snap_range(job, begin, end);
-}
-#endif
+BVXI_AVX2_COPY(snap_range_avx2, (snap_job * job, int32_t index, uint64_t begin, uint64_t end),
+               snap_range(job, index, begin, end))
 
 static void snap_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     snap_job *const job = user;
-
-#if BVXI_HAVE_AVX2
-    if (job->cpu == BVX_CPU_AVX2) {
-        job->bad[index] = !snap_range_avx2(job, begin, end);
-        return;
-    }
-#endif
-    job->bad[index] = !snap_range(job, begin, end);
+    BVXI_PATH(job->cpu == BVX_CPU_AVX2, snap_range(job, index, begin, end),
+              snap_range_avx2(job, index, begin, end));
 }
 
 /* Vertices that no triangle uses may be anything; the first used one that does not fit is named. */
