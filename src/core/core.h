@@ -294,12 +294,13 @@ static inline int32_t bvxi_looking_pieces(const bvx_context *ctx)
 
 /* ---- options.c: options of callers older or newer than the library ---- */
 
-/* Refuses points [Size: count * 3] that are not finite. */
-bvx_status bvxi_check_points(bvx_context *ctx, const char *function, const double *points, uint64_t count);
+/* Refuses points [Size: count * 3] that are NULL or not finite, and more than memory has answers of a size for. */
+bvx_status bvxi_check_points(bvx_context *ctx, const char *function, const double *points, uint64_t count,
+                             size_t size);
 
-/* Refuses rays [Size: count * 6] that are not finite or have no direction, and a t_max below 0. */
+/* The same of rays [Size: count * 6], also those without a direction, and a t_max below 0. */
 bvx_status bvxi_check_rays(bvx_context *ctx, const char *function, const double *rays, uint64_t count,
-                           double t_max);
+                           double t_max, size_t size);
 
 /* Copy the caller's options; NULL: all zeros. Refuses a struct_size that no version had. */
 bvx_status bvxi_take_options(bvx_context *ctx, const char *function, const void *given, void *options,

@@ -157,10 +157,21 @@ bvx_status bvxi_check_options(bvx_context *ctx, const char *function, void *opti
     return BVX_OK;
 }
 
-bvx_status bvxi_check_points(bvx_context *ctx, const char *function, const double *points, uint64_t count)
+static bvx_status check_places(bvx_context *ctx, const char *function, const double *places, uint64_t count,
+                               size_t size, const char *what)
+{
+    if (places == NULL && count != 0) return bvxi_fail_null(ctx, function, what);
+    if (count <= SIZE_MAX / size) return BVX_OK;
+    return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                         "%s: %u %s are beyond this machine's addresses", function, count, what);
+}
+
+bvx_status bvxi_check_points(bvx_context *ctx, const char *function, const double *points, uint64_t count,
+                             size_t size)
 {
     static const char axis_name[3][2] = {"x", "y", "z"};
 
+    BVXI_TRY(check_places(ctx, function, points, count, size, "points"));
     /* x - x is 0 for finite numbers and NaN for all others. */
     for (uint64_t i = 0; i < 3 * count; i++)
         if (points[i] - points[i] != 0.0)
@@ -171,11 +182,12 @@ bvx_status bvxi_check_points(bvx_context *ctx, const char *function, const doubl
 }
 
 bvx_status bvxi_check_rays(bvx_context *ctx, const char *function, const double *rays, uint64_t count,
-                           double t_max)
+                           double t_max, size_t size)
 {
     static const char *const part[6] = {"origin x",    "origin y",    "origin z",
                                         "direction x", "direction y", "direction z"};
 
+    BVXI_TRY(check_places(ctx, function, rays, count, size, "rays"));
     if (!(t_max >= 0.0))
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                              "%s: t_max is %g; it must be 0 or above", function, t_max);

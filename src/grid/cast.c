@@ -27,12 +27,10 @@
 
 enum { BRICK_SHIFT = 3, BRICK_GRAIN = 64 /* least rows of bricks a piece */ };
 
-/* Bit i of a row is the brick of voxels 8 i .. 8 i + 7 of the window; rows of bricks as in a grid. */
+/* Bit i of a row of bricks is that of voxels 8 i .. 8 i + 7 of the window; without words there are none. */
 struct bvx_rays {
-    bvx_grid grid;    /* its words are the caller's */
-    uint64_t *bricks; /* NULL: there are none */
-    uint64_t bytes;   /* of bricks */
-    int32_t size[3], words_per_row;
+    bvx_grid grid; /* its words are the caller's */
+    bvx_grid bricks;
 };
 
 /* Rows of bricks along y and z, and words of the grid along x, whose bricks are computed. */
@@ -57,36 +55,29 @@ static uint64_t join_brick_words(const bvx_grid *g, int32_t k, int32_t y, int32_
     int32_t const y_end = g->size[1] - y < 8 ? g->size[1] : y + 8;
     int32_t const z_end = g->size[2] - z < 8 ? g->size[2] : z + 8;
     uint64_t w = 0;
-    for (int32_t j = z; j < z_end; j++) {
-        const uint64_t *at = g->words +
-                             ((size_t)j * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row +
-                             (size_t)k;
-        for (int32_t i = y; i < y_end; i++, at += g->words_per_row) w |= *at;
-    }
+    for (int32_t j = z; j < z_end; j++)
+        for (int32_t i = y; i < y_end; i++) w |= bvxi_grid_row(g, i, j)[k];
     return w;
 }
 
 static void make_brick_rows(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     const brick_box *const box = user;
-    bvx_rays *const in = box->rays;
-
     (void)index;
     for (uint64_t r = begin; r < end; r++) {
         int32_t const y = box->low[1] + (int32_t)(r % (uint64_t)box->size[1]);
         int32_t const z = box->low[2] + (int32_t)(r / (uint64_t)box->size[1]);
-        uint64_t *const row = in->bricks +
-                              ((size_t)z * (size_t)in->size[1] + (size_t)y) * (size_t)in->words_per_row;
+        uint64_t *const row = bvxi_grid_row(&box->rays->bricks, y, z);
         /* A word of the grid is a byte of bricks. */
         for (int32_t k = box->low[0]; k < box->low[0] + box->size[0]; k++) {
             int const at = 8 * (k & 7);
-            uint64_t const bits = bytes_to_bits(join_brick_words(&in->grid, k, 8 * y, 8 * z));
+            uint64_t const bits = bytes_to_bits(join_brick_words(&box->rays->grid, k, 8 * y, 8 * z));
             row[k >> 3] = (row[k >> 3] & ~(UINT64_C(0xff) << at)) | bits << at;
         }
     }
 }
 
-/* The box of a part of the grid's window; 0: there is none of it. */
+/* The box of a window's part in the grid's own; 0: there is none. */
 static int box_of_bricks(bvx_rays *rays, const bvx_window *part, brick_box *box)
 {
     box->rays = rays;
@@ -105,18 +96,14 @@ static int box_of_bricks(bvx_rays *rays, const bvx_window *part, brick_box *box)
 /* The bricks of a checked grid. Memory (scratch): 1/512 of the grid's, rounded up to whole words a row. */
 static bvx_status make_bricks(bvx_context *ctx, const bvx_grid *grid, bvx_rays *rays)
 {
-    bvx_window all;
+    bvx_window all = {.low = {0, 0, 0}};
     brick_box box;
 
-    rays->grid = *grid;
-    for (int a = 0; a < 3; a++) {
-        rays->size[a] = (grid->size[a] + 7) >> BRICK_SHIFT;
-        all.low[a] = grid->low[a];
-        all.size[a] = grid->size[a];
-    }
-    rays->words_per_row = bvxi_row_words(rays->size[0]);
-    rays->bytes = (uint64_t)rays->size[1] * (uint64_t)rays->size[2] * (uint64_t)rays->words_per_row * 8;
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, rays->bytes, "the grid's bricks", &rays->bricks));
+    rays->grid = rays->bricks = *grid;
+    memcpy(all.size, grid->lattice.dims, sizeof all.size);
+    for (int a = 0; a < 3; a++) rays->bricks.size[a] = (grid->size[a] + 7) >> BRICK_SHIFT;
+    rays->bricks.words_per_row = bvxi_row_words(rays->bricks.size[0]);
+    BVXI_TRY(BVXI_ZEROS(ctx, bvxi_grid_words(&rays->bricks), "the grid's bricks", rays->bricks.words));
     /* A piece writes rows of its own, so its bits do not depend on the others. */
     (void)box_of_bricks(rays, &all, &box);
     uint64_t const rows = (uint64_t)box.size[1] * (uint64_t)box.size[2];
@@ -212,9 +199,7 @@ static int try_cast_voxel(cast_ray *r, int32_t x, int32_t y, int32_t z, double f
 /* Set voxels among low..high of a row, in the ray's order, as long as they can matter. */
 static void cast_row(cast_ray *r, int32_t low, int32_t high, int32_t y, int32_t z, double from, double to)
 {
-    const bvx_grid *const g = &r->in->grid;
-    const uint64_t *const row = g->words +
-                                ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row;
+    const uint64_t *const row = bvxi_grid_row(&r->in->grid, y, z);
     int32_t const k_low = low >> 6, k_high = high >> 6, back = r->axis[0].way < 0;
 
     for (int32_t n = 0; n <= k_high - k_low; n++) {
@@ -231,14 +216,11 @@ static void cast_row(cast_ray *r, int32_t low, int32_t high, int32_t y, int32_t 
     }
 }
 
-static int cast_bricks_hold(const bvx_rays *b, int32_t low, int32_t high, int32_t y, int32_t z)
+static int cast_bricks_hold(const bvx_grid *bricks, int32_t low, int32_t high, int32_t y, int32_t z)
 {
-    const uint64_t *const row = b->bricks +
-                                ((size_t)z * (size_t)b->size[1] + (size_t)y) * (size_t)b->words_per_row;
-    int32_t const first = low >> BRICK_SHIFT;
-    int32_t const last = high >> BRICK_SHIFT;
-    int32_t const k_first = first >> 6;
-    int32_t const k_last = last >> 6;
+    const uint64_t *const row = bvxi_grid_row(bricks, y, z);
+    int32_t const first = low >> BRICK_SHIFT, last = high >> BRICK_SHIFT;
+    int32_t const k_first = first >> 6, k_last = last >> 6;
 
     for (int32_t k = k_first; k <= k_last; k++) {
         uint64_t w = row[k];
@@ -289,7 +271,7 @@ static inline void cast_rows(cast_ray *r, int32_t shift, int32_t y, int32_t z, c
         for (int32_t j = y; j <= y_end; j++) {
             if (shift == 0) {
                 cast_row(r, low, high, j, k, s.from, s.to);
-            } else if (cast_bricks_hold(r->in, low, high, j, k)) {
+            } else if (cast_bricks_hold(&r->in->bricks, low, high, j, k)) {
                 walk_cast_voxels(r, s.from, s.to);
                 return; /* it has looked beside all of these rows */
             }
@@ -425,32 +407,22 @@ static void cast_piece(void *user, uint64_t begin, uint64_t end)
         memset(&w->hits[i], 0, sizeof w->hits[i]);
         r.in = w->in;
         if (!clip_cast_ray(ray, w->t_max, &r, &start)) continue;
-        if (r.in->bricks != NULL) walk_cast_rows(&r, BRICK_SHIFT, start, r.end);
+        if (r.in->bricks.words != NULL) walk_cast_rows(&r, BRICK_SHIFT, start, r.end);
         else walk_cast_voxels(&r, start, r.end);
         if (r.voxel[0] >= 0) report_cast_hit(ray, &r, &w->hits[i]);
     }
-}
-
-static bvx_status check_cast(bvx_context *ctx, const char *function, const double *rays, uint64_t count,
-                             double t_max, const bvx_ray_hit *hits)
-{
-    if (rays == NULL && count != 0) return bvxi_fail_null(ctx, function, "rays");
-    if (hits == NULL && count != 0) return bvxi_fail_null(ctx, function, "hits");
-    if (count > SIZE_MAX / sizeof *hits)
-        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: %u rays are beyond this machine's addresses", function, count);
-    return bvxi_check_rays(ctx, function, rays, count, t_max);
 }
 
 static bvx_status run_grid_cast(bvx_context *context, const bvx_grid *grid, const double *rays,
                                 uint64_t count, double t_max, bvx_ray_hit *hits)
 {
     static const char *const function = "bvx_grid_cast";
-    bvx_rays in = {.bricks = NULL};
+    bvx_rays in = {.bricks.words = NULL};
     cast_work w = {&in, rays, hits, t_max};
 
     BVXI_TRY(bvxi_grid_check(context, function, grid));
-    BVXI_TRY(check_cast(context, function, rays, count, t_max, hits));
+    if (hits == NULL && count != 0) return bvxi_fail_null(context, function, "hits");
+    BVXI_TRY(bvxi_check_rays(context, function, rays, count, t_max, sizeof *hits));
     in.grid = *grid;
 
     /* Bricks pay where there are many rays for the words that they are made of. */
@@ -492,7 +464,7 @@ bvx_status bvx_rays_create(bvx_context *context, const bvx_grid *grid, bvx_rays 
 void bvx_rays_free(bvx_context *context, bvx_rays *caster)
 {
     if (context == NULL || caster == NULL) return;
-    bvxi_free(context, caster->bricks, caster->bytes);
+    bvxi_free(context, caster->bricks.words, bvxi_grid_words(&caster->bricks) * sizeof(uint64_t));
     bvxi_free(context, caster, sizeof *caster);
 }
 
@@ -529,7 +501,8 @@ static bvx_status run_rays_cast(bvx_context *context, const bvx_rays *caster, co
     static const char *const function = "bvx_rays_cast";
     cast_work w = {caster, rays, hits, t_max};
     if (caster == NULL) return bvxi_fail_null(context, function, "caster");
-    BVXI_TRY(check_cast(context, function, rays, count, t_max, hits));
+    if (hits == NULL && count != 0) return bvxi_fail_null(context, function, "hits");
+    BVXI_TRY(bvxi_check_rays(context, function, rays, count, t_max, sizeof *hits));
     return bvxi_for(context, "cast", count, CAST_GRAIN, cast_piece, &w);
 }
 

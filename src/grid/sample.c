@@ -89,12 +89,8 @@ static bvx_status run_grid_sample(bvx_context *context, const bvx_grid *grid, co
     static const char *const function = "bvx_grid_sample";
     sample_work w = {grid, points, values, gradients};
     BVXI_TRY(bvxi_grid_check(context, function, grid));
-    if (points == NULL && count != 0) return bvxi_fail_null(context, function, "points");
     if (values == NULL && count != 0) return bvxi_fail_null(context, function, "values");
-    if (count > SIZE_MAX / 24)
-        return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: %u points are beyond this machine's addresses", function, count);
-    BVXI_TRY(bvxi_check_points(context, function, points, count));
+    BVXI_TRY(bvxi_check_points(context, function, points, count, 3 * sizeof *points));
     return bvxi_for(context, "sample", count, SAMPLE_GRAIN, sample_points_piece, &w);
 }
 

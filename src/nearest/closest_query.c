@@ -263,12 +263,8 @@ static bvx_status run_closest_find(bvx_context *context, const bvx_closest *clos
     static const char *const function = "bvx_closest_find";
     closest_query q = {.closest = closest, .points = points, .found = found, .count = count};
     if (closest == NULL) return bvxi_fail_null(context, function, "closest");
-    if (points == NULL && count != 0) return bvxi_fail_null(context, function, "points");
     if (found == NULL && count != 0) return bvxi_fail_null(context, function, "found");
-    if (count > SIZE_MAX / sizeof *found)
-        return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: %u points are beyond this machine's addresses", function, count);
-    BVXI_TRY(bvxi_check_points(context, function, points, count));
+    BVXI_TRY(bvxi_check_points(context, function, points, count, sizeof *found));
     uint64_t const most = q.count < QUERY_TOGETHER ? q.count : QUERY_TOGETHER;
     /* A few points are not worth an order; none is work that says so. */
     if (q.count <= QUERY_GRAIN) return find_closest_batch(context, &q, 0.0, 1.0);

@@ -112,7 +112,7 @@ static void way_between(const double from[3], const double to[3], double way[3])
 /* Where the line meets a triangle that it does meet, between its corners whatever rounding did. */
 static double ray_meets_at(const mesh_ray *r, const double t[3][3])
 {
-    double u[3], v[3], n[3], o[3], at, low = HUGE_VAL, high = -HUGE_VAL;
+    double n[3], o[3], at, low = HUGE_VAL, high = -HUGE_VAL;
 
     for (int k = 0; k < 3; k++) {
         double along = 0.0;
@@ -121,10 +121,8 @@ static double ray_meets_at(const mesh_ray *r, const double t[3][3])
         low = along < low ? along : low;
         high = along > high ? along : high;
     }
-    way_between(t[0], t[1], u);
-    way_between(t[0], t[2], v);
     way_between(r->o, t[0], o);
-    bvxi_vec_cross(u, v, n);
+    bvxi_area_normal(t[0], t[1], t[2], n);
     at = bvxi_vec_dot(n, o) / bvxi_vec_dot(n, r->d);
     return at >= low ? (at <= high ? at : high) : low;
 }
@@ -311,11 +309,7 @@ static bvx_status check_mesh_rays(bvx_context *ctx, const char *function, const 
     mesh_ray r;
 
     if (closest == NULL) return bvxi_fail_null(ctx, function, "closest");
-    if (rays == NULL && count != 0) return bvxi_fail_null(ctx, function, "rays");
-    if (count > SIZE_MAX / sizeof(bvx_mesh_hit))
-        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: %u rays are beyond this machine's addresses", function, count);
-    BVXI_TRY(bvxi_check_rays(ctx, function, rays, count, t_max));
+    BVXI_TRY(bvxi_check_rays(ctx, function, rays, count, t_max, sizeof(bvx_mesh_hit)));
     for (uint64_t i = 0; i < count; i++)
         if (!open_ray(&closest->tree, rays + 6 * i, &r))
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_RANGE,
@@ -375,9 +369,8 @@ static bvx_status run_closest_winding(bvx_context *context, const bvx_closest *c
     static const char *const function = "bvx_closest_winding";
     ray_work w = {.closest = closest, .rays = points, .turns = turns};
     if (closest == NULL) return bvxi_fail_null(context, function, "closest");
-    if (points == NULL && count != 0) return bvxi_fail_null(context, function, "points");
     if (turns == NULL && count != 0) return bvxi_fail_null(context, function, "turns");
-    BVXI_TRY(bvxi_check_points(context, function, points, count));
+    BVXI_TRY(bvxi_check_points(context, function, points, count, 3 * sizeof *points));
     return bvxi_for(context, "winding numbers", count, RAY_GRAIN, wind_points, &w);
 }
 

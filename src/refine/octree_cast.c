@@ -175,17 +175,12 @@ static bvx_status run_octree_cast(bvx_context *context, const bvx_octree *tree, 
                                   const double *rays, uint64_t count, double t_max, bvx_octree_hit *hits)
 {
     static const char *const function = "bvx_octree_cast";
-    octree_cast job = {.tree = tree, .t_max = t_max};
+    octree_cast job = {.tree = tree, .rays = rays, .hits = hits, .t_max = t_max};
 
     BVXI_TRY(bvxi_octree_check(context, function, tree));
     BVXI_TRY(bvxi_octree_check_states(context, function, states));
-    BVXI_TRY(bvxi_check_rays(context, function, NULL, 0, t_max));
-    if (count == 0) return BVX_OK;
-    if (rays == NULL) return bvxi_fail_null(context, function, "rays");
-    if (hits == NULL) return bvxi_fail_null(context, function, "hits");
-    BVXI_TRY(bvxi_check_rays(context, function, rays, count, t_max));
-    job.rays = rays;
-    job.hits = hits;
+    if (hits == NULL && count != 0) return bvxi_fail_null(context, function, "hits");
+    BVXI_TRY(bvxi_check_rays(context, function, rays, count, t_max, sizeof *hits));
     job.states = states != 0 ? states : BVX_STATE_SURFACE | BVX_STATE_INSIDE;
     return bvxi_for(context, "octree", count, 64, cast_octree_piece, &job);
 }

@@ -108,6 +108,15 @@ static int mesh_chunks(const bvx_grid *world, const bvx_grid *mask, uint64_t *su
     return count;
 }
 
+static void cast(const bvx_rays *caster, const double ray[6], double t_max)
+{
+    bvx_ray_hit hit;
+
+    must(bvx_rays_cast(ctx, caster, ray, 1, t_max, &hit), "a ray");
+    if (hit.hit) printf("ray: voxel %d %d %d\n", (int)hit.voxel[0], (int)hit.voxel[1], (int)hit.voxel[2]);
+    else printf("ray: meets nothing\n");
+}
+
 int main(int argc, char **argv)
 {
     int32_t const n = argc > 1 ? atoi(argv[1]) : 256, dims[3] = {n, n, n};
@@ -142,6 +151,12 @@ int main(int argc, char **argv)
            (unsigned long long)faces.triangle_count, at_once, chunks, milliseconds(start));
     if (triangles != faces.triangle_count) return 1;
 
+    /* A ray now, and one when the world has changed: the handle is told where. */
+    double const ray[6] = {0.3 * n, 0.2 * n, -1.0 * n, 0, 0, 1};
+    bvx_rays *caster;
+    must(bvx_rays_create(ctx, &world, &caster), "rays");
+    cast(caster, ray, 4.0 * n);
+
     /* A body is dug out: what changed is the difference, and its chunks are meshed anew. */
     must(bvx_grid_crop(ctx, &world, NULL, &before), "a copy");
     bvx_grid hole = body_at(&mesh, &lattice, place);
@@ -150,12 +165,15 @@ int main(int argc, char **argv)
     int const changed = mesh_chunks(&world, &before, &anew);
     printf("edit: %d of %d chunks meshed anew, %llu triangles\n", changed, chunks, (unsigned long long)anew);
 
-    double const ray[6] = {0.27 * n, 0.27 * n, 2.0 * n, 0.01, 0.02, -1};
-    bvx_ray_hit hit;
-    must(bvx_grid_cast(ctx, &world, ray, 1, 4.0 * n, &hit), "a ray");
-    if (hit.hit) printf("ray: voxel %d %d %d\n", (int)hit.voxel[0], (int)hit.voxel[1], (int)hit.voxel[2]);
-    else printf("ray: meets nothing\n");
+    bvx_window dug;
+    for (int a = 0; a < 3; a++) {
+        dug.low[a] = (int32_t)(place[a] * n);
+        dug.size[a] = n / 2 + 2;
+    }
+    must(bvx_rays_update(ctx, caster, &world, &dug), "rays of what changed");
+    cast(caster, ray, 4.0 * n);
 
+    bvx_rays_free(ctx, caster);
     bvx_mesh_free(ctx, &faces);
     bvx_mesh_free(ctx, &mesh);
     bvx_grid_free(ctx, &world);

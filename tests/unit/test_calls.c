@@ -657,6 +657,10 @@ static void test_sizes_beyond_memory_and_none(void)
         expect_refused(ctx, bvx_read_volume(ctx, text, 1, BVX_FORMAT_NRRD, &o, &out.volume),
                        "bvx_read_volume");
         expect_refused(ctx, bvx_grid_cast(ctx, &solid, a_ray, n, 1, (bvx_ray_hit *)&out), "bvx_grid_cast");
+        expect_refused(ctx, bvx_octree_cast(ctx, tree, 0, a_ray, n, 1, (bvx_octree_hit *)&out),
+                       "bvx_octree_cast");
+        expect_refused(ctx, bvx_closest_winding(ctx, closest, a_point, n, (int64_t *)&out),
+                       "bvx_closest_winding");
         expect_refused(ctx, bvx_rays_cast(ctx, caster, a_ray, n, 1, (bvx_ray_hit *)&out), "bvx_rays_cast");
         expect_refused(ctx, bvx_grid_sample(ctx, &solid, a_point, n, (double *)&out, NULL),
                        "bvx_grid_sample");
