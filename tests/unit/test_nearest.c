@@ -183,6 +183,7 @@ static void expect_answer(const asked *q, const answer *a, int32_t step)
             for (int32_t x = 0; x < a->band.size[0]; x++) {
                 int const set = bvx_grid_get(&a->band, x, y, z);
                 int32_t const at[3] = {a->band.low[0] + x, a->band.low[1] + y, a->band.low[2] + z};
+                bvx_closest_point place;
                 double p[3], closest[3], d2, t[3][3];
                 if (seen++ % (uint64_t)step != 0) {
                     n += (uint64_t)set;
@@ -203,8 +204,8 @@ static void expect_answer(const asked *q, const answer *a, int32_t step)
                     TEST_ASSERT_FALSE(got == 0.0 && 1.0 / got < 0.0); /* one zero of two */
                 }
                 memcpy(t, o.t[best], sizeof t);
-                TEST_ASSERT_EQUAL_INT(bvxi_closest_feature(p, (const double(*)[3])t, closest),
-                                      a->features[n]);
+                bvxi_closest_place(p, (const double(*)[3])t, closest, &place);
+                TEST_ASSERT_EQUAL_INT(place.feature, a->features[n]);
                 n++;
             }
         }
