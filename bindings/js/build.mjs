@@ -1,5 +1,5 @@
 // build.mjs FOLDER - the npm package bitvox in FOLDER/package: modules of JavaScript, WebAssembly inside, each at most 250 kB gzipped.
-// bitvox.js; scalar.js, the same without 128-bit instructions; files.js, the formats, and labels.js without these instructions as well.
+// bitvox.js; scalar.js, the same without 128-bit instructions; files.js, the formats, labels.js and makers.js without these instructions as well.
 // Called by `make js`, from the repository root. EMCC: the compiler [emcc].
 import { execFile, execFileSync } from 'node:child_process';
 import { copyFileSync, mkdirSync, readFileSync, readdirSync, rmSync, statSync, writeFileSync } from 'node:fs';
@@ -20,9 +20,11 @@ mkdirSync(`${folder}/package`, { recursive: true });
 const header = readHeader(['bitvox', 'bitvox_io'].map(name => readFileSync(`include/${name}.h`, 'utf8')).join('\n'));
 writeFileSync(`${folder}/layout.h`, layoutHeader(header));
 
+const CHAINED = new Set(['bitvox', 'makers']); // levels are made there
+
 /** A module of the package: its text in JavaScript, structs and calls that this names, and whether it has 128-bit instructions. */
 function moduleOf(name, last, simd) {
-    const source = ['machine', 'call', 'library', last].map(part => readFileSync(`${here}/src/${part}.js`, 'utf8')).join('\n');
+    const source = ['machine', 'call', 'library', ...(CHAINED.has(last) ? ['chain'] : []), last].map(part => readFileSync(`${here}/src/${part}.js`, 'utf8')).join('\n');
     const structs = Object.keys(header.structs).filter(struct => source.includes(`'${struct.slice(4)}'`));
     const calls = new Set(source.match(/\bbvx_[a-z_]+\b/g).filter(call => !call.endsWith('_')));
     for (const struct of structs)
@@ -32,7 +34,7 @@ function moduleOf(name, last, simd) {
 const modules = [
     moduleOf('bitvox', 'bitvox', true),
     moduleOf('scalar', 'bitvox', false),
-    ...['files', 'labels'].map(name => moduleOf(name, name, false)),
+    ...['files', 'labels', 'makers'].map(name => moduleOf(name, name, false)),
 ];
 
 // ---- The modules ----
@@ -43,6 +45,9 @@ const HOT = new Set(
     `nearest_cell nearest_eight nearest_build nearest_pairs closest closest_build
     point_triangle check radix collapse edge_costs sheet field_cuts crossings triangle_rows`.split(/\s+/),
 );
+
+// Of the sum over a sheet the compiler chooses what it puts in line, which halves it.
+const wayOf = name => (name === 'sheet' ? 2 : HOT.has(name) ? 1 : 0);
 
 // Contraction would change results. With 128-bit instructions repairs take four fifths of the time. The stack lies
 // below all data, so a module whose stack overflows stops and does not write on.
@@ -93,10 +98,10 @@ async function compileAll(simd) {
     mkdirSync(objects);
 
     const batches = [];
-    for (const hot of [true, false]) {
-        const chosen = files.filter(file => HOT.has(basename(file, '.c')) === hot);
+    for (const [way, flags] of [['-Oz'], ['-O2'], ['-O2', ...SCALAR]].entries()) {
+        const chosen = files.filter(file => wayOf(basename(file, '.c')) === way);
         for (let i = 0; i < chosen.length; i += 40)
-            batches.push([hot ? '-O2' : '-Oz', ...flagsOf(simd ? SIMD : SCALAR), '-c', ...chosen.slice(i, i + 40)]);
+            batches.push([...flags, ...flagsOf(simd ? SIMD : SCALAR), '-c', ...chosen.slice(i, i + 40)]);
     }
     const compile = async () => {
         for (let batch = batches.shift(); batch; batch = batches.shift())
@@ -138,7 +143,7 @@ for (const { name, simd, source, structs } of modules) {
         `${process.argv[2]}/package/${name}.js: ${text.length} bytes, ${gzipSync(text, { level: 9 }).length} gzipped`,
     );
 }
-for (const file of ['index.d.ts', 'files.d.ts', 'labels.d.ts', 'README.md']) copyFileSync(`${here}/${file}`, `${folder}/package/${file}`);
+for (const file of ['index.d.ts', 'files.d.ts', 'labels.d.ts', 'makers.d.ts', 'README.md']) copyFileSync(`${here}/${file}`, `${folder}/package/${file}`);
 copyFileSync('LICENSE', `${folder}/package/LICENSE`);
 const description = { ...JSON.parse(readFileSync(`${here}/package.json`, 'utf8')), version };
 delete description.private;

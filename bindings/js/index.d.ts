@@ -379,42 +379,6 @@ export interface LevelsOptions extends ChainOptions {
     /** Number.MAX_SAFE_INTEGER fills all: what was `outer`. */
     leastCavity?: number | undefined;
 }
-/** [bvx_hull_options]; with no targets the hull with all its triangles, then halves. */
-export interface HullOptions extends CallOptions {
-    /** Levels, where no targets say how many [1]. */
-    count?: number | undefined;
-    targetTriangles?: readonly number[] | Uint32Array | undefined;
-    targetErrors?: readonly number[] | Float64Array | undefined;
-    errorKind?: 'mean' | 'max' | undefined;
-    even?: number | undefined;
-    samples?: number | undefined;
-    strict?: boolean | undefined;
-    lattice?: LatticeIn | undefined;
-    resolution?: number | undefined;
-    positionType?: PositionType | undefined;
-    localFrame?: boolean | undefined;
-    faceRule?: FaceRule | undefined;
-    interpolation?: Interpolation | undefined;
-    sharp?: When | undefined;
-    leastPart?: number | undefined;
-    keepLargest?: number | undefined;
-    shell?: number | undefined;
-    /** Openings of up to this many voxels are closed [0: those that no empty voxel leads through]. */
-    closeGaps?: number | undefined;
-    /** Levels go around every triangle, touch none and are nowhere further from them [0: no]. */
-    enclose?: number | undefined;
-}
-/** [bvx_hull_report] */
-export interface HullReport {
-    lattice: Lattice;
-    triangles: number;
-    outerTriangles: number;
-    shelledTriangles: number;
-    lids: number;
-    partsDropped: number;
-    /** 1 << code for each warning of the call. */
-    warnings: number;
-}
 /** [bvx_level_report] */
 export interface LevelReport {
     vertices: number;
@@ -609,11 +573,6 @@ export interface Bitvox extends Library {
         operation: 'union' | 'intersection' | 'difference' | 'xor',
         options?: BooleanOptions,
     ): { mesh: Mesh; report: BooleanReport };
-    /** What of a mesh can be reached from outside, closed: inner walls and parts go. [bvx_hull] */
-    hull(
-        mesh: AnyMesh,
-        options?: HullOptions,
-    ): { levels: { mesh: Mesh; report: LevelReport }[]; report: HullReport };
     /** Levels of detail from any mesh. [bvx_build_levels] */
     buildLevels(
         mesh: AnyMesh,

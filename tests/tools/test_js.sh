@@ -16,7 +16,7 @@ NODE_TOOLS=$work/tools
 export BITVOX_JS NODE_TOOLS
 
 small() {
-    for entry in bitvox scalar files labels; do
+    for entry in bitvox scalar files labels makers; do
         size=$(gzip -9 -c "$BITVOX_JS/$entry.js" | wc -c)
         echo "$entry.js: $size bytes gzipped, at most 250000"
         [ "$size" -le 250000 ] || return 1
@@ -49,7 +49,7 @@ installed() {
     rm -rf "$work/user" && mkdir -p "$work/user" || return 1
     (cd "$work/user" && npm pack --silent "$BITVOX_JS" && tar -xzf bitvox-*.tgz && mkdir -p node_modules && mv package node_modules/bitvox) || return 1
     ls "$work/user/node_modules/bitvox"
-    [ "$(ls "$work/user/node_modules/bitvox" | tr '\n' ' ')" = 'LICENSE README.md bitvox.js files.d.ts files.js index.d.ts labels.d.ts labels.js package.json scalar.js ' ]
+    [ "$(ls "$work/user/node_modules/bitvox" | tr '\n' ' ')" = 'LICENSE README.md bitvox.js files.d.ts files.js index.d.ts labels.d.ts labels.js makers.d.ts makers.js package.json scalar.js ' ]
 }
 
 # The first JavaScript of the README prints what its comments say.

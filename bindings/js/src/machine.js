@@ -1,6 +1,6 @@
 // machine.js - errors, choices and numbers, and the module's memory: structs of the library by the table LAYOUT.
 //
-// build.mjs puts LAYOUT, the module's bytes, this file, call.js, library.js and bitvox.js, files.js or labels.js one after the other into a module.
+// build.mjs puts LAYOUT, the module's bytes, this file, call.js, library.js, chain.js where it is called, and bitvox.js, files.js, labels.js or makers.js one after the other into a module.
 
 const { structs: STRUCTS, choices: CHOICES } = LAYOUT;
 const NAMES = Object.fromEntries(

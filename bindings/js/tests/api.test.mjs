@@ -15,6 +15,8 @@ const { load: loadFiles } = await import(pathToFileURL(resolve(process.env.BITVO
 const files = await loadFiles();
 const { load: loadLabels } = await import(pathToFileURL(resolve(process.env.BITVOX_JS, 'labels.js')));
 const labels = await loadLabels();
+const { load: loadMakers } = await import(pathToFileURL(resolve(process.env.BITVOX_JS, 'makers.js')));
+const makers = await loadMakers();
 const tetrahedron = {
     positions: new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1]),
     triangles: new Uint32Array([0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3]),
@@ -69,6 +71,56 @@ test('bodies of labels share their faces', () => {
     }
     const made = labels.labelSurfaces({ samples: new Uint8Array(8), size: [2, 2, 2] });
     assert.deepEqual([made.labels.length, made.complex.triangles.length], [0, 0]);
+});
+
+/** The box between two corners; inwards: its sides turned round. */
+function box(low, high, inwards = false) {
+    const positions = Array.from({ length: 24 }, (_, i) => ((i / 3) >> (i % 3) & 1 ? high : low)[i % 3]);
+    const sides = [0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5];
+    return { positions, triangles: inwards ? sides.reverse() : sides };
+}
+
+test('mass of whole meshes, and of torn ones within its bounds', () => {
+    const close = (found, want, error) => [found].flat().forEach((x, i) => assert.ok(Math.abs(x - [want].flat()[i]) <= error, `${found}, not ${want}`));
+    const whole = makers.measure(tetrahedron, { density: 6 });
+    assert.deepEqual([whole.fill, whole.resolution], ['parity', 0]);
+    close([whole.volume, whole.mass, ...whole.center], [1 / 6, 1, 0.25, 0.25, 0.25], 1e-14);
+    close(whole.inertia, [0.075, 0.075, 0.075, 0.0125, 0.0125, 0.0125], 1e-14);
+    const torn = makers.measure({ ...tetrahedron, triangles: tetrahedron.triangles.slice(3) }, { resolution: 32 });
+    assert.equal(torn.resolution, 32);
+    close(torn.volume, 1 / 6, torn.volumeError);
+    assert.equal(thrown(() => makers.measure(tetrahedron, { density: -1 })).status, 'argument');
+});
+
+test('hulls: what is outside, and levels that go around', () => {
+    const outer = box([0, 0, 0], [8, 8, 8]),
+        inner = box([3, 3, 3], [5, 5, 5]);
+    const both = { positions: [...outer.positions, ...inner.positions], triangles: [...outer.triangles, ...inner.triangles.map(v => v + 8)] };
+    const [whole, fewer] = makers.hull(both, { resolution: 16, targetTriangles: [200, 60] }).levels.map(level => bitvox.check(level.mesh));
+    assert.deepEqual([whole.components, whole.closed, whole.triangles <= 200, fewer.triangles <= 60], [1, true, true, true]);
+    assert.ok(Math.abs(whole.volume / 512 - 1) < 0.05);
+    const { levels } = makers.hull(both, { enclose: 0.5, targetTriangles: [100] });
+    const { low, high, volume } = bitvox.check(levels[0].mesh);
+    assert.ok(low.every(x => x < 0 && x >= -0.5) && high.every(x => x > 8 && x <= 8.5) && volume > 512);
+});
+
+test('whether a mesh can be made, and where it cannot', () => {
+    const outer = box([0, 0, 0], [8, 8, 8]),
+        inner = box([1, 2, 2], [6, 6, 6], true);
+    const hollow = {
+        positions: [...outer.positions, ...inner.positions],
+        triangles: [...outer.triangles, ...inner.triangles.map(v => v + 8)],
+    };
+    const found = makers.inspect(hollow, { walls: 1.5, resolution: 32, thickness: true });
+    assert.deepEqual([found.sound, found.report.needs, found.report.up], [true, 'nothing', undefined]);
+    assert.deepEqual([found.cavities.length, found.islands.length, found.gaps.length], [1, 0, 0]);
+    assert.ok(Math.abs(found.cavities[0].size / 80 - 1) < 0.1 && Math.abs(found.report.leastThickness - 1) < 1e-9);
+    assert.ok(found.walls[0].size === found.report.leastThickness && found.walls[0].high[0] <= 1);
+    assert.deepEqual([found.thickness.length, Math.min(...found.thickness)], [16, found.report.leastThickness]);
+    const few = makers.inspect(hollow, { most: 1, lattice: found.report.lattice });
+    assert.deepEqual([few.thickness, few.walls, few.cavities], [undefined, [], found.cavities]);
+    assert.ok(!makers.inspect({ ...hollow, triangles: hollow.triangles.slice(3) }, { resolution: 16 }).sound);
+    assert.equal(thrown(() => makers.inspect(hollow, { most: -1 })).status, 'argument');
 });
 
 test('all kinds of arrays are one mesh', () => {
@@ -457,4 +509,12 @@ test('index.d.ts names all that is there, and no more', () => {
     same(blocks, 'LabelSurfaces');
     same(blocks.labels[1], 'LabelBody');
     assert.deepEqual(own(labels).sort(), [...new Set(fieldsOf('Labels'))].sort());
+    types = readFileSync('bindings/js/makers.d.ts', 'utf8');
+    same(makers.measure(tetrahedron), 'MeasureReport');
+    same(makers.hull(mesh, { resolution: 16 }).report, 'HullReport');
+    const found = makers.inspect(tetrahedron, { resolution: 16, thickness: true });
+    same(found, 'Inspection');
+    same(found.report, 'InspectReport');
+    same(found.islands[0] ?? { size: 0, position: 0, low: 0, high: 0, voxels: 0 }, 'Finding');
+    assert.deepEqual(own(makers).sort(), [...new Set(fieldsOf('Makers'))].sort());
 });

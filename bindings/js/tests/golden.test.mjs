@@ -12,6 +12,7 @@ const { gridGet, gridSet, load, makeGrid } = await import(
 );
 const bitvox = await load();
 const { load: loadLabels } = await import(pathToFileURL(resolve(process.env.BITVOX_JS, 'labels.js')));
+const { load: loadMakers } = await import(pathToFileURL(resolve(process.env.BITVOX_JS, 'makers.js')));
 const { load: loadFiles } = await import(pathToFileURL(resolve(process.env.BITVOX_JS, 'files.js')));
 
 /** A stored row: [key, value] in order; keys may come twice. */
@@ -333,6 +334,39 @@ test('volumes.txt, surfaces of labels', async () => {
         ];
     });
     compare('volumes', 'label_surfaces_fewer', found);
+});
+
+/** Doubles one after the other, by bvx_hash. */
+function mixed(values) {
+    const step = (h, word) => {
+        h = BigInt.asUintN(64, (h ^ word) * 0x100000001b3n);
+        return h ^ (h >> 32n);
+    };
+    const words = new BigUint64Array(Float64Array.from(values).buffer);
+    const mix = (hash, word) => step(step(hash ^ 0xcbf29ce484222325n, word), 8n);
+    return [...words].reduce(mix, 0n).toString(16).padStart(16, '0');
+}
+
+test('questions.txt, mass and inspection', async () => {
+    const makers = await loadMakers(),
+        mesh = torus(48, 20, 0.25, 7),
+        count = mesh.triangles.length / 3;
+    const open = { ...mesh, triangles: mesh.triangles.slice(0, 3 * (count - Math.floor(count / 5))) };
+    const mass = [mesh, open].flatMap(body => {
+        const r = makers.measure(body, { density: 3, resolution: 24 });
+        return [r.volume, r.area, r.mass, ...r.center, ...r.inertia, r.volumeError, r.centerError, r.inertiaError];
+    });
+    const { walls, gaps, cavities, islands, report: r } = makers.inspect(mesh, { walls: 1, gaps: 2.5, resolution: 32 });
+    const none = Array.from({ length: 8 }, () => ({ size: 0, position: [0, 0, 0], low: [0, 0, 0], high: [0, 0, 0] }));
+    const found = [walls, gaps, cavities, islands].flatMap(kind => [...kind, ...none].slice(0, 8));
+    compare('questions', 'torus_40', [
+        ['mass', mixed(mass)],
+        ['inspection', mixed([
+            r.volume, r.volumeError, r.mass, r.leastThickness, ...r.thinEnds, ...r.thickness,
+            r.thinArea, r.leastGap, ...r.gapEnds, r.cavityVolume,
+            ...found.flatMap(({ size, position, low, high }) => [size, ...position, ...low, ...high]),
+        ])],
+    ]);
 });
 
 test('levels.txt knot, read from its file', async () => {

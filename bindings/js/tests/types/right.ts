@@ -2,12 +2,14 @@
 import { BitvoxError, gridGet, load } from 'bitvox';
 import { load as loadFiles, type Files } from 'bitvox/files';
 import { load as loadLabels, type Labels } from 'bitvox/labels';
+import { load as loadMakers, type Makers } from 'bitvox/makers';
 import type { Bitvox, Certificate, Grid, Lattice, LevelsOptions, Mesh, MeshIn } from 'bitvox';
 
 const bitvox: Bitvox = await load({ memoryLimit: 1e9 });
 const files: Files = await loadFiles();
 const labels: Labels = await loadLabels();
 const { labels: bodies, complex } = labels.labelSurfaces({ samples: new Uint8Array(8), size: [2, 2, 2] }, { triangles: 9 });
+const makers: Makers = await loadMakers();
 const body: Mesh | undefined = bodies[0]?.mesh;
 const sides: Uint32Array = complex.sides;
 const triangle: MeshIn = { positions: [0, 0, 0, 1, 0, 0, 0, 1, 0], triangles: [0, 1, 2] };
@@ -46,3 +48,5 @@ try {
         console.log(error.function, error.index, error.values[0]);
 }
 console.log(counted, found.euler, set, doubles, pairs, bitvox.memory.peak);
+const thickness: Float64Array = makers.inspect(triangle, { walls: 1, thickness: true, up: 'x' }).thickness;
+const inertia: number | undefined = makers.measure(mesh, { density: 7.8 }).inertia[0];

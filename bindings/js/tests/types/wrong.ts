@@ -2,11 +2,13 @@
 import { BitvoxError, load } from 'bitvox';
 import { load as loadFiles } from 'bitvox/files';
 import { load as loadLabels } from 'bitvox/labels';
+import { load as loadMakers } from 'bitvox/makers';
 import type { Grid, Mesh } from 'bitvox';
 
 const bitvox = await load();
 const files = await loadFiles();
 const labels = await loadLabels();
+const makers = await loadMakers();
 declare const mesh: Mesh;
 declare const grid: Grid;
 
@@ -22,6 +24,8 @@ bitvox.voxelize([0, 0, 0]);
 files.readMesh('scan.ply', 'ply');
 // @ts-expect-error whole numbers
 labels.labelSurfaces({ samples: new Float32Array(8), size: [2, 2, 2] });
+// @ts-expect-error thickness only where it was asked for
+makers.inspect(mesh).thickness.length;
 // @ts-expect-error glTF text is read, not written
 files.writeMesh(mesh, 'gltf');
 // @ts-expect-error one level a file
