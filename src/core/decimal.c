@@ -127,7 +127,8 @@ static uint64_t decimal_scale(uint64_t w, int32_t k, const decimal_kind *kind, i
         if (p[1] > UINT64_MAX - 2 * DECIMAL_ERROR - 1) *sure = 0;
     }
 
-    /* Bits of the number next to (top + a bit more when sticky) 2^e, top's highest bit set; ties to even. */
+    /* Bits of the number next to (top + a bit more when sticky) times 2^e, top's highest bit set; ties to
+     * even. */
     uint64_t const top = p[2];
     /* Where the number's last bit lies: by its own size, or the least that the type has. */
     int32_t const natural = e + 64 - kind->precision;
