@@ -200,7 +200,7 @@ list_fuzz() { # as run_fuzz
         case $source in
         */fuzz_algebra.c | */fuzz_levels.c) inputs=${dear_inputs:-$*} ;;
         */fuzz_volumes.c) if [ -n "${dear_inputs:-}" ]; then inputs=100; fi ;;
-        */fuzz_contours.c) if [ -n "${dear_inputs:-}" ]; then inputs=8000; fi ;;
+        */fuzz_contours.c) if [ -n "${dear_inputs:-}" ]; then inputs=5000; fi ;;
         esac
         list_command "$fuzz_row/fuzz/$(basename "$source" .c)" $runner "$folder/${source%.c}" $inputs
         for target in $(fuzz_targets "$source"); do
@@ -608,7 +608,7 @@ other)
     {
         folder=$san
         if [ -n "$fault" ]; then list_kind san fault ''; fi
-        dear_inputs=30 # of 300 where each runs whole chains of stages, 100 of volumes, 8,000 of 20,000 contours; make san runs all
+        dear_inputs=30 # of 300 where each runs whole chains of stages, 100 of volumes, 5,000 of 20,000 contours; make san runs all
         list_fuzz san ''
         list_machines
         list_other_compilers
