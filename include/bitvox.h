@@ -1321,7 +1321,7 @@ typedef struct bvx_ray_hit {
 BVX_API bvx_status bvx_grid_cast(bvx_context *context, const bvx_grid *grid, const double *rays, uint64_t count,
                                  double t_max, bvx_ray_hit *hits);
 /** A grid prepared for rays: which bricks of 8 x 8 x 8 voxels hold a set one. It borrows the grid's words, which stay
- *  where they are until it is freed, and a change of them is to be told by bvx_rays_update. */
+ *  where they are until it is freed. After changing them call bvx_rays_update. */
 typedef struct bvx_rays bvx_rays;
 /** Prepare a grid. A handle that is passed again is overwritten: free it first. */
 BVX_API bvx_status bvx_rays_create(bvx_context *context, const bvx_grid *grid, bvx_rays **caster);
