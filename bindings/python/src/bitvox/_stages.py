@@ -854,7 +854,7 @@ class Closest:
         grid
             the voxels that are asked about: of a fluid those with a neighbour that is none.
         links
-            how many neighbours: those across faces, edges too, or corners too, in order (z, y, x) from -1 to 1.
+            how many neighbors: those across faces, edges too, or corners too, in order (z, y, x) from -1 to 1.
 
         Returns
         -------
