@@ -847,19 +847,19 @@ class Closest:
         return self.winding(points, threads=threads, progress=progress) != 0
 
     def links(self, grid: Grid, links: Literal[6, 18, 26] = 18, *, threads: int | None = None, progress: Progress = None) -> Array:
-        """Where links from the set voxels of a grid to their neighbours meet the mesh, as lattice Boltzmann methods use them.
+        """Where links from the set voxels of a grid to their neighbors meet the mesh, as lattice Boltzmann methods use them.
 
         Parameters
         ----------
         grid
-            the voxels that are asked about: of a fluid those with a neighbour that is none.
+            the voxels that are asked about: of a fluid those with a neighbor that is none.
         links
             how many neighbors: those across faces, edges too, or corners too, in order (z, y, x) from -1 to 1.
 
         Returns
         -------
         Array
-            (count, links) float32, in the order of `Grid.voxels`: the part of the way to the neighbour's center at the first hit
+            (count, links) float32, in the order of `Grid.voxels`: the part of the way to the neighbor's center at the first hit
             of `cast`, 0 to 1; -1: none.
 
         Examples
