@@ -847,15 +847,14 @@ typedef struct bvx_repair_options {
     double shell; /**< thickness that open sheets get, BVX_NONE: none [Units: largest spacings]
                        [Limit: BVX_NONE, or 0, or 1.5..10^6] [Default: 2] */
     bvx_parts parts;
-    uint64_t target_triangles; /**< at most so many, by the largest resolution that does it; 0: any [Limit: any] */
-    uint64_t samples; /**< points a side for the report's distances; 0: not measured [Limit: 0..2^31-1] */
+    uint64_t reserved0, samples; /**< points a side for the report's distances; 0: not measured [Limit: 0..2^31-1] */
     bvx_repair_report *report;
     int32_t if_needed, reserved; /**< 1: copy a mesh that needs nothing, by its own position_type */
 } bvx_repair_options;
 /** Make a closed, manifold, oriented mesh without crossing triangles from any mesh. Holes get smooth lids, overlapping
  *  parts become one, sheets become shells, and walls too thin for the lattice are kept (thin). Details smaller than a
  *  voxel are lost. The steps, and what counts as a sheet: docs/rules.md.
- *  Returns BVX_ERR_EMPTY (also where nothing remains), BVX_ERR_RANGE (also target_triangles that cannot be met). */
+ *  Returns BVX_ERR_EMPTY (also where nothing remains). */
 BVX_API bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx_repair_options *options,
                               bvx_mesh *repaired);
 
