@@ -172,20 +172,6 @@ static int at_one_place(const int32_t *a, const int32_t *b)
     return a[0] == b[0] && a[1] == b[1];
 }
 
-/* Runs may go over the loop's end, so each is followed back from its last point. */
-static void find_places(const bvxi_plane *p, uint32_t *place)
-{
-    for (uint32_t k = 0; k < p->contour_count; k++) {
-        const bvxi_contour *const c = &p->contour[k];
-        uint32_t const last = c->first + c->count - 1;
-        uint32_t start = c->first;
-        while (start < last && at_one_place(p->q[start], p->q[last])) start++;
-        for (uint32_t i = c->first; i <= last; i++)
-            place[i] = i > c->first && at_one_place(p->q[i], p->q[i - 1]) ? place[i - 1] : i;
-        for (uint32_t i = c->first; i < start; i++) place[i] = place[last];
-    }
-}
-
 static bvx_status refuse_pair(bvxi_stack *s, const bvxi_plane *p, uint32_t i, uint32_t j)
 {
     uint64_t const a = p->contour[bvxi_contour_of(p, i)].given, b = p->contour[bvxi_contour_of(p, j)].given;
@@ -218,9 +204,19 @@ static bvx_status check_pairs(simple_work *w)
     const bvxi_plane *const p = w->p;
     bvxi_segment_box *box;
     uint32_t count = 0;
+
     BVXI_TRY(BVXI_ARRAY(w->s->ctx, p->point_count, "the segments of a section", box));
     BVXI_TRY(BVXI_ARRAY(w->s->ctx, p->point_count, "the places of points", w->place));
-    find_places(p, w->place);
+    /* Runs may go over the loop's end, so each is followed back from its last point. */
+    for (uint32_t k = 0; k < p->contour_count; k++) {
+        const bvxi_contour *const c = &p->contour[k];
+        uint32_t const last = c->first + c->count - 1;
+        uint32_t start = c->first;
+        while (start < last && at_one_place(p->q[start], p->q[last])) start++;
+        for (uint32_t i = c->first; i <= last; i++)
+            w->place[i] = i > c->first && at_one_place(p->q[i], p->q[i - 1]) ? w->place[i - 1] : i;
+        for (uint32_t i = c->first; i < start; i++) w->place[i] = w->place[last];
+    }
     for (uint32_t i = 0; i < p->point_count; i++)
         if (!at_one_place(p->q[i], p->q[p->next[i]]))
             box[count++] = bvxi_box_segment(p->q[i], p->q[p->next[i]], i);

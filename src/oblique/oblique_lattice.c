@@ -310,19 +310,6 @@ static void mark_moved_segment(bvxi_oblique *o, uint32_t plane, uint32_t segment
     mark_sweep(o, at, b, moved, next_moved);
 }
 
-static void mark_contours(bvxi_oblique *o)
-{
-    for (uint32_t i = 0; i < o->plane_count; i++) {
-        const bvxi_plane *const p = &o->plane[i].plane;
-        for (uint32_t n = 0; n < p->point_count; n++) {
-            double a[3], b[3];
-            bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[n], a);
-            bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[p->next[n]], b);
-            mark_moved_segment(o, i, n, p->next[n], a, b);
-        }
-    }
-}
-
 /* ---- planes in blocks without contours ---- */
 
 /* A point that a plane has in a cube: the mean of its crossings with the edges. */
@@ -373,7 +360,15 @@ static bvx_status begin_blocks(bvxi_oblique *o, uint64_t n)
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.2, bvxi_for(o->ctx, "field", n, 512, first_vertex_piece, o)));
 
     /* Before the planes are looked at, which leave out the blocks that contours mark. */
-    mark_contours(o);
+    for (uint32_t i = 0; i < o->plane_count; i++) {
+        const bvxi_plane *const p = &o->plane[i].plane;
+        for (uint32_t k = 0; k < p->point_count; k++) {
+            double from[3], to[3];
+            bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[k], from);
+            bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[p->next[k]], to);
+            mark_moved_segment(o, i, k, p->next[k], from, to);
+        }
+    }
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.2, 0.3, bvxi_for(o->ctx, "field", n, 512, plane_block_piece, o)));
     for (uint64_t i = 0; i < n; i++) {
         int known = o->contour_cells[i] != 0 || (o->block_kind[i] & BLOCK_CONTRADICTED) != 0;

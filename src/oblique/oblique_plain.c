@@ -62,15 +62,6 @@ typedef struct plain_case {
     uint8_t triangle[PLAIN_TRIANGLES][3], triangles; /* of places in edge */
 } plain_case;
 
-static uint8_t plain_edge(plain_case *c, uint8_t a, uint8_t b)
-{
-    uint8_t const code = (uint8_t)((a < b ? a : b) | (a ^ b) << 3);
-    uint8_t n = 0;
-    while (n < c->edges && c->edge[n] != code) n++;
-    if (n == c->edges) c->edge[c->edges++] = code;
-    return n;
-}
-
 static void make_plain_case(plain_case *c, int signs)
 {
     memset(c, 0, sizeof *c);
@@ -81,7 +72,12 @@ static void make_plain_case(plain_case *c, int signs)
 
         for (int x = 0; x < 4; x++) inside |= (signs >> corner[x] & 1) << x;
         n = bvxi_oblique_case(inside, edge);
-        for (int i = 0; i < n; i++) number[i] = plain_edge(c, corner[edge[i][0]], corner[edge[i][1]]);
+        for (int i = 0; i < n; i++) {
+            uint8_t const a = corner[edge[i][0]], b = corner[edge[i][1]];
+            uint8_t const code = (uint8_t)((a < b ? a : b) | (a ^ b) << 3);
+            for (number[i] = 0; number[i] < c->edges && c->edge[number[i]] != code;) number[i]++;
+            if (number[i] == c->edges) c->edge[c->edges++] = code;
+        }
         for (int i = 2; i < n; i++) {
             uint8_t *const t = c->triangle[c->triangles++];
             t[0] = number[0];
