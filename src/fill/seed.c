@@ -55,18 +55,6 @@ static bvx_status check_seed_mesh(seed_judge *j)
 
 /* ---- Lines ---- */
 
-/* First and last set voxel of the line through a voxel along an axis; 0
- * when there are not two with room between them. */
-static int scan_seed_line(const bvx_grid *g, const int32_t voxel[3], int axis, int32_t *low, int32_t *high)
-{
-    int32_t p[3] = {voxel[0], voxel[1], voxel[2]};
-    *low = 0;
-    *high = g->size[axis] - 1;
-    for (p[axis] = *low; *low < *high && !bvx_grid_get(g, p[0], p[1], p[2]); p[axis] = *low) ++*low;
-    for (p[axis] = *high; *high > *low && !bvx_grid_get(g, p[0], p[1], p[2]); p[axis] = *high) --*high;
-    return *high - *low > 1;
-}
-
 /* The first empty voxel behind `from` on the line, or `until`. */
 static int32_t next_gap(const bvx_grid *g, const int32_t voxel[3], int axis, int32_t from, int32_t until)
 {
@@ -87,9 +75,17 @@ typedef struct seed_search {
 
 static int scan_for_seed(seed_search *s, int axis, int32_t *low, int32_t *high)
 {
+    const bvx_grid *const g = s->surface;
+    int32_t p[3] = {s->voxel[0], s->voxel[1], s->voxel[2]};
+
+    /* First and last set voxel of the line through the voxel; 0 when there are not two with room between them. */
     s->scanned++;
     s->seed.scans[axis]++;
-    return scan_seed_line(s->surface, s->voxel, axis, low, high);
+    *low = 0;
+    *high = g->size[axis] - 1;
+    for (p[axis] = *low; *low < *high && !bvx_grid_get(g, p[0], p[1], p[2]); p[axis] = *low) ++*low;
+    for (p[axis] = *high; *high > *low && !bvx_grid_get(g, p[0], p[1], p[2]); p[axis] = *high) --*high;
+    return *high - *low > 1;
 }
 
 static int may_scan(seed_search *s)
