@@ -111,16 +111,6 @@ static bvx_status check_measure_range(bvx_context *ctx, const measure_job *job, 
     return BVX_OK;
 }
 
-static void take_every_centre(bvx_field *field)
-{
-    uint64_t const rows = bvxi_grid_rows(&field->band);
-    for (uint64_t r = 0; r < rows; r++) {
-        bvxi_set_run(field->band.words + r * (uint64_t)field->band.words_per_row, 0, field->band.size[0]);
-        field->row_values[r] = r * (uint64_t)field->band.size[0];
-    }
-    field->row_values[rows] = rows * (uint64_t)field->band.size[0];
-}
-
 static bvx_status make_band(bvx_context *ctx, const bvx_lattice *lattice, measure_job *job)
 {
     bvx_field *const f = &job->field;
@@ -129,25 +119,13 @@ static bvx_status make_band(bvx_context *ctx, const bvx_lattice *lattice, measur
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, (rows + 1) * 8, "the field's rows", &f->row_values));
     /* Infinity less itself is NaN: the test for a finite width without a library call. */
     if (f->half_width - f->half_width == 0.0)
-        BVXI_TRY(bvxi_nearest_band(bvxi_call_of(ctx, NULL, measure_stage, 0.15, 0.8), job->nearest,
-                                   f->half_width, &f->band, f->row_values));
-    else take_every_centre(f);
+        return bvxi_nearest_band(bvxi_call_of(ctx, NULL, measure_stage, 0.15, 0.8), job->nearest,
+                                 f->half_width, &f->band, f->row_values);
+    /* Every centre. */
+    for (uint64_t r = 0; r < rows; r++)
+        bvxi_set_run(f->band.words + r * (uint64_t)f->band.words_per_row, 0, f->band.size[0]);
+    for (uint64_t r = 0; r <= rows; r++) f->row_values[r] = r * (uint64_t)f->band.size[0];
     return BVX_OK;
-}
-
-static bvx_status make_features(bvx_context *ctx, measure_job *job)
-{
-    bvx_field *const f = &job->field;
-    uint64_t const n = f->value_count;
-
-    /* Signs by normals need triangles even when the caller does not: then they are scratch. */
-    if (!job->o.features)
-        return f->sign != BVX_FILL_NORMAL
-                   ? BVX_OK
-                   : bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the field's triangles", &job->triangles);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, n * 4, "the field's triangles", &f->triangles));
-    job->triangles = f->triangles;
-    return bvxi_alloc(ctx, BVXI_RESULT, n, "the field's features", &f->features);
 }
 
 /* The field's values with triangles, which may be the job's alone. */
@@ -204,7 +182,14 @@ static bvx_status measure_distances_of(bvx_context *ctx, const bvx_lattice *latt
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, n * number_bytes, "the field's distances", &f->distances));
     if (!job->o.no_vectors)
         BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, n * 3 * number_bytes, "the field's vectors", &f->vectors));
-    BVXI_TRY(make_features(ctx, job));
+    /* Signs by normals need triangles even when the caller does not: then they are scratch. */
+    if (job->o.features) {
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, n * 4, "the field's triangles", &f->triangles));
+        job->triangles = f->triangles;
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, n, "the field's features", &f->features));
+    } else if (f->sign == BVX_FILL_NORMAL) {
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the field's triangles", &job->triangles));
+    }
     bvxi_sparse const values = measured_values(job);
     return bvxi_nearest_fill(bvxi_call_of(ctx, NULL, measure_stage, 0.8, 0.9), job->nearest, HUGE_VAL,
                              &values);

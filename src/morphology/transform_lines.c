@@ -241,33 +241,18 @@ void bvxi_whole_columns(const bvxi_columns *columns)
 
 #define REAL_NEAR (1.0 / 1048576.0) /* the crossings' error is below 2^-23 for places below 2^26 */
 
-/* a * b as high + low, exactly; both far from overflow and underflow. */
-static void split_product(double a, double b, double *high, double *low)
-{
-    /* The upper 26 bits of each factor: products of halves are exact. */
-    double const ca = a * 134217729.0, cb = b * 134217729.0; /* 2^27 + 1 */
-    double const ah = ca - (ca - a), bh = cb - (cb - b), al = a - ah, bl = b - bh;
-    *high = a * b;
-    *low = ((ah * bh - *high) + ah * bl + al * bh) + al * bl;
-}
-
-/* a - b as high + low, exactly. */
-static void split_difference(double a, double b, double *high, double *low)
-{
-    double const d = a - b, back = d - a;
-    /* What rounding took off both numbers. */
-    *high = d;
-    *low = (a - (d - back)) - (b + back);
-}
-
 /* At y parabola i, of value a at i, is at least as good as u, of value b at u. */
 static int as_good(double a, double b, double weight, int32_t i, int32_t u, int32_t y)
 {
     /* (y - u)^2 - (y - i)^2, a whole number below 2^53: no rounding. */
     double const steps = (double)((int64_t)(u - i) * ((int64_t)u + i - 2 * (int64_t)y));
-    double dh, dl, ph, pl;
-    split_difference(a, b, &dh, &dl);
-    split_product(weight, steps, &ph, &pl);
+    /* a - b as high and low, exactly: low is what rounding took off both numbers. */
+    double const dh = a - b, back = dh - a, dl = (a - (dh - back)) - (b + back);
+    /* The same of weight * steps, both far from overflow and underflow. The upper 26 bits of each factor:
+     * products of halves are exact. */
+    double const cw = weight * 134217729.0, cs = steps * 134217729.0; /* 2^27 + 1 */
+    double const wh = cw - (cw - weight), sh = cs - (cs - steps), wl = weight - wh, sl = steps - sh;
+    double const ph = weight * steps, pl = ((wh * sh - ph) + wh * sl + wl * sh) + wl * sl;
     return dh != ph ? dh < ph : dl <= pl;
 }
 

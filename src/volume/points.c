@@ -40,18 +40,6 @@ static bvx_status open_point_planes(bvx_context *ctx, int32_t minimum, points_wo
     return BVX_OK;
 }
 
-static void count_point(points_work *w, size_t word, uint64_t bit)
-{
-    uint64_t *const set = &w->grid->words[word];
-    if ((*set & bit) != 0) return; /* Full already: no counter is changed any more. */
-    for (int32_t p = 0; p < w->plane_count; p++) {
-        uint64_t *const digit = &w->planes[(size_t)w->words * (size_t)p + word];
-        *digit ^= bit;
-        if ((*digit & bit) != 0) return; /* 0 became 1: nothing to carry */
-    }
-    *set |= bit;
-}
-
 static inline void take_point(points_work *w, const double p[3])
 {
     const bvx_grid *const g = w->grid;
@@ -69,10 +57,16 @@ static inline void take_point(points_work *w, const double p[3])
     w->report.inside += (uint64_t)inside;
     w->report.outside += !inside;
     if (!inside) return;
-    count_point(w,
-                ((size_t)v[2] * (size_t)g->size[1] + (size_t)v[1]) * (size_t)g->words_per_row +
-                    (size_t)(v[0] >> 6),
-                UINT64_C(1) << (v[0] & 63));
+    size_t const word = ((size_t)v[2] * (size_t)g->size[1] + (size_t)v[1]) * (size_t)g->words_per_row +
+                        (size_t)(v[0] >> 6);
+    uint64_t const bit = UINT64_C(1) << (v[0] & 63);
+    if ((g->words[word] & bit) != 0) return; /* Full already: no counter is changed any more. */
+    for (int32_t d = 0; d < w->plane_count; d++) {
+        uint64_t *const digit = &w->planes[(size_t)w->words * (size_t)d + word];
+        *digit ^= bit;
+        if ((*digit & bit) != 0) return; /* 0 became 1: nothing to carry */
+    }
+    g->words[word] |= bit;
 }
 
 static bvx_status take_points(bvx_context *ctx, points_work *w)
