@@ -25,39 +25,11 @@ static bvx_status add_trace_point(bvxi_trace *t, uint32_t vertex, uint32_t faces
     return BVX_OK;
 }
 
-/* The calling thread makes the slab of a view that would have to grow again afterwards. */
-static bvx_status trace_reserve(const bvxi_trace *t, void *array, uint64_t count, uint64_t *room,
-                                uint64_t item)
-{
-    if (BVXI_LIKELY(count <= *room)) return BVX_OK;
-    if (t->s->fixed) return BVX_ERR_BUDGET;
-    return bvxi_reserve(t->s->ctx, array, count + count / 2 + 64, room, item, "the loops of a cell");
-}
-
-static bvx_status open_loop(bvxi_trace *t, uint64_t count)
-{
-    uint64_t room[4] = {t->loop_room, t->loop_room, t->loop_room, t->loop_room};
-
-    BVXI_TRY(trace_reserve(t, &t->faces, count, &room[0], sizeof *t->faces));
-    BVXI_TRY(trace_reserve(t, (void *)&t->at, count, &room[1], sizeof *t->at));
-    BVXI_TRY(trace_reserve(t, &t->next, count, &room[2], sizeof *t->next));
-    BVXI_TRY(trace_reserve(t, &t->before, count, &room[3], sizeof *t->before));
-    return trace_reserve(t, &t->vertex, count, &t->loop_room, sizeof *t->vertex);
-}
-
-bvx_status bvxi_trace_add_to_loop(bvxi_trace *t, uint32_t *count, uint32_t vertex, uint32_t faces)
-{
-    if (*count >= t->loop_room) BVXI_TRY(open_loop(t, (uint64_t)*count + 1));
-    t->vertex[*count] = vertex;
-    t->faces[(*count)++] = (uint8_t)faces;
-    return BVX_OK;
-}
-
 static bvx_status open_rows(bvxi_trace *t, uint64_t ends, uint64_t nodes)
 {
     for (int k = 0; k < 2; k++) {
-        BVXI_TRY(trace_reserve(t, &t->row[k], ends + 1, &t->row_room[k], sizeof *t->row[k]));
-        BVXI_TRY(trace_reserve(t, &t->cross[k], nodes + 1, &t->cross_room[k], sizeof *t->cross[k]));
+        BVXI_TRY(bvxi_trace_reserve(t, &t->row[k], ends + 1, &t->row_room[k], sizeof *t->row[k]));
+        BVXI_TRY(bvxi_trace_reserve(t, &t->cross[k], nodes + 1, &t->cross_room[k], sizeof *t->cross[k]));
     }
     return BVX_OK;
 }
@@ -70,7 +42,7 @@ bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop)
     BVXI_TRY(BVXI_SLAB_GROW(s, t->end, 0, t->end_room, "the crossings of a cell"));
     BVXI_TRY(open_rows(t, TRACE_FEW, TRACE_FEW));
     BVXI_TRY(bvxi_map_reserve(s->ctx, &t->folds, 32));
-    return open_loop(t, loop);
+    return bvxi_trace_open_loop(t, loop);
 }
 
 /* ---- corners ---- */
@@ -430,7 +402,7 @@ bvx_status bvxi_trace_slab_cell(bvxi_trace *t)
 
     BVXI_TRY(gather_ends(t));
     BVXI_TRY(open_rows(t, t->end_count, t->node_count));
-    BVXI_TRY(open_loop(t, (uint64_t)t->node_count + 16));
+    BVXI_TRY(bvxi_trace_open_loop(t, (uint64_t)t->node_count + 16));
     /* the loop's scratch holds the nodes' points until loops are followed */
     BVXI_TRY(link_sides(t, corner, t->next));
 

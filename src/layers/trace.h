@@ -81,6 +81,11 @@ typedef struct bvxi_trace {
 /* Room for what most cells need, so that arrays seldom grow. loop: vertices
  * of the longest loop that is likely. */
 bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop);
+/* Capacity for a loop of count vertices, and of any array of a cell; BVX_ERR_BUDGET in a view that would have to
+ * grow, whose slab the calling thread makes again afterwards. */
+bvx_status bvxi_trace_open_loop(bvxi_trace *t, uint64_t count);
+bvx_status bvxi_trace_reserve(const bvxi_trace *t, void *array, uint64_t count, uint64_t *room,
+                              uint64_t item);
 bvx_status bvxi_trace_loops(bvxi_trace *t);
 /* How much there was before a cell's loops were filled. */
 typedef struct bvxi_trace_made {

@@ -6,6 +6,36 @@
  * contour's points in the cell are put into the lines, each into the nearer one where there are two. */
 #include "layers/trace.h"
 
+/* ---- the arrays of a loop, which grow on the calling thread, never in a view that other threads have ---- */
+
+bvx_status bvxi_trace_reserve(const bvxi_trace *t, void *array, uint64_t count, uint64_t *room, uint64_t item)
+{
+    if (BVXI_LIKELY(count <= *room)) return BVX_OK;
+    if (t->s->fixed) return BVX_ERR_BUDGET;
+    return bvxi_reserve(t->s->ctx, array, count + count / 2 + 64, room, item, "the loops of a cell");
+}
+
+bvx_status bvxi_trace_open_loop(bvxi_trace *t, uint64_t count)
+{
+    uint64_t room[4] = {t->loop_room, t->loop_room, t->loop_room, t->loop_room};
+
+    BVXI_TRY(bvxi_trace_reserve(t, &t->faces, count, &room[0], sizeof *t->faces));
+    BVXI_TRY(bvxi_trace_reserve(t, (void *)&t->at, count, &room[1], sizeof *t->at));
+    BVXI_TRY(bvxi_trace_reserve(t, &t->next, count, &room[2], sizeof *t->next));
+    BVXI_TRY(bvxi_trace_reserve(t, &t->before, count, &room[3], sizeof *t->before));
+    return bvxi_trace_reserve(t, &t->vertex, count, &t->loop_room, sizeof *t->vertex);
+}
+
+bvx_status bvxi_trace_add_to_loop(bvxi_trace *t, uint32_t *count, uint32_t vertex, uint32_t faces)
+{
+    if (*count >= t->loop_room) BVXI_TRY(bvxi_trace_open_loop(t, (uint64_t)*count + 1));
+    t->vertex[*count] = vertex;
+    t->faces[(*count)++] = (uint8_t)faces;
+    return BVX_OK;
+}
+
+/* ---- crossings ---- */
+
 #define FIELD_EDGE_MARGIN (1.0 / 1024.0)
 
 bvx_status bvxi_trace_edge(bvxi_trace *t, int k, const bvxi_trace_node *a, const bvxi_trace_node *b,

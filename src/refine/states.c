@@ -427,17 +427,18 @@ static void take_cubes(void *user, uint64_t begin, uint64_t end)
     for (uint64_t n = begin; n < end; n++) {
         const bvxi_octets *const o = &job->tree->octets[job->bottom];
         uint32_t const touched = bvxi_octet_mask(o->touched, n), split = bvxi_octet_split(o, n);
-        uint64_t below = split != 0 ? bvxi_octets_rank(o, 8 * n) : 0;
+        uint64_t below = split != 0 ? bvxi_octets_rank(o, 8 * n) : 0, cube = 0;
 
-        memset(&job->cubes[n], 0, sizeof job->cubes[n]);
         /* A child that is touched but not split is a wall as a whole; one that is split shows its own eight. */
         for (uint32_t p = 0; p < 8; p++) {
             uint64_t child = (touched >> p & 1) != 0 ? BVXI_CUBE_CHILD : 0;
             if ((split >> p & 1) != 0)
                 child = bvxi_cube_spread(
                     bvxi_octet_mask(job->tree->octets[job->bottom + 1].touched, below++));
-            job->cubes[n].touched |= child << bvxi_cube_shift(p);
+            cube |= child << bvxi_cube_shift(p);
         }
+        memset(&job->cubes[n], 0, sizeof job->cubes[n]);
+        job->cubes[n].touched = cube;
     }
 }
 
