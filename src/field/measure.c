@@ -11,27 +11,6 @@
 
 #include <math.h>
 
-/* AUTO, PARITY, NONZERO, WINDING, VOTE: inside, which is open, becomes the solid by that rule; AUTO the one chosen. At
- * the same centres, so a field and a solid of one rule never disagree. */
-static bvx_status sign_by_solid(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t *sign, bvx_grid *inside)
-{
-    bvx_solid_report report;
-
-    /* A field's sign and a solid's fill are one decision, made once. Only the choice is of interest: what
-     * voxels lose of the mesh's walls and volume costs a third of a narrow field, and a field says
-     * neither. */
-    bvx_voxelize_options o = {.struct_size = sizeof o,
-                              .fill = *sign,
-                              .report = *sign == BVX_FILL_AUTO ? &report : NULL,
-                              .check_thin = BVX_CHECK_NEVER};
-    memcpy(o.window.low, inside->low, sizeof o.window.low);
-    memcpy(o.window.size, inside->size, sizeof o.window.size);
-    BVXI_TRY(bvx_voxelize_solid(ctx, mesh, &inside->lattice, &o, inside));
-
-    if (*sign == BVX_FILL_AUTO) *sign = report.fill;
-    return BVX_OK;
-}
-
 static const char measure_name[] = "bvx_measure_field";
 static const char measure_stage[] = "field";
 
@@ -142,9 +121,23 @@ static bvx_status make_inside(bvx_context *ctx, const bvx_lattice *lattice, meas
     bvxi_sparse const values = measured_values(job);
     if (f->sign == BVX_FILL_NONE) return BVX_OK;
     BVXI_TRY(bvxi_grid_open(ctx, measure_name, lattice, &job->window, &f->inside));
-    if (f->sign != BVX_FILL_NORMAL) return sign_by_solid(ctx, job->mesh, &f->sign, &f->inside);
-    return bvxi_sign_normal(bvxi_call_of(ctx, measure_name, measure_stage, 0.9, 0.97), job->nearest,
-                            f->half_width, job->mesh, &values, &f->inside);
+    if (f->sign == BVX_FILL_NORMAL)
+        return bvxi_sign_normal(bvxi_call_of(ctx, measure_name, measure_stage, 0.9, 0.97), job->nearest,
+                                f->half_width, job->mesh, &values, &f->inside);
+
+    /* AUTO, PARITY, NONZERO, WINDING, VOTE: the solid by that rule, at the same centres, so a field and a solid of
+     * one rule never disagree. Only the choice is of interest: what voxels lose of the mesh's walls and volume
+     * costs a third of a narrow field, and a field says neither. */
+    bvx_solid_report report = {.fill = f->sign};
+    bvx_voxelize_options o = {.struct_size = sizeof o,
+                              .fill = f->sign,
+                              .report = f->sign == BVX_FILL_AUTO ? &report : NULL,
+                              .check_thin = BVX_CHECK_NEVER};
+    memcpy(o.window.low, f->inside.low, sizeof o.window.low);
+    memcpy(o.window.size, f->inside.size, sizeof o.window.size);
+    BVXI_TRY(bvx_voxelize_solid(ctx, job->mesh, &f->inside.lattice, &o, &f->inside));
+    f->sign = report.fill;
+    return BVX_OK;
 }
 
 static void negate_rows(void *user, uint64_t row, uint64_t end)

@@ -63,38 +63,31 @@ static bvx_status turn_triangles(bvx_context *ctx, auto_work *w)
     return BVX_OK;
 }
 
-/* Triangles that are there twice count once: each copy would be inside of all others. */
-static bvx_status drop_copies(bvx_context *ctx, auto_work *w)
-{
-    bvx_mesh_view *const view = &w->choice.view;
-    uint64_t kept;
-
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->triangle_count * 12, "the triangles once each",
-                        &w->choice.index));
-    BVXI_TRY(bvxi_drop_duplicates(ctx, view, w->representative, w->choice.index, &kept));
-    if (kept == 0) return BVX_OK; /* none has area: they stay, and enclose nothing */
-
-    w->choice.doubles = view->triangle_count - kept;
-    view->indices = w->choice.index;
-    view->index_type = BVX_U32;
-    view->index_stride = 0;
-    view->triangle_count = kept;
-    w->job.view = view;
-    return BVX_OK;
-}
-
 /* Weld, and turn patches. copies: leave out those of triangles, which may be there. */
 static bvx_status look_at_edges(bvx_context *ctx, auto_work *w, int copies)
 {
-    const bvx_mesh_view *const view = &w->choice.view;
-    uint64_t different;
+    bvx_mesh_view *const view = &w->choice.view;
+    uint64_t different, kept = 0;
 
     bvxi_view_used_bounds(&w->choice.view, w->low, w->high);
     for (int a = 0; a < 3; a++) w->centre[a] = 0.5 * w->low[a] + 0.5 * w->high[a];
     BVXI_TRY(
         bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 4, "the vertices' places", &w->representative));
     BVXI_TRY(bvxi_weld(ctx, view, w->representative, &different));
-    if (copies) BVXI_TRY(drop_copies(ctx, w));
+    /* Triangles that are there twice count once: each copy would be inside of all others. */
+    if (copies) {
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->triangle_count * 12, "the triangles once each",
+                            &w->choice.index));
+        BVXI_TRY(bvxi_drop_duplicates(ctx, view, w->representative, w->choice.index, &kept));
+    }
+    if (kept != 0) { /* else none has area: they stay, and enclose nothing */
+        w->choice.doubles = view->triangle_count - kept;
+        view->indices = w->choice.index;
+        view->index_type = BVX_U32;
+        view->index_stride = 0;
+        view->triangle_count = kept;
+        w->job.view = view;
+    }
 
     BVXI_TRY(bvxi_patches_open(ctx, view, w->representative, w->centre, w->choice.doubles != 0, &w->patches));
     w->choice.turned = w->patches.turned;

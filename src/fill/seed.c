@@ -287,33 +287,26 @@ static void give_pocket(void *user, uint32_t space, int32_t begin, int32_t end, 
     w->count++;
 }
 
-static bvx_status list_pockets(bvx_context *ctx, const seed_judge *judge, int32_t *seeds, uint64_t capacity,
-                               uint64_t *count)
+static bvx_status run_find_pockets(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh,
+                                   int32_t *seeds, uint64_t capacity, uint64_t *count)
 {
-    pocket_work work = {judge, NULL, 0, 0, seeds != NULL ? capacity : 0, seeds};
+    seed_judge judge = {.ctx = context, .function = pockets_name, .mesh = mesh, .surface = surface};
+    pocket_work work = {&judge, NULL, 0, 0, seeds != NULL ? capacity : 0, seeds};
     bvxi_spaces spaces;
 
-    BVXI_TRY(bvxi_spaces_open(ctx, pockets_name, "pockets", judge->surface, 1, BVXI_CONNECT_6, &spaces));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the pockets' sides", &work.outside));
+    if (count == NULL) return bvxi_fail_null(context, pockets_name, "count");
+    BVXI_TRY(bvxi_grid_check(context, pockets_name, surface));
+    BVXI_TRY(check_seed_mesh(&judge));
+    if (mesh != NULL) BVXI_TRY(make_seed_vote(&judge));
+    BVXI_TRY(bvxi_spaces_open(context, pockets_name, "pockets", surface, 1, BVXI_CONNECT_6, &spaces));
+    BVXI_TRY(bvxi_alloc_zero(context, BVXI_SCRATCH, spaces.count, "the pockets' sides", &work.outside));
     bvxi_spaces_each(&spaces, judge_pocket, &work);
     work.seen = 0;
     bvxi_spaces_each(&spaces, give_pocket, &work);
     *count = work.count;
     if (seeds != NULL && work.count > capacity)
-        return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: there are %u pockets, the array given holds %u",
+        return bvxi_fail(context, BVX_ERR_CAPACITY, "%s: there are %u pockets, the array given holds %u",
                          pockets_name, work.count, capacity);
-    return BVX_OK;
-}
-
-static bvx_status run_find_pockets(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh,
-                                   int32_t *seeds, uint64_t capacity, uint64_t *count)
-{
-    seed_judge judge = {.ctx = context, .function = pockets_name, .mesh = mesh, .surface = surface};
-    if (count == NULL) return bvxi_fail_null(context, pockets_name, "count");
-    BVXI_TRY(bvxi_grid_check(context, pockets_name, surface));
-    BVXI_TRY(check_seed_mesh(&judge));
-    if (mesh != NULL) BVXI_TRY(make_seed_vote(&judge));
-    BVXI_TRY(list_pockets(context, &judge, seeds, capacity, count));
     return BVX_OK;
 }
 

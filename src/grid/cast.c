@@ -357,25 +357,6 @@ static int clip_cast_ray(const double *ray, double t_max, cast_ray *r, double *b
     return *begin <= r->end;
 }
 
-static void report_cast_hit(const double *ray, const cast_ray *r, bvx_ray_hit *hit)
-{
-    double latest = 0.0;
-
-    hit->hit = 1;
-    hit->t = r->t;
-    hit->axis = -1;
-    /* The side that was entered last is the one hit; -1 stays where the ray starts inside. */
-    for (int32_t i = 0; i < 3; i++) {
-        double const enter = cast_enter(&r->axis[i], r->voxel[i]);
-        if (enter > latest) {
-            latest = enter;
-            hit->axis = i;
-        }
-        hit->voxel[i] = r->voxel[i];
-        hit->position[i] = ray[i] + r->t * ray[3 + i];
-    }
-}
-
 /* ---- Many rays ---- */
 
 typedef struct cast_work {
@@ -398,7 +379,23 @@ static void cast_piece(void *user, uint64_t begin, uint64_t end)
         if (!clip_cast_ray(ray, w->t_max, &r, &start)) continue;
         if (r.in->bricks.words != NULL) walk_cast_rows(&r, BRICK_SHIFT, start, r.end);
         else walk_cast_voxels(&r, start, r.end);
-        if (r.voxel[0] >= 0) report_cast_hit(ray, &r, &w->hits[i]);
+        if (r.voxel[0] < 0) continue;
+
+        bvx_ray_hit *const hit = &w->hits[i];
+        double latest = 0.0;
+        hit->hit = 1;
+        hit->t = r.t;
+        hit->axis = -1;
+        /* The side that was entered last is the one hit; -1 stays where the ray starts inside. */
+        for (int32_t a = 0; a < 3; a++) {
+            double const enter = cast_enter(&r.axis[a], r.voxel[a]);
+            if (enter > latest) {
+                latest = enter;
+                hit->axis = a;
+            }
+            hit->voxel[a] = r.voxel[a];
+            hit->position[a] = ray[a] + r.t * ray[3 + a];
+        }
     }
 }
 

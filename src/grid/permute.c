@@ -36,17 +36,6 @@ static uint64_t reverse_word(uint64_t w)
     return w >> 32 | w << 32;
 }
 
-static void reverse_row(const uint64_t *row, int32_t size, uint64_t *to)
-{
-    int32_t const words = bvxi_row_words(size), spare = words * BVXI_WORD_BITS - size;
-    for (int32_t k = 0; k < words; k++) {
-        /* The row's last word has spare bits at its end: reversed they come first, and are shifted out. */
-        to[k] = reverse_word(row[words - 1 - k]) >> spare;
-        if (spare != 0 && k + 1 < words)
-            to[k] |= reverse_word(row[words - 2 - k]) << (BVXI_WORD_BITS - spare);
-    }
-}
-
 static void permute_rows(void *user, uint64_t begin, uint64_t end)
 {
     const permute_job *const job = user;
@@ -57,8 +46,18 @@ static void permute_rows(void *user, uint64_t begin, uint64_t end)
         /* Steps of 0 along x leave the row's beginning; y and z may change places or turn over. */
         const uint64_t *const row = job->grid->words + (size_t)flipped(job, 1, b) * job->step[1] +
                                     (size_t)flipped(job, 2, c) * job->step[2];
-        if (job->flips[0]) reverse_row(row, to->size[0], to->words + (size_t)r * words);
-        else memcpy(to->words + (size_t)r * words, row, words * 8);
+        uint64_t *const out = to->words + (size_t)r * words;
+        if (!job->flips[0]) {
+            memcpy(out, row, words * 8);
+            continue;
+        }
+        /* The row's last word has spare bits at its end: reversed they come first, and are shifted out. */
+        int32_t const spare = (int32_t)words * BVXI_WORD_BITS - to->size[0];
+        for (size_t k = 0; k < words; k++) {
+            out[k] = reverse_word(row[words - 1 - k]) >> spare;
+            if (spare != 0 && k + 1 < words)
+                out[k] |= reverse_word(row[words - 2 - k]) << (BVXI_WORD_BITS - spare);
+        }
     }
 }
 

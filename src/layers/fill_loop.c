@@ -274,32 +274,6 @@ static int uncross_pair(const bvxi_stack *s, const uint32_t *a, const uint32_t *
     return 0;
 }
 
-/* 1 when triangles from a number on cross. */
-static int cell_crosses(const bvxi_stack *s, uint64_t from)
-{
-    uint64_t const n = s->mesh.triangle_count - from;
-    double box[UNCROSS_MOST][6];
-
-    /* very many contour points in one cell: it would take too long */
-    if (n == 0 || n > UNCROSS_MOST) return 0;
-    const uint32_t *const t = s->mesh.triangle + 3 * from;
-    for (uint64_t i = 0; i < n; i++) {
-        for (int c = 0; c < 3; c++) {
-            const double *const p = bvxi_section_vertex(s, t[3 * i + (uint64_t)c]);
-            for (int k = 0; k < 3 && c == 0; k++) box[i][k] = box[i][k + 3] = p[k];
-            bvxi_widen(box[i], box[i] + 3, p, 3);
-        }
-        for (uint64_t k = 0; k < i; k++) {
-            const double *const a = box[i], *const b = box[k];
-            /* Boxes that only touch do not count: neighbours share corners. */
-            if (a[0] >= b[3] || b[0] >= a[3] || a[1] >= b[4] || b[1] >= a[4] || a[2] >= b[5] || b[2] >= a[5])
-                continue;
-            if (uncross_pair(s, t + 3 * i, t + 3 * k)) return 1;
-        }
-    }
-    return 0;
-}
-
 /* ---- loops ---- */
 
 /* Where triangles of a cell cross, its loops are filled again, some of them around a vertex inside the cell:
@@ -411,7 +385,26 @@ int bvxi_trace_crosses(const bvxi_trace *t, const bvxi_trace_made *made)
     if (t->choice == 0 && t->loop_count == 1 &&
         (t->strips == 1 || s->mesh.triangle_count - made->triangles <= TRACE_SURE))
         return 0;
-    return cell_crosses(s, made->triangles);
+    uint64_t const n = s->mesh.triangle_count - made->triangles;
+    const uint32_t *const corner = s->mesh.triangle + 3 * made->triangles;
+    double box[UNCROSS_MOST][6];
+
+    /* very many contour points in one cell: it would take too long */
+    for (uint64_t i = 0; i < n && n <= UNCROSS_MOST; i++) {
+        for (int c = 0; c < 3; c++) {
+            const double *const p = bvxi_section_vertex(s, corner[3 * i + (uint64_t)c]);
+            for (int k = 0; k < 3 && c == 0; k++) box[i][k] = box[i][k + 3] = p[k];
+            bvxi_widen(box[i], box[i] + 3, p, 3);
+        }
+        for (uint64_t k = 0; k < i; k++) {
+            const double *const a = box[i], *const b = box[k];
+            /* Boxes that only touch do not count: neighbours share corners. */
+            if (a[0] >= b[3] || b[0] >= a[3] || a[1] >= b[4] || b[1] >= a[4] || a[2] >= b[5] || b[2] >= a[5])
+                continue;
+            if (uncross_pair(s, corner + 3 * i, corner + 3 * k)) return 1;
+        }
+    }
+    return 0;
 }
 
 static bvx_status fill_cell_loops(bvxi_trace *t, uint32_t choice, bvxi_trace_made *made)

@@ -75,21 +75,6 @@ BVXI_VECTOR_INLINE void byte_steps(const uint8_t *BVXI_RESTRICT near, int32_t le
     }
 }
 
-/* The nearest target of each voxel by its place, the left one of two. */
-static void find_target_places(uint32_t bits, const bvxi_row_carry *carry, int32_t x, int32_t *places)
-{
-    int32_t last = carry->left, next = carry->right;
-    /* From the left, then from the right; the left one stays where both are as far. */
-    for (int32_t i = 0; i < BVXI_LANES; i++) {
-        if (bits >> i & 1) last = x + i;
-        places[i] = last;
-    }
-    for (int32_t i = BVXI_LANES - 1; i >= 0; i--) {
-        if (bits >> i & 1) next = x + i;
-        if (places[i] < 0 || (next >= 0 && next - (x + i) < x + i - places[i])) places[i] = next;
-    }
-}
-
 int bvxi_row_steps(const bvxi_row_distances *table, const bvxi_row_carry *carry, const bvxi_target_row *row,
                    int32_t x, int32_t reach, int32_t steps[BVXI_LANES], int32_t *places)
 {
@@ -101,7 +86,19 @@ int bvxi_row_steps(const bvxi_row_distances *table, const bvxi_row_carry *carry,
     /* Each byte sees the other one's nearest target, or the one beyond it. */
     byte_steps(table->near[low], left, high != 0 ? 8 + bvxi_lowest(high) : right, steps);
     byte_steps(table->near[high], low != 0 ? 8 - bvxi_highest(low) : left + 8, right - 8, steps + 8);
-    if (places != NULL) find_target_places(bits, carry, x, places);
+    if (places == NULL) return 1;
+
+    /* The nearest target of each voxel by its place: from the left, then from the right; the left one stays where
+     * both are as far. */
+    int32_t last = carry->left, next = carry->right;
+    for (int32_t i = 0; i < BVXI_LANES; i++) {
+        if (bits >> i & 1) last = x + i;
+        places[i] = last;
+    }
+    for (int32_t i = BVXI_LANES - 1; i >= 0; i--) {
+        if (bits >> i & 1) next = x + i;
+        if (places[i] < 0 || (next >= 0 && next - (x + i) < x + i - places[i])) places[i] = next;
+    }
     return 1;
 }
 
@@ -305,25 +302,21 @@ static int32_t build_real_envelope(const bvxi_columns *c, const double *in)
     return top;
 }
 
-static void read_real_envelope(const bvxi_columns *c, int32_t top, double *out, int32_t *from)
-{
-    for (int32_t i = 0; i <= top; i++) {
-        int32_t const u = c->site[i], end = i < top ? (int32_t)c->start[i + 1] : c->n;
-        for (int32_t y = (int32_t)c->start[i]; y < end; y++) {
-            /* One product and one sum: the same rounding wherever the window begins. */
-            double const d = (double)(y - u);
-            out[(size_t)y * BVXI_LANES] = c->height[i] + c->weight * (d * d);
-            if (from != NULL) from[(size_t)y * BVXI_LANES] = u;
-        }
-    }
-}
-
 void bvxi_real_columns(const bvxi_columns *columns)
 {
     const double *const in = columns->in;
     double *const out = columns->out;
     for (int32_t lane = 0; lane < BVXI_LANES; lane++) {
         int32_t const top = build_real_envelope(columns, in + lane);
-        read_real_envelope(columns, top, out + lane, columns->from != NULL ? columns->from + lane : NULL);
+        for (int32_t i = 0; i <= top; i++) {
+            int32_t const u = columns->site[i], end = i < top ? (int32_t)columns->start[i + 1] : columns->n;
+            for (int32_t y = (int32_t)columns->start[i]; y < end; y++) {
+                /* One product and one sum: the same rounding wherever the window begins. */
+                double const d = (double)(y - u);
+                size_t const at = (size_t)y * BVXI_LANES + (size_t)lane;
+                out[at] = columns->height[i] + columns->weight * (d * d);
+                if (columns->from != NULL) columns->from[at] = u;
+            }
+        }
     }
 }

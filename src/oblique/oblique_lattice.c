@@ -202,27 +202,6 @@ static bvx_status know_round(bvxi_oblique *o, uint32_t i)
     return BVX_OK;
 }
 
-static bvx_status follow_surface(bvxi_oblique *o)
-{
-    uint32_t from = 0;
-
-    while (from < o->known_count) {
-        known_job job;
-        uint32_t const end = o->known_count;
-
-        /* Values of the new blocks at once and in parallel; then, in order, the blocks that these lead to. */
-        BVXI_TRY(bvxi_resize(o->ctx, BVXI_SCRATCH, &o->value, o->value_room * 4,
-                             (uint64_t)end * BVXI_BLOCK_SIZE * 4, "the lattice's values"));
-        o->value_room = (uint64_t)end * BVXI_BLOCK_SIZE;
-        job.o = o;
-        job.from = from;
-        BVXI_TRY(bvxi_for(o->ctx, "field", end - from, BLOCK_GRAIN, known_piece, &job));
-        for (uint32_t i = from; i < end; i++) BVXI_TRY(know_round(o, i));
-        from = end;
-    }
-    return BVX_OK;
-}
-
 /* ---- contours ---- */
 
 static void mark_segment(bvxi_oblique *o, const double a[3], const double b[3])
@@ -396,5 +375,17 @@ bvx_status bvxi_oblique_lattice(bvxi_oblique *o)
     BVXI_TRY(BVXI_ZEROS(o->ctx, n, "the blocks of the lattice", o->contour_cells));
     memset(o->block_at, 0xff, (size_t)n * 4);
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, begin_blocks(o, n)));
-    return BVXI_SHARE(o->ctx, 0.4, 1.0, follow_surface(o));
+    for (uint32_t from = 0; from < o->known_count;) {
+        uint32_t const end = o->known_count;
+        known_job job = {o, from};
+
+        /* Values of the new blocks at once and in parallel; then, in order, the blocks that these lead to. */
+        BVXI_TRY(bvxi_resize(o->ctx, BVXI_SCRATCH, &o->value, o->value_room * 4,
+                             (uint64_t)end * BVXI_BLOCK_SIZE * 4, "the lattice's values"));
+        o->value_room = (uint64_t)end * BVXI_BLOCK_SIZE;
+        BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 1.0,
+                            bvxi_for(o->ctx, "field", end - from, BLOCK_GRAIN, known_piece, &job)));
+        for (; from < end; from++) BVXI_TRY(know_round(o, from));
+    }
+    return BVX_OK;
 }

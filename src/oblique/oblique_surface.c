@@ -91,24 +91,6 @@ static int ends_in_cell(const part_work *w, const uint32_t *cell, uint32_t count
     return 1;
 }
 
-/* Parts that end in a cell are joined to those that they end towards. */
-static void join_in_cell(bvxi_oblique *o, const part_work *w, const uint32_t *cell, uint32_t count,
-                         uint32_t *joined)
-{
-    for (uint32_t i = 0; i < count; i++) {
-        const part_stretch *const a = &w->stretch[cell[i]];
-        if (!ends_in_cell(w, cell, count, a)) continue;
-        for (uint32_t j = 0; j < count; j++) {
-            const part_stretch *const b = &w->stretch[cell[j]];
-            if (bvxi_root(joined, a->root) == bvxi_root(joined, b->root) ||
-                is_on_plane(w, cell, count, b->root, a->plane))
-                continue;
-            if (o->apart++ == 0) memcpy(o->apart_at, a->at, 24);
-            bvxi_join(joined, a->root, b->root);
-        }
-    }
-}
-
 static bvx_status find_apart(bvxi_oblique *o, uint32_t *joined)
 {
     uint64_t const most = 2 * (uint64_t)o->point_count;
@@ -121,7 +103,20 @@ static bvx_status find_apart(bvxi_oblique *o, uint32_t *joined)
     BVXI_TRY(bvxi_radix_sort(o->ctx, w.key, w.order, w.count));
     for (uint32_t i = 0, n; i < w.count; i += n) {
         for (n = 1; i + n < w.count && w.key[i + n] == w.key[i];) n++;
-        join_in_cell(o, &w, w.order + i, n < PARTS_IN_CELL ? n : PARTS_IN_CELL, joined);
+        /* Parts that end in a cell are joined to those that they end towards. */
+        uint32_t const count = n < PARTS_IN_CELL ? n : PARTS_IN_CELL, *const cell = w.order + i;
+        for (uint32_t k = 0; k < count; k++) {
+            const part_stretch *const a = &w.stretch[cell[k]];
+            if (!ends_in_cell(&w, cell, count, a)) continue;
+            for (uint32_t j = 0; j < count; j++) {
+                uint32_t const root = w.stretch[cell[j]].root;
+                if (bvxi_root(joined, a->root) == bvxi_root(joined, root) ||
+                    is_on_plane(&w, cell, count, root, a->plane))
+                    continue;
+                if (o->apart++ == 0) memcpy(o->apart_at, a->at, 24);
+                bvxi_join(joined, a->root, root);
+            }
+        }
     }
     return BVX_OK;
 }

@@ -69,20 +69,6 @@ static inline void take_point(points_work *w, const double p[3])
     g->words[word] |= bit;
 }
 
-static bvx_status take_points(bvx_context *ctx, points_work *w)
-{
-    for (uint64_t i = 0; i < w->view.vertex_count; i++) {
-        double p[3];
-        /* Rarely, so that the question costs nothing. */
-        if (i % POINTS_ASKED == 0)
-            BVXI_TRY(bvxi_progress(ctx, "points", (double)i / (double)w->view.vertex_count));
-        bvxi_view_position(&w->view, i, p);
-        if (!bvxi_view_finite(p)) return bvxi_view_fail_finite(ctx, points_name, &w->view, i);
-        take_point(w, p);
-    }
-    return bvx_grid_count(ctx, w->grid, &w->report.occupied);
-}
-
 static const bvxi_option points_rows[] = {
     BVXI_OR(bvx_points_options, minimum, WHOLE, 1, 1, INT32_MAX),
     BVXI_SWITCH(bvx_points_options, body),
@@ -98,7 +84,16 @@ static bvx_status voxelize_cloud(bvx_context *ctx, const bvx_points_options *o, 
     w->plane_count = n;
     memset(w->grid->words, 0, (size_t)w->words * 8);
     if (w->plane_count != 0) BVXI_TRY(open_point_planes(ctx, o->minimum, w));
-    BVXI_TRY(take_points(ctx, w));
+    for (uint64_t i = 0; i < w->view.vertex_count; i++) {
+        double p[3];
+        /* Rarely, so that the question costs nothing. */
+        if (i % POINTS_ASKED == 0)
+            BVXI_TRY(bvxi_progress(ctx, "points", (double)i / (double)w->view.vertex_count));
+        bvxi_view_position(&w->view, i, p);
+        if (!bvxi_view_finite(p)) return bvxi_view_fail_finite(ctx, points_name, &w->view, i);
+        take_point(w, p);
+    }
+    BVXI_TRY(bvx_grid_count(ctx, w->grid, &w->report.occupied));
     if (o->body) {
         uint64_t set = 0;
         BVXI_TRY(bvxi_close_gaps(ctx, points_name, w->grid, o->close_gaps, &w->report.pockets));
