@@ -125,26 +125,22 @@ static bvx_status cut_between_bodies(bvxi_oblique *o, bvxi_joint_cut *cut, uint3
 typedef bvx_status (*cut_fn)(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t t, uint32_t a, uint32_t b,
                              int *made);
 
-/* Most tetrahedra are of one kind: one body at all corners that are not only outside. */
-static int has_edges_to_cut(const bvxi_joint_cut *cut, const bvxi_tetra *t)
-{
-    uint64_t common = ~(uint64_t)JOINT_OUTSIDE;
-    int inside = 0, outside = 0;
-    for (int k = 0; k < 4; k++) {
-        uint64_t const among = cut->among[t->v[k]];
-        inside |= (among & JOINT_OUTSIDE) == 0;
-        outside |= among == JOINT_OUTSIDE;
-        if (among != JOINT_OUTSIDE) common &= among;
-    }
-    return common == 0 || (inside && outside);
-}
-
 /* All edges that are to be cut, those of what the cuts make too: each cut puts a vertex with more kinds in
  * place of a corner, so this ends. */
 static bvx_status cut_edges(bvxi_oblique *o, bvxi_joint_cut *cut, cut_fn one)
 {
     for (uint64_t t = 0; t < o->tetra_count; t++) {
-        int again = has_edges_to_cut(cut, &o->tetra[t]);
+        uint64_t common = ~(uint64_t)JOINT_OUTSIDE;
+        int inside = 0, outside = 0, again;
+
+        /* Most tetrahedra are of one kind: one body at all corners that are not only outside. */
+        for (int k = 0; k < 4; k++) {
+            uint64_t const among = cut->among[o->tetra[t].v[k]];
+            inside |= (among & JOINT_OUTSIDE) == 0;
+            outside |= among == JOINT_OUTSIDE;
+            if (among != JOINT_OUTSIDE) common &= among;
+        }
+        again = common == 0 || (inside && outside);
         if (t % 65536 == 0) BVXI_TRY(bvxi_progress(o->ctx, "surface", (double)t / (double)o->tetra_count));
         while (again) {
             again = 0;
@@ -189,19 +185,6 @@ static void count_speck_beside(speck_work *w, uint32_t root, uint64_t kinds)
     w->lead[root] += (kinds >> w->beside[root] & 1) != 0 ? 1 : UINT32_MAX;
 }
 
-/* Both ends of an edge on the surface, from the crossing's side. */
-static void look_at_surface_edge(const bvxi_joint_cut *cut, speck_work *w, uint64_t first, uint32_t v,
-                                 uint32_t other)
-{
-    uint64_t const common = cut->among[v] & cut->among[other] & ~(uint64_t)JOINT_OUTSIDE;
-    if (v < first || (cut->among[other] & JOINT_OUTSIDE) == 0 || cut->among[other] == JOINT_OUTSIDE) return;
-    uint32_t const root = bvxi_root(w->joined, v);
-    /* Contours of the body on the surface: its part there is wanted. */
-    if (common != 0 && other < first) w->count[root] = UINT32_MAX;
-    if (common != 0 || other < first) return;
-    count_speck_beside(w, root, cut->among[other] & ~(uint64_t)JOINT_OUTSIDE);
-}
-
 static int crossings_of(const bvxi_tetra *t, uint64_t first)
 {
     int n = 0;
@@ -229,8 +212,18 @@ static bvx_status drop_surface_specks(bvxi_oblique *o, bvxi_joint_cut *cut, uint
     }
     for (uint64_t t = 0; t < o->tetra_count; t++)
         for (int a = 0; a < 4 && crossings_of(&o->tetra[t], first) > 0; a++)
-            for (int b = 0; b < 4; b++)
-                look_at_surface_edge(cut, &w, first, o->tetra[t].v[a], o->tetra[t].v[b]);
+            for (int b = 0; b < 4; b++) {
+                uint32_t const v = o->tetra[t].v[a], other = o->tetra[t].v[b];
+                uint64_t const beside = cut->among[other],
+                               common = cut->among[v] & beside & ~(uint64_t)JOINT_OUTSIDE;
+
+                if (v < first || (beside & JOINT_OUTSIDE) == 0 || beside == JOINT_OUTSIDE) continue;
+                uint32_t const root = bvxi_root(w.joined, v);
+                /* Contours of the body on the surface: its part there is wanted. */
+                if (common != 0 && other < first) w.count[root] = UINT32_MAX;
+                if (common == 0 && other >= first)
+                    count_speck_beside(&w, root, beside & ~(uint64_t)JOINT_OUTSIDE);
+            }
 
     for (uint64_t v = first; v < n; v++) {
         uint32_t const root = bvxi_root(w.joined, (uint32_t)v);

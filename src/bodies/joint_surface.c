@@ -43,17 +43,6 @@ typedef struct joint_faces {
 
 /* ---- faces ---- */
 
-/* The bodies that a face is one of, as seen from one of its tetrahedra: that one's, and where nothing is
- * beyond it but cells of one kind, that kind. Every other face is seen from both sides. */
-static void kinds_of_face(const bvxi_oblique *o, const bvxi_joint_cut *cut, uint64_t t, int k, int kind[2])
-{
-    uint32_t const n = o->tetra[t].n[k];
-    int const own = cut->kind[t];
-    int const other = n != BVXI_NONE ? cut->kind[n] : bvxi_joint_border_kind(o, &o->tetra[t], k);
-    kind[0] = own != other ? own : 0;
-    kind[1] = own != other && n == BVXI_NONE ? other : 0;
-}
-
 /* All tetrahedra are looked at twice, however many bodies there are: to count, then to fill. */
 static bvx_status list_all_faces(const bvxi_oblique *o, const bvxi_joint_cut *cut, joint_list *list)
 {
@@ -62,8 +51,12 @@ static bvx_status list_all_faces(const bvxi_oblique *o, const bvxi_joint_cut *cu
     for (int fill = 0; fill < 2; fill++) {
         for (uint64_t t = 0; t < o->tetra_count; t++)
             for (int k = 0; k < 4; k++) {
-                int kind[2];
-                kinds_of_face(o, cut, t, k, kind);
+                /* The bodies that a face is one of, as seen from one of its tetrahedra: that one's, and where
+                 * nothing is beyond it but cells of one kind, that kind. Others are seen from both sides. */
+                uint32_t const n = o->tetra[t].n[k];
+                int const own = cut->kind[t];
+                int const other = n != BVXI_NONE ? cut->kind[n] : bvxi_joint_border_kind(o, &o->tetra[t], k);
+                int const kind[2] = {own != other ? own : 0, own != other && n == BVXI_NONE ? other : 0};
                 for (int i = 0; i < 2; i++) {
                     if (kind[i] == 0) continue;
                     if (fill) list->face[next[kind[i] - 1]++] = (uint32_t)(4 * t) + (uint32_t)k;
@@ -255,21 +248,6 @@ static void join_pinched(const joint_faces *f, uint32_t first)
     }
 }
 
-static bvx_status find_points(joint_faces *f)
-{
-    const bvxi_oblique *const o = f->o;
-    BVXI_TRY(BVXI_ZEROS(o->ctx, o->vertex_count, "the points of contours", f->point));
-    BVXI_TRY(BVXI_ZEROS(o->ctx, o->vertex_count, "the points of contours", f->used));
-    for (uint32_t p = 0; p < o->plane_count; p++) {
-        const bvxi_plane *const q = &o->plane[p].plane;
-        for (uint32_t n = 0; n < q->point_count; n++) {
-            uint32_t const v = o->plane[p].vertex[n];
-            if (v != BVXI_NONE && f->point[v] == 0) f->point[v] = q->given[n] + 1;
-        }
-    }
-    return BVX_OK;
-}
-
 static void joint_place(const joint_faces *f, uint32_t v, double at[3])
 {
     const bvxi_oblique *const o = f->o;
@@ -280,21 +258,12 @@ static void joint_place(const joint_faces *f, uint32_t v, double at[3])
     for (int k = 0; k < 3; k++) at[k] = o->origin[k] + o->step * o->vertex[v].at[k];
 }
 
-static int is_kept_point(const joint_faces *f, uint32_t v, const double given[3])
-{
-    double const most = JOINT_ONE_PLACE * f->o->longest * f->o->step;
-    double at[3];
-    if (v == BVXI_NONE || f->used[v] != f->kind) return 0;
-    joint_place(f, v, at);
-    for (int k = 0; k < 3; k++)
-        if (!(bvxi_absolute(at[k] - given[k]) <= most)) return 0;
-    return 1;
-}
-
 /* The body's own points, which follow those of the bodies before it on each plane. */
 static void count_unkept_points(const joint_faces *f)
 {
     bvxi_oblique *const o = f->o;
+    double const most = JOINT_ONE_PLACE * o->longest * o->step;
+
     for (uint32_t p = 0; p < o->plane_count; p++) {
         const bvxi_plane *const q = &o->plane[p].plane;
         uint32_t n = 0, end;
@@ -302,7 +271,12 @@ static void count_unkept_points(const joint_faces *f)
         end = n + o->body[f->kind - 1].plane[p].plane.point_count;
         for (; n < end; n++) {
             const double *const given = o->given->points + 3 * (uint64_t)q->given[n];
-            if (is_kept_point(f, o->plane[p].vertex[n], given)) continue;
+            uint32_t const v = o->plane[p].vertex[n];
+            int kept = v != BVXI_NONE && f->used[v] == f->kind;
+            double at[3];
+            if (kept) joint_place(f, v, at);
+            for (int k = 0; k < 3 && kept; k++) kept = bvxi_absolute(at[k] - given[k]) <= most;
+            if (kept) continue;
             o->report.unkept_points++;
             bvxi_report_place(&o->report, given);
         }
@@ -397,7 +371,15 @@ bvx_status bvxi_joint_surfaces(bvxi_oblique *o, bvxi_joint_cut *cut, bvx_mesh *m
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, cut_pinched(o, cut, &list)));
     f.o = o;
     f.cut = cut;
-    BVXI_TRY(find_points(&f));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, o->vertex_count, "the points of contours", f.point));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, o->vertex_count, "the points of contours", f.used));
+    for (uint32_t p = 0; p < o->plane_count; p++) {
+        const bvxi_plane *const q = &o->plane[p].plane;
+        for (uint32_t n = 0; n < q->point_count; n++) {
+            uint32_t const v = o->plane[p].vertex[n];
+            if (v != BVXI_NONE && f.point[v] == 0) f.point[v] = q->given[n] + 1;
+        }
+    }
     for (int kind = 1; kind <= count; kind++)
         BVXI_TRY(BVXI_SHARE(o->ctx, 0.4 + 0.6 * (kind - 1) / count, 0.4 + 0.6 * kind / count,
                             BVXI_SCOPE(o->ctx, make_joint_mesh(&f, &list, kind, &meshes[kind - 1]))));

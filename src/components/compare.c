@@ -38,31 +38,6 @@ static void widen_compare_box(compare_sums *s, const int32_t low[3], const int32
     }
 }
 
-static void compare_row(const uint64_t *a, const uint64_t *b, int32_t words, int32_t y, int32_t z,
-                        compare_sums *s)
-{
-    uint64_t last_a = 0, last_b = 0;
-    int32_t low[3] = {-1, y, z}, high[3] = {-1, y, z};
-
-    for (int32_t k = 0; k < words; k++) {
-        uint64_t const differ = a[k] ^ b[k], only_a = a[k] & differ, only_b = b[k] & differ;
-        uint32_t const same = bvxi_popcount(a[k] & b[k]);
-        s->both += same;
-        if (differ == 0) {
-            last_a = last_b = 0;
-            continue;
-        }
-        s->set_a += bvxi_popcount(only_a);
-        s->set_b += bvxi_popcount(only_b);
-        /* A run begins where membership changes and the voxel is set. */
-        s->runs[0] += bvxi_popcount(bvxi_run_changes(only_a, &last_a) & only_a);
-        s->runs[1] += bvxi_popcount(bvxi_run_changes(only_b, &last_b) & only_b);
-        if (low[0] < 0) low[0] = k * BVXI_WORD_BITS + bvxi_lowest(differ);
-        high[0] = k * BVXI_WORD_BITS + bvxi_highest(differ);
-    }
-    if (low[0] >= 0) widen_compare_box(s, low, high);
-}
-
 /* set_a and set_b hold what only one has until both is added in the end. */
 static void compare_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
@@ -74,7 +49,26 @@ static void compare_piece(void *user, int32_t index, uint64_t begin, uint64_t en
     /* A row belongs to one piece, so the sums of pieces add up to those of the grids. */
     for (uint64_t r = begin; r < end; r++) {
         size_t const at = (size_t)(r * (uint64_t)a->words_per_row);
-        compare_row(a->words + at, b->words + at, a->words_per_row, (int32_t)(r % ny), (int32_t)(r / ny), &s);
+        int32_t low[3] = {-1, (int32_t)(r % ny), (int32_t)(r / ny)}, high[3] = {-1, low[1], low[2]};
+        uint64_t last_a = 0, last_b = 0;
+
+        for (int32_t k = 0; k < a->words_per_row; k++) {
+            uint64_t const one = a->words[at + (size_t)k], other = b->words[at + (size_t)k];
+            uint64_t const differ = one ^ other, only_a = one & differ, only_b = other & differ;
+            s.both += bvxi_popcount(one & other);
+            if (differ == 0) {
+                last_a = last_b = 0;
+                continue;
+            }
+            s.set_a += bvxi_popcount(only_a);
+            s.set_b += bvxi_popcount(only_b);
+            /* A run begins where membership changes and the voxel is set. */
+            s.runs[0] += bvxi_popcount(bvxi_run_changes(only_a, &last_a) & only_a);
+            s.runs[1] += bvxi_popcount(bvxi_run_changes(only_b, &last_b) & only_b);
+            if (low[0] < 0) low[0] = k * BVXI_WORD_BITS + bvxi_lowest(differ);
+            high[0] = k * BVXI_WORD_BITS + bvxi_highest(differ);
+        }
+        if (low[0] >= 0) widen_compare_box(&s, low, high);
     }
     w->sums[index] = s;
 }

@@ -50,29 +50,6 @@ static const uint64_t *euler_row(const bvx_grid *g, int32_t y, int32_t z)
     return bvxi_grid_row(g, y, z);
 }
 
-static int64_t euler_number(const bvx_grid *g, int any)
-{
-    uint64_t const tail = bvxi_tail_mask(g->size[0]);
-    int64_t sum = 0;
-    for (int32_t z = any ? -1 : 0; z < g->size[2]; z++)
-        for (int32_t y = any ? -1 : 0; y < g->size[1]; y++) {
-            const uint64_t *const rows[4] = {euler_row(g, y, z), euler_row(g, y + 1, z),
-                                             euler_row(g, y, z + 1), euler_row(g, y + 1, z + 1)};
-            sum += euler_of_rows(rows, g->words_per_row, tail, any);
-        }
-    return sum;
-}
-
-static bvx_status count_topology_parts(bvx_context *ctx, const bvx_grid *grid, int32_t connectivity,
-                                       uint64_t *count)
-{
-    bvxi_spaces spaces;
-    BVXI_TRY(bvxi_spaces_open(ctx, topology_name, "parts", grid, 0, connectivity, &spaces));
-    *count = spaces.count;
-    bvxi_spaces_free(&spaces);
-    return BVX_OK;
-}
-
 typedef struct cavity_sides {
     const bvx_grid *grid;
     uint8_t *at_side;
@@ -108,13 +85,22 @@ static bvx_status run_grid_topology(bvx_context *context, const bvx_grid *grid, 
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
                              "%s: connectivity is %d, not 6 or 26", topology_name, (int64_t)connectivity);
     BVXI_TRY(bvx_grid_count(context, grid, &t.voxels));
-    BVXI_TRY(count_topology_parts(context, grid, connectivity, &t.components));
+    bvxi_spaces spaces;
+    BVXI_TRY(bvxi_spaces_open(context, topology_name, "parts", grid, 0, connectivity, &spaces));
+    t.components = spaces.count;
+    bvxi_spaces_free(&spaces);
     /* Body and cavities have opposite connectivities, or the Euler number would not hold. */
     BVXI_TRY(
         BVXI_SCOPE(context, count_cavities(context, grid,
                                            connectivity == BVXI_CONNECT_6 ? BVXI_CONNECT_26 : BVXI_CONNECT_6,
                                            &t.cavities)));
-    t.euler = euler_number(grid, connectivity == BVXI_CONNECT_26);
+    int const any = connectivity == BVXI_CONNECT_26;
+    for (int32_t z = any ? -1 : 0; z < grid->size[2]; z++)
+        for (int32_t y = any ? -1 : 0; y < grid->size[1]; y++) {
+            const uint64_t *const rows[4] = {euler_row(grid, y, z), euler_row(grid, y + 1, z),
+                                             euler_row(grid, y, z + 1), euler_row(grid, y + 1, z + 1)};
+            t.euler += euler_of_rows(rows, grid->words_per_row, bvxi_tail_mask(grid->size[0]), any);
+        }
     /* Euler's formula in three dimensions: parts less tunnels plus cavities. */
     t.tunnels = (int64_t)(t.components + t.cavities) - t.euler;
     *topology = t;

@@ -61,19 +61,6 @@ static void keep_seeded_run(void *user, uint32_t space, int32_t begin, int32_t e
         if ((row[k] & bvxi_run_mask(begin, end, k)) != 0) s->marks[space] = 0;
 }
 
-/* seeds: words of the grid's shape to mark the seeds in. */
-static void drop_unseeded_parts(keep_work *w, const bvx_keep_options *o, const bvx_grid *seeds)
-{
-    keep_seeds s = {seeds, w->marks};
-    bvx_grid marked = *seeds;
-    /* Seeds are marked in a grid of their own: one walk over runs finds those of any number of seeds. */
-    memset(marked.words, 0, (size_t)bvxi_grid_words(&marked) * 8);
-    for (uint64_t i = 0; i < o->seed_count; i++)
-        bvx_grid_set(&marked, o->seeds[3 * i], o->seeds[3 * i + 1], o->seeds[3 * i + 2], 1);
-    memset(w->marks, 1, (size_t)w->spaces.count);
-    bvxi_spaces_each(&w->spaces, keep_seeded_run, &s);
-}
-
 static uint64_t count_parts_of(const keep_work *w, uint64_t at_least)
 {
     uint64_t n = 0;
@@ -103,15 +90,6 @@ static void drop_all_but_largest(keep_work *w, uint64_t largest)
     }
 }
 
-static void report_kept(const keep_work *w, bvx_keep_report *report)
-{
-    memset(report, 0, sizeof *report);
-    for (uint64_t i = 0; i < w->spaces.count; i++) {
-        *(w->marks[i] ? &report->dropped : &report->kept) += 1;
-        *(w->marks[i] ? &report->voxels_dropped : &report->voxels_kept) += w->voxels[i];
-    }
-}
-
 static const bvxi_option keep_rows[] = {
     BVXI_OR(bvx_keep_options, connectivity, AMONG, 6, 1 << 6 | 1 << 18 | 1 << 26, 0),
     BVXI_RESERVED(bvx_keep_options, reserved),
@@ -128,11 +106,23 @@ static bvx_status keep_parts(bvx_context *ctx, const bvx_grid *grid, const bvx_k
     BVXI_TRY(open_keep_work(ctx, keep_name, grid, 0, o->connectivity, &w));
     if (o->seed_count != 0) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the seeds' voxels", &seeds.words));
 
-    if (o->seed_count != 0) drop_unseeded_parts(&w, o, &seeds);
+    /* Seeds are marked in a grid of their own: one walk over runs finds those of any number of seeds. */
+    if (o->seed_count != 0) {
+        keep_seeds s = {&seeds, w.marks};
+        memset(seeds.words, 0, (size_t)bytes);
+        for (uint64_t i = 0; i < o->seed_count; i++)
+            bvx_grid_set(&seeds, o->seeds[3 * i], o->seeds[3 * i + 1], o->seeds[3 * i + 2], 1);
+        memset(w.marks, 1, (size_t)w.spaces.count);
+        bvxi_spaces_each(&w.spaces, keep_seeded_run, &s);
+    }
     uint64_t const at_least = o->at_least;
     for (uint64_t i = 0; i < w.spaces.count; i++) w.marks[i] |= w.voxels[i] < at_least;
     if (o->largest != 0) drop_all_but_largest(&w, o->largest);
-    if (o->report != NULL) report_kept(&w, o->report);
+    if (o->report != NULL) memset(o->report, 0, sizeof *o->report);
+    for (uint64_t i = 0; i < w.spaces.count && o->report != NULL; i++) {
+        *(w.marks[i] ? &o->report->dropped : &o->report->kept) += 1;
+        *(w.marks[i] ? &o->report->voxels_dropped : &o->report->voxels_kept) += w.voxels[i];
+    }
     /* The result may be the grid itself; then only what goes is changed. */
     if (made->words != grid->words) memcpy(made->words, grid->words, (size_t)bytes);
     bvxi_spaces_flip(&w.spaces, w.marks, made->words);

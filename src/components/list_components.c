@@ -107,13 +107,6 @@ static const uint32_t *label_row(const uint64_t *row, int32_t size, const uint32
     return label;
 }
 
-static int row_has_voxels(const uint64_t *row, int32_t words)
-{
-    uint64_t any = 0;
-    for (int32_t k = 0; k < words; k++) any |= row[k];
-    return any != 0;
-}
-
 enum {
     VOXELS_BETWEEN_REPORTS = 1 << 22 /* 16 MB of numbers: some hundredths of a second where memory is new */
 };
@@ -138,7 +131,9 @@ static bvx_status label_rows(bvx_context *ctx, const bvxi_spaces *spaces, uint32
         }
         due = due > slice ? due - slice : 0;
         for (int32_t y = 0; y < g->size[1]; y++, row += g->words_per_row, labels += nx) {
-            if (!row_has_voxels(row, g->words_per_row)) {
+            uint64_t any = 0;
+            for (int32_t k = 0; k < g->words_per_row; k++) any |= row[k];
+            if (any == 0) {
                 empty += nx;
                 continue;
             }

@@ -154,36 +154,19 @@ static bvx_status mend_find_pairs(bvxi_mend_work *w)
     return w->split_count == BVXI_NONE ? BVX_OK : status;
 }
 
-/* Does a segment pass through the square about a point, between its ends? Coordinates lie below 2^29. */
-static int mend_passes(const int32_t *a, const int32_t *b, const int32_t *c)
-{
-    int64_t const x = (int64_t)b[0] - a[0], y = (int64_t)b[1] - a[1];
-    int64_t const turn = x * ((int64_t)c[1] - a[1]) - y * ((int64_t)c[0] - a[0]);
-    int64_t const along = x * ((int64_t)c[0] - a[0]) + y * ((int64_t)c[1] - a[1]);
-    int64_t const reach = ((x < 0 ? -x : x) + (y < 0 ? -y : y)) * (MEND_PIXEL / 2);
-    return along > 0 && along < x * x + y * y && turn < reach && turn > -reach;
-}
-
-static bvx_status mend_order_nodes(bvxi_mend_work *w, uint32_t *count)
-{
-    uint32_t const n = w->node_count;
-    BVXI_TRY(BVXI_RESERVE(w->s, w->key, n, w->key_room, "the order of segments"));
-    BVXI_TRY(BVXI_RESERVE(w->s, w->order, n, w->order_room, "the order of segments"));
-    *count = 0;
-    for (uint32_t i = 0; i < n; i++) {
-        /* Nodes of loops that stay as they are split nothing. */
-        if (w->node[i].loop != BVXI_NONE && !w->changed[w->node[i].loop]) continue;
-        w->key[*count] = (uint64_t)(uint32_t)w->node[i].q[0];
-        w->order[(*count)++] = i;
-    }
-    return bvxi_radix_sort(w->s->ctx, w->key, w->order, *count);
-}
-
 static bvx_status mend_find_passed(bvxi_mend_work *w)
 {
-    uint32_t count;
+    uint32_t count = 0;
 
-    BVXI_TRY(mend_order_nodes(w, &count));
+    BVXI_TRY(BVXI_RESERVE(w->s, w->key, w->node_count, w->key_room, "the order of segments"));
+    BVXI_TRY(BVXI_RESERVE(w->s, w->order, w->node_count, w->order_room, "the order of segments"));
+    for (uint32_t i = 0; i < w->node_count; i++) {
+        /* Nodes of loops that stay as they are split nothing. */
+        if (w->node[i].loop != BVXI_NONE && !w->changed[w->node[i].loop]) continue;
+        w->key[count] = (uint64_t)(uint32_t)w->node[i].q[0];
+        w->order[count++] = i;
+    }
+    BVXI_TRY(bvxi_radix_sort(w->s->ctx, w->key, w->order, count));
     for (uint32_t i = 0; i < w->edge_count; i++) {
         const int32_t *const a = w->node[w->edge[i].node[0]].q, *const b = w->node[w->edge[i].node[1]].q;
         /* A pixel farther on both sides, as the squares about points reach that far. */
@@ -198,8 +181,16 @@ static bvx_status mend_find_passed(bvxi_mend_work *w)
             if (w->key[middle] < (uint64_t)(uint32_t)left) begin = middle + 1;
             else end = middle;
         }
-        for (; begin < count && w->key[begin] <= (uint64_t)(uint32_t)right; begin++)
-            if (mend_passes(a, b, w->node[w->order[begin]].q)) BVXI_TRY(mend_split_at(w, i, w->order[begin]));
+        /* Does the segment pass through the square about a point, between its ends? Coordinates lie below 2^29. */
+        int64_t const x = (int64_t)b[0] - a[0], y = (int64_t)b[1] - a[1];
+        int64_t const reach = ((x < 0 ? -x : x) + (y < 0 ? -y : y)) * (MEND_PIXEL / 2);
+        for (; begin < count && w->key[begin] <= (uint64_t)(uint32_t)right; begin++) {
+            const int32_t *const c = w->node[w->order[begin]].q;
+            int64_t const turn = x * ((int64_t)c[1] - a[1]) - y * ((int64_t)c[0] - a[0]);
+            int64_t const along = x * ((int64_t)c[0] - a[0]) + y * ((int64_t)c[1] - a[1]);
+            if (along > 0 && along < x * x + y * y && turn < reach && turn > -reach)
+                BVXI_TRY(mend_split_at(w, i, w->order[begin]));
+        }
     }
     return BVX_OK;
 }
@@ -311,22 +302,6 @@ static int mend_has_three_points(const bvx_sections *given, const bvx_section_lo
     return different > 2;
 }
 
-/* The stack without loops of fewer than three different points; it shares all arrays but the loops. */
-static bvx_status mend_drop_lines(bvx_context *ctx, const char *function, const bvx_sections *given,
-                                  bvx_sections *kept, uint64_t *dropped)
-{
-    *kept = *given;
-    kept->loop_count = 0;
-    kept->loops = NULL;
-    BVXI_TRY(BVXI_ARRAY(ctx, given->loop_count, "the loops to mend", kept->loops));
-    for (uint64_t i = 0; i < given->loop_count; i++)
-        if (mend_has_three_points(given, &given->loops[i])) kept->loops[kept->loop_count++] = given->loops[i];
-    *dropped = given->loop_count - kept->loop_count;
-    return kept->loop_count != 0
-               ? BVX_OK
-               : bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no loop has three different points", function);
-}
-
 static bvx_status mend_copy_loop(const bvx_sections *given, uint64_t number, bvxi_mended *m)
 {
     const bvx_section_loop *const l = &given->loops[number];
@@ -334,20 +309,6 @@ static bvx_status mend_copy_loop(const bvx_sections *given, uint64_t number, bvx
     for (uint64_t i = 0; i < l->point_count; i++)
         BVXI_TRY(bvxi_mended_add_point(m, given->points + 3 * (l->first_point + i), 0, 0));
     return BVX_OK;
-}
-
-/* Where splitting does not end, loops stay as they are and are refused later. */
-static bvx_status mend_plane(bvxi_mend_work *w, bvxi_mended *m)
-{
-    uint64_t changed = 0;
-    int done;
-    BVXI_TRY(mend_split_plane(w, &done));
-    for (uint32_t i = 0; i < w->plane->contour_count; i++) {
-        if (w->changed[i] && done) changed++;
-        else BVXI_TRY(mend_copy_loop(w->s->given, w->plane->contour[i].given, m));
-    }
-    m->loops += changed;
-    return changed == 0 ? BVX_OK : bvxi_mend_trace(w, m);
 }
 
 static void begin_mended(bvx_context *ctx, const char *function, const bvx_sections *given, bvxi_mended *m)
@@ -370,7 +331,16 @@ bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections 
     bvx_sections kept;
     bvxi_stack s;
     begin_mended(ctx, function, given, m);
-    BVXI_TRY(mend_drop_lines(ctx, function, given, &kept, &m->loops));
+    /* Loops of fewer than three different points are left out; all other arrays are shared. */
+    kept = *given;
+    kept.loop_count = 0;
+    kept.loops = NULL;
+    BVXI_TRY(BVXI_ARRAY(ctx, given->loop_count, "the loops to mend", kept.loops));
+    for (uint64_t i = 0; i < given->loop_count; i++)
+        if (mend_has_three_points(given, &given->loops[i])) kept.loops[kept.loop_count++] = given->loops[i];
+    m->loops = given->loop_count - kept.loop_count;
+    if (kept.loop_count == 0)
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no loop has three different points", function);
     BVXI_TRY(bvxi_stack_begin(ctx, function, &kept, options, &s));
     while (s.fine > MEND_COARSEST && step_length(s.step[0], s.fine) < least) s.fine--;
     bvxi_stack_give_grid(&s, &m->grid);
@@ -387,7 +357,17 @@ bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections 
         BVXI_TRY(bvxi_progress(s.ctx, "mend", (double)i / s.plane_count));
         bvxi_plane_snap(&s, &s.plane[i]);
         w.plane = &s.plane[i];
-        BVXI_TRY(mend_plane(&w, m));
+        uint64_t changed = 0;
+        int done;
+
+        /* Where splitting does not end, loops stay as they are and are refused later. */
+        BVXI_TRY(mend_split_plane(&w, &done));
+        for (uint32_t k = 0; k < w.plane->contour_count; k++) {
+            if (w.changed[k] && done) changed++;
+            else BVXI_TRY(mend_copy_loop(&kept, w.plane->contour[k].given, m));
+        }
+        m->loops += changed;
+        if (changed != 0) BVXI_TRY(bvxi_mend_trace(&w, m));
     }
     return BVX_OK;
 }

@@ -220,29 +220,30 @@ static void put_segments(apart_work *w)
     }
 }
 
-static int segments_collide(const apart_segment *s, const apart_segment *t)
-{
-    int const after = s->stop[1] == t->stop[0], before = t->stop[1] == s->stop[0];
-    if (s->stop[0] == BVXI_NONE && t->stop[0] == BVXI_NONE) return 0; /* they do not touch as they are */
-    /* Neighbours on a loop share a point: only a fold back onto each other counts. */
-    if (after && before) return 0;
-    if (after) return bvxi_folds_back(s->q[1], s->q[0], t->q[1]);
-    if (before) return bvxi_folds_back(s->q[0], s->q[1], t->q[0]);
-    return bvxi_segments_meet(s->q[0], s->q[1], t->q[0], t->q[1]);
-}
-
 static uint32_t node_of_end(const apart_work *w, const apart_segment *s, int end)
 {
     return s->stop[end] == BVXI_NONE ? BVXI_NONE : w->trace->stop[s->stop[end]].node;
 }
 
-/* Segments that meet at a node of both are too near to each other there; at other nodes they move too far. */
-static void mark_collision(apart_work *w, const apart_segment *s, const apart_segment *t)
+static bvx_status find_collision(void *user, uint32_t i, uint32_t j)
 {
+    apart_work *const w = user;
+    const apart_segment *const s = &w->segment[i], *const t = &w->segment[j];
+    int const after = s->stop[1] == t->stop[0], before = t->stop[1] == s->stop[0];
     int common = 0;
-    for (int i = 0; i < 4; i++) {
-        uint32_t const node = node_of_end(w, s, i & 1);
-        if (node == BVXI_NONE || node != node_of_end(w, t, i >> 1)) continue;
+
+    if (s->stop[0] == BVXI_NONE && t->stop[0] == BVXI_NONE) return BVX_OK; /* they do not touch as they are */
+    /* Neighbours on a loop share a point: only a fold back onto each other counts. */
+    if (after && before) return BVX_OK;
+    if (!(after    ? bvxi_folds_back(s->q[1], s->q[0], t->q[1])
+          : before ? bvxi_folds_back(s->q[0], s->q[1], t->q[0])
+                   : bvxi_segments_meet(s->q[0], s->q[1], t->q[0], t->q[1])))
+        return BVX_OK;
+
+    /* Segments that meet at a node of both are too near to each other there; at others they move too far. */
+    for (int e = 0; e < 4; e++) {
+        uint32_t const node = node_of_end(w, s, e & 1);
+        if (node == BVXI_NONE || node != node_of_end(w, t, e >> 1)) continue;
         w->mark[node] |= APART_MORE;
         common = 1;
     }
@@ -250,23 +251,7 @@ static void mark_collision(apart_work *w, const apart_segment *s, const apart_se
         if (s->stop[end] != BVXI_NONE) w->mark[node_of_end(w, s, end)] |= APART_LESS;
         if (t->stop[end] != BVXI_NONE) w->mark[node_of_end(w, t, end)] |= APART_LESS;
     }
-}
-
-static bvx_status find_collision(void *user, uint32_t i, uint32_t j)
-{
-    apart_work *const w = user;
-    if (segments_collide(&w->segment[i], &w->segment[j])) mark_collision(w, &w->segment[i], &w->segment[j]);
     return BVX_OK;
-}
-
-/* What was too near goes further off while that may help: later on all only comes nearer. */
-static int change_steps(apart_work *w, uint32_t node, int round)
-{
-    double *const steps = &w->steps[node];
-    if (w->mark[node] == APART_MORE && round < APART_DOUBLINGS && *steps < APART_FARTHEST) *steps *= 2.0;
-    else if (w->mark[node] != 0 && *steps > 1.0) *steps *= 0.5;
-    else return 0;
-    return 1;
 }
 
 static bvx_status choose_steps(apart_work *w)
@@ -282,7 +267,14 @@ static bvx_status choose_steps(apart_work *w)
         for (uint32_t i = 0; i < w->segments; i++)
             w->box[i] = bvxi_box_segment(w->segment[i].q[0], w->segment[i].q[1], i);
         BVXI_TRY(bvxi_sweep(w->trace->w->s->ctx, w->box, w->segments, find_collision, w));
-        for (uint32_t n = 0; n < nodes; n++) again |= change_steps(w, n, round);
+        /* What was too near goes further off while that may help: later on all only comes nearer. */
+        for (uint32_t n = 0; n < nodes; n++) {
+            double *const steps = &w->steps[n];
+            if (w->mark[n] == APART_MORE && round < APART_DOUBLINGS && *steps < APART_FARTHEST) *steps *= 2.0;
+            else if (w->mark[n] != 0 && *steps > 1.0) *steps *= 0.5;
+            else continue;
+            again = 1;
+        }
     }
     return BVX_OK;
 }
@@ -444,16 +436,6 @@ static void mend_follow(mend_trace *t, uint32_t edge)
     for (uint32_t i = 0; i < count; i++) t->place[t->path[i].node] = BVXI_NONE;
 }
 
-/* How narrow the angle is between a stop's ends that no other end lies in: the cosine of half of it, or 2
- * where both have some. */
-static double mend_narrowness(const mend_trace *t, const mend_stop *s)
-{
-    uint32_t const all = t->start[s->node + 1] - t->start[s->node], i = t->rank[s->out], j = t->rank[s->in];
-    double middle[2];
-    if ((i + 1) % all == j) return mend_middle(t, s->out, s->in, middle);
-    return (j + 1) % all == i ? mend_middle(t, s->in, s->out, middle) : 2.0;
-}
-
 /* At a node the stop in the narrowest angle stays, or one between others. narrowest: scratch, by node. */
 static void mend_choose_stay(const mend_trace *t, double *narrowest, uint32_t *stays)
 {
@@ -463,7 +445,14 @@ static void mend_choose_stay(const mend_trace *t, double *narrowest, uint32_t *s
     }
     for (uint32_t i = 0; i < t->stop_count; i++) {
         const mend_stop *const s = &t->stop[i];
-        double const narrow = mend_narrowness(t, s);
+        /* How narrow the angle is between its ends that no other end lies in: the cosine of half of it, or 2
+         * where both have some. */
+        uint32_t const all = t->start[s->node + 1] - t->start[s->node], o = t->rank[s->out],
+                       k = t->rank[s->in];
+        double middle[2];
+        double const narrow = (o + 1) % all == k   ? mend_middle(t, s->out, s->in, middle)
+                              : (k + 1) % all == o ? mend_middle(t, s->in, s->out, middle)
+                                                   : 2.0;
         if (narrow <= narrowest[s->node]) continue;
         narrowest[s->node] = narrow;
         stays[s->node] = i;

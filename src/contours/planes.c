@@ -29,19 +29,6 @@ void bvxi_plane_snap(const bvxi_stack *s, bvxi_plane *p)
         }
 }
 
-/* Twice the area, exactly, as a sign. */
-static int turn_of(const bvxi_plane *p, const bvxi_contour *c)
-{
-    bvxi_wide sum = bvxi_wide_mul(0, 0);
-    const int32_t *const o = p->q[c->first];
-    for (uint32_t i = c->first + 1; i + 1 < c->first + c->count; i++) {
-        int64_t const ax = (int64_t)p->q[i][0] - o[0], ay = (int64_t)p->q[i][1] - o[1];
-        int64_t const bx = (int64_t)p->q[i + 1][0] - o[0], by = (int64_t)p->q[i + 1][1] - o[1];
-        sum = bvxi_wide_add(sum, bvxi_wide_add(bvxi_wide_mul(ax, by), bvxi_wide_mul(-ay, bx)));
-    }
-    return bvxi_wide_sign(sum);
-}
-
 int bvxi_loop_contains(const bvxi_plane *p, const bvxi_contour *c, const int32_t *at)
 {
     int odd = 0;
@@ -90,7 +77,15 @@ bvx_status bvxi_plane_direct(bvxi_stack *s, bvxi_plane *p, int32_t (*box)[4])
     for (uint32_t i = 0; i < p->contour_count; i++) {
         bvxi_contour *const c = &p->contour[i];
         const int32_t *const at = p->q[c->first];
-        int const turn = turn_of(p, c);
+        bvxi_wide sum = bvxi_wide_mul(0, 0);
+
+        /* Twice the area, exactly. */
+        for (uint32_t k = c->first + 1; k + 1 < c->first + c->count; k++) {
+            int64_t const ax = (int64_t)p->q[k][0] - at[0], ay = (int64_t)p->q[k][1] - at[1];
+            int64_t const bx = (int64_t)p->q[k + 1][0] - at[0], by = (int64_t)p->q[k + 1][1] - at[1];
+            sum = bvxi_wide_add(sum, bvxi_wide_add(bvxi_wide_mul(ax, by), bvxi_wide_mul(-ay, bx)));
+        }
+        int const turn = bvxi_wide_sign(sum);
 
         /* A hole lies in an odd number of others; since no two meet, one point of it decides. */
         c->hole = 0;
@@ -174,21 +169,6 @@ static void plane_snap_piece(void *user, int32_t index, int32_t worker)
     }
 }
 
-static bvx_status settle_planes(planes_job *job)
-{
-    bvxi_stack *const s = job->s;
-    for (uint32_t i = 0; i < s->plane_count; i++) {
-        bvxi_plane *const p = &s->plane[i];
-        if (job->unsure[i]) {
-            BVXI_TRY(bvxi_plane_check_simple(s, p));
-            BVXI_TRY(bvxi_plane_direct(s, p, loop_boxes(job->box)));
-            measure_plane(job, i);
-        }
-        for (uint32_t k = 0; k < p->contour_count; k++) s->report.holes += (uint64_t)p->contour[k].hole;
-    }
-    return BVX_OK;
-}
-
 /* ---- crossings ---- */
 
 static bvx_status open_cuts(planes_job *job)
@@ -267,7 +247,15 @@ bvx_status bvxi_planes_ready(bvxi_stack *s)
     BVXI_TRY(
         BVXI_ARRAY(s->ctx, 2 * (uint64_t)job.workers * job.most_points, "the order of segments", job.box));
     BVXI_TRY(bvxi_parallel(s->ctx, "sections", 0.25, 0.75, job.pieces, plane_snap_piece, &job));
-    BVXI_TRY(settle_planes(&job));
+    for (uint32_t i = 0; i < n; i++) {
+        bvxi_plane *const p = &s->plane[i];
+        if (job.unsure[i]) {
+            BVXI_TRY(bvxi_plane_check_simple(s, p));
+            BVXI_TRY(bvxi_plane_direct(s, p, loop_boxes(job.box)));
+            measure_plane(&job, i);
+        }
+        for (uint32_t k = 0; k < p->contour_count; k++) s->report.holes += (uint64_t)p->contour[k].hole;
+    }
     bvxi_drop(s->ctx, job.box);
     BVXI_TRY(open_cuts(&job));
     BVXI_TRY(open_cut_scratch(&job));

@@ -172,45 +172,29 @@ static int at_one_place(const int32_t *a, const int32_t *b)
     return a[0] == b[0] && a[1] == b[1];
 }
 
-/* Runs may go over the loop's end, so each is followed back from its last point. */
-static void find_places(const bvxi_plane *p, uint32_t *place)
+static bvx_status check_pair(void *user, uint32_t i, uint32_t j)
 {
-    for (uint32_t k = 0; k < p->contour_count; k++) {
-        const bvxi_contour *const c = &p->contour[k];
-        uint32_t const last = c->first + c->count - 1;
-        uint32_t start = c->first;
-        while (start < last && at_one_place(p->q[start], p->q[last])) start++;
-        for (uint32_t i = c->first; i <= last; i++)
-            place[i] = i > c->first && at_one_place(p->q[i], p->q[i - 1]) ? place[i - 1] : i;
-        for (uint32_t i = c->first; i < start; i++) place[i] = place[last];
-    }
-}
+    const simple_work *const w = user;
+    const bvxi_stack *const s = w->s;
+    const bvxi_plane *const p = w->p;
 
-static bvx_status refuse_pair(bvxi_stack *s, const bvxi_plane *p, uint32_t i, uint32_t j)
-{
+    if (!pair_meets(p, w->place, i, j)) return BVX_OK;
     uint64_t const a = p->contour[bvxi_contour_of(p, i)].given, b = p->contour[bvxi_contour_of(p, j)].given;
-    const bvx_section_loop *const la = &s->given->loops[a], *const lb = &s->given->loops[b];
-    uint64_t const pa = p->given[i] - la->first_point, pb = p->given[j] - lb->first_point;
+    const double *const near = s->given->points + 3 * (uint64_t)p->given[i];
+    uint64_t const pa = p->given[i] - s->given->loops[a].first_point;
+    uint64_t const pb = p->given[j] - s->given->loops[b].first_point;
 
     if (a == b)
         return bvxi_fail_for(
             s->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
             "%s: loop %i of section %u (position %g) crosses or touches itself, after its points %u and %u, near "
             "(%g, %g, %g)",
-            s->function, a, (uint64_t)p->section, p->w, pa, pb, s->given->points[3 * p->given[i]],
-            s->given->points[3 * p->given[i] + 1], s->given->points[3 * p->given[i] + 2]);
+            s->function, a, (uint64_t)p->section, p->w, pa, pb, near[0], near[1], near[2]);
     return bvxi_fail_for(
         s->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
         "%s: loops %i and %u of section %u (position %g) cross or touch, after their points %u and %u, near "
         "(%g, %g, %g)",
-        s->function, a, b, (uint64_t)p->section, p->w, pa, pb, s->given->points[3 * p->given[i]],
-        s->given->points[3 * p->given[i] + 1], s->given->points[3 * p->given[i] + 2]);
-}
-
-static bvx_status check_pair(void *user, uint32_t i, uint32_t j)
-{
-    const simple_work *const w = user;
-    return pair_meets(w->p, w->place, i, j) ? refuse_pair(w->s, w->p, i, j) : BVX_OK;
+        s->function, a, b, (uint64_t)p->section, p->w, pa, pb, near[0], near[1], near[2]);
 }
 
 static bvx_status check_pairs(simple_work *w)
@@ -218,9 +202,19 @@ static bvx_status check_pairs(simple_work *w)
     const bvxi_plane *const p = w->p;
     bvxi_segment_box *box;
     uint32_t count = 0;
+
     BVXI_TRY(BVXI_ARRAY(w->s->ctx, p->point_count, "the segments of a section", box));
     BVXI_TRY(BVXI_ARRAY(w->s->ctx, p->point_count, "the places of points", w->place));
-    find_places(p, w->place);
+    /* Runs may go over the loop's end, so each is followed back from its last point. */
+    for (uint32_t k = 0; k < p->contour_count; k++) {
+        const bvxi_contour *const c = &p->contour[k];
+        uint32_t const last = c->first + c->count - 1;
+        uint32_t start = c->first;
+        while (start < last && at_one_place(p->q[start], p->q[last])) start++;
+        for (uint32_t i = c->first; i <= last; i++)
+            w->place[i] = i > c->first && at_one_place(p->q[i], p->q[i - 1]) ? w->place[i - 1] : i;
+        for (uint32_t i = c->first; i < start; i++) w->place[i] = w->place[last];
+    }
     for (uint32_t i = 0; i < p->point_count; i++)
         if (!at_one_place(p->q[i], p->q[p->next[i]]))
             box[count++] = bvxi_box_segment(p->q[i], p->q[p->next[i]], i);

@@ -253,15 +253,6 @@ bvx_status bvxi_choose_label(bvx_context *ctx, const char *function, const bvx_s
     return BVX_OK;
 }
 
-static uint64_t sortable(double v)
-{
-    /* All bits of negative ones are turned, else the sign alone: then integers sort as doubles do. */
-    uint64_t k;
-    v += 0.0;
-    memcpy(&k, &v, 8);
-    return (k >> 63) != 0 ? ~k : k | UINT64_C(0x8000000000000000);
-}
-
 /* Sections in the order of their positions, first to last with a loop. counts: points of each section. */
 static bvx_status order_planes(bvxi_stack *s, const uint64_t *loops, uint32_t *order, uint64_t *key)
 {
@@ -270,7 +261,10 @@ static bvx_status order_planes(bvxi_stack *s, const uint64_t *loops, uint32_t *o
 
     for (uint32_t i = 0; i < n; i++) {
         order[i] = i;
-        key[i] = sortable(g->positions[i]);
+        /* All bits of negative ones are turned, else the sign alone: then integers sort as doubles do. */
+        double const v = g->positions[i] + 0.0;
+        memcpy(&key[i], &v, 8);
+        key[i] ^= (key[i] >> 63) != 0 ? UINT64_MAX : UINT64_C(0x8000000000000000);
     }
     BVXI_TRY(bvxi_radix_sort(s->ctx, key, order, n));
     for (first = 0; loops[order[first]] == 0; first++) {}

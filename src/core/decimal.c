@@ -204,16 +204,6 @@ static size_t decimal_word(const char *text, const char *end, const char *word)
     return n;
 }
 
-static BVXI_COLD size_t decimal_special(const char *text, const char *end, const decimal_kind *kind,
-                                        uint64_t *bits)
-{
-    size_t n;
-    *bits = decimal_infinity(kind);
-    if ((n = decimal_word(text, end, "infinity")) != 0 || (n = decimal_word(text, end, "inf")) != 0) return n;
-    *bits += UINT64_C(1) << (kind->precision - 2);
-    return decimal_word(text, end, "nan");
-}
-
 /* Sign and digits; 1 when they are a number with bits still to be found, 0
  * when *bits has them (or *used is 0). */
 static int decimal_begin(const char *text, const char *end, const decimal_kind *kind, decimal_scan *s,
@@ -229,7 +219,12 @@ static int decimal_begin(const char *text, const char *end, const decimal_kind *
         *used = (size_t)(stop - text);
         return 1;
     }
-    size_t const n = decimal_special(p, end, kind, bits);
+    size_t n;
+    *bits = decimal_infinity(kind);
+    if ((n = decimal_word(p, end, "infinity")) == 0 && (n = decimal_word(p, end, "inf")) == 0) {
+        *bits += UINT64_C(1) << (kind->precision - 2);
+        n = decimal_word(p, end, "nan");
+    }
     if (n != 0) *used = n + (size_t)(p - text);
     return 0;
 }

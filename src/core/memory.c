@@ -64,14 +64,6 @@ static size_t offset_of(const bvxi_arena *a, const void *block)
     return (size_t)((const unsigned char *)block - a->memory) - BVXI_ALIGN;
 }
 
-/* Scratch since a mark lives on. */
-static void arena_adopt(bvxi_arena *a, uint64_t mark)
-{
-    size_t at = a->high;
-    for (; at < a->size; at += header_at(a, at)->payload + BVXI_ALIGN)
-        if (header_at(a, at)->serial > mark) header_at(a, at)->serial = 0;
-}
-
 /* The scratch taken last since a mark; NULL: none. */
 static void *arena_since(const bvxi_arena *a, uint64_t mark)
 {
@@ -118,15 +110,6 @@ BVXI_COLD static int grow_table(bvx_context *ctx)
     ctx->scratch = larger;
     ctx->scratch_room = room;
     return 1;
-}
-
-/* There is room for it. */
-static inline void remember_scratch(bvx_context *ctx, void *block, uint64_t size)
-{
-    bvxi_scratch *const last = ctx->scratch + ctx->scratch_count++;
-    last->block = block;
-    last->size = size;
-    last->serial = ++ctx->serial;
 }
 
 static inline void forget_scratch(bvx_context *ctx, uint32_t at)
@@ -196,7 +179,7 @@ bvx_status bvxi_alloc(bvx_context *ctx, int kind, uint64_t size, const char *wha
         return fail_memory(ctx, want, what);
     void *const p = ctx->alloc(ctx->alloc_user, (size_t)want, BVXI_ALIGN);
     if (p == NULL) return fail_memory(ctx, want, what);
-    if (kind == BVXI_SCRATCH) remember_scratch(ctx, p, want);
+    if (kind == BVXI_SCRATCH) ctx->scratch[ctx->scratch_count++] = (bvxi_scratch){p, want, ++ctx->serial};
     count_block(ctx, want, p, block);
     return BVX_OK;
 }
@@ -272,15 +255,12 @@ uint64_t bvxi_scratch_begin(const bvx_context *ctx)
     return ctx->serial;
 }
 
-/* The block of scratch that was taken last since a mark; NULL: there is none. */
-static inline void *youngest(const bvx_context *ctx, uint64_t mark)
-{
-    return ctx->arena.memory != NULL ? arena_since(&ctx->arena, mark) : block_since(ctx, mark);
-}
-
 bvx_status bvxi_scratch_end(bvx_context *ctx, uint64_t mark, bvx_status status)
 {
-    for (void *block; (block = youngest(ctx, mark)) != NULL;) bvxi_drop(ctx, block);
+    /* The youngest first. */
+    for (void *block; (block = ctx->arena.memory != NULL ? arena_since(&ctx->arena, mark)
+                                                         : block_since(ctx, mark)) != NULL;)
+        bvxi_drop(ctx, block);
     return status;
 }
 
@@ -305,9 +285,11 @@ bvx_status bvxi_scratch_keep(bvx_context *ctx, uint64_t mark, bvx_status status)
 /* Whoever frees these blocks may do so by another context, which has its own table. */
 void bvxi_scratch_adopt(bvx_context *ctx, uint64_t mark)
 {
-    if (ctx->arena.memory != NULL) arena_adopt(&ctx->arena, mark);
-    else
-        while (block_since(ctx, mark) != NULL) forget_scratch(ctx, ctx->scratch_count - 1);
+    const bvxi_arena *const a = &ctx->arena;
+
+    for (size_t at = a->high; at < a->size; at += header_at(a, at)->payload + BVXI_ALIGN)
+        if (header_at(a, at)->serial > mark) header_at(a, at)->serial = 0;
+    while (a->memory == NULL && block_since(ctx, mark) != NULL) forget_scratch(ctx, ctx->scratch_count - 1);
 }
 
 /* ---- sizes ---- */

@@ -129,28 +129,10 @@ static const char *behind_function(const char *message)
     return (*p == ':' || *p == ',') && p[1] == ' ' ? p + 2 : message;
 }
 
-/* The first argument of a format that begins with a function's name. */
-static const char *named_function(const char *format, va_list args)
-{
-    return format[0] == '%' && format[1] == 's' && format[2] == ':' ? va_arg(args, const char *) : "";
-}
-
 typedef struct message_place {
     const char *file, *unit;
     uint64_t number;
 } message_place;
-
-static void message_put_place(message_line *l, const message_place *at)
-{
-    message_put(l, at->file, bvxi_text_length(at->file));
-    message_put(l, ": ", 2);
-    if (at->unit == NULL) return;
-    message_put(l, at->unit, bvxi_text_length(at->unit));
-    message_put(l, " ", 1);
-    message_put_unsigned(l, at->number);
-    message_keep(l, (double)at->number);
-    message_put(l, ": ", 2);
-}
 
 static void keep_failure(bvx_context *ctx, bvx_status status, int32_t reason, const message_place *at,
                          const char *format, va_list args)
@@ -161,14 +143,28 @@ static void keep_failure(bvx_context *ctx, bvx_status status, int32_t reason, co
 
     /* Outside of a public call, as the few are that report no progress, the message knows whose it is. */
     va_copy(again, args);
-    e->function = ctx->calls != 0 ? ctx->function : at != NULL ? at->file : named_function(format, again);
+    int const named = format[0] == '%' && format[1] == 's' && format[2] == ':';
+    e->function = ctx->calls != 0 ? ctx->function
+                  : at != NULL    ? at->file
+                  : named         ? va_arg(again, const char *)
+                                  : "";
     va_end(again);
 
     e->status = status;
     e->reason = reason;
     e->index = -1;
     e->value_count = 0;
-    if (at != NULL) message_put_place(&l, at);
+    if (at != NULL) {
+        message_put(&l, at->file, bvxi_text_length(at->file));
+        message_put(&l, ": ", 2);
+    }
+    if (at != NULL && at->unit != NULL) {
+        message_put(&l, at->unit, bvxi_text_length(at->unit));
+        message_put(&l, " ", 1);
+        message_put_unsigned(&l, at->number);
+        message_keep(&l, (double)at->number);
+        message_put(&l, ": ", 2);
+    }
     message_put_format(&l, format, args);
     e->text = behind_function(ctx->message);
 }
@@ -365,18 +361,14 @@ static const char *const warning_texts[BVX_WARN_COUNT] = {
         "contours leave open, and a section there, or more cells, decides it",
 };
 
-/* To so many digits. A power of ten up to 10^22 is exact, so the quotient is the double of the decimal. */
-static double round_to(double value, double most)
-{
-    double power = 1.0;
-    while (bvxi_absolute(value) * power < most / 10.0 && power < 1e22) power *= 10.0;
-    return value > -1e15 && value < 1e15 ? floor(value * power + 0.5) / power : value;
-}
-
 static void put_rounded(message_line *l, double value, double most)
 {
     char number[32];
-    message_put(l, number, (size_t)bvxi_print_double(round_to(value, most), number));
+    double power = 1.0;
+    /* To so many digits. A power of ten up to 10^22 is exact, so the quotient is the double of the decimal. */
+    while (bvxi_absolute(value) * power < most / 10.0 && power < 1e22) power *= 10.0;
+    if (value > -1e15 && value < 1e15) value = floor(value * power + 0.5) / power;
+    message_put(l, number, (size_t)bvxi_print_double(value, number));
 }
 
 /* The text with the values of a warning; %s is an s after any whole number but 1. */

@@ -87,16 +87,6 @@ static inline bvx_status check_whole_option(bvx_context *ctx, const char *functi
     return fail_whole_option(ctx, function, row, value);
 }
 
-static bvx_status check_count_option(bvx_context *ctx, const char *function, const bvxi_option *row,
-                                     const unsigned char *at)
-{
-    uint64_t value;
-    memcpy(&value, at, sizeof value);
-    if (value >= (uint64_t)row->low && value <= (uint64_t)row->high) return BVX_OK;
-    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %s is %u; %u to %u are possible",
-                         function, row->name, value, (uint64_t)row->low, (uint64_t)row->high);
-}
-
 BVXI_COLD static bvx_status fail_real_option(bvx_context *ctx, const char *function, const bvxi_option *row,
                                              double value)
 {
@@ -126,30 +116,33 @@ static inline bvx_status check_real_option(bvx_context *ctx, const char *functio
     return fail_real_option(ctx, function, row, value);
 }
 
-/* A reserved array has 8-byte elements: name which. */
-BVXI_COLD static bvx_status fail_reserved_option(bvx_context *ctx, const char *function,
-                                                 const bvxi_option *row, size_t i)
-{
-    if (row->size <= 8) return bvxi_fail_reserved(ctx, function, "");
-    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: reserved[%u] must be 0", function,
-                         (uint64_t)i);
-}
-
 bvx_status bvxi_check_options(bvx_context *ctx, const char *function, void *options, const bvxi_option *rows,
                               size_t count)
 {
     for (const bvxi_option *row = rows; row != rows + count; row++) {
         unsigned char *const at = (unsigned char *)options + row->at;
+        uint64_t value;
 
         if (row->standard != 0.0) put_standard(row, at);
         switch (row->kind) {
-        case BVXI_IS_COUNT: BVXI_TRY(check_count_option(ctx, function, row, at)); break;
+        case BVXI_IS_COUNT:
+            memcpy(&value, at, sizeof value);
+            if (value < (uint64_t)row->low || value > (uint64_t)row->high)
+                return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                                     "%s: %s is %u; %u to %u are possible", function, row->name, value,
+                                     (uint64_t)row->low, (uint64_t)row->high);
+            break;
         case BVXI_IS_REAL:
         case BVXI_IS_ABOVE:
         case BVXI_IS_ZERO_OR: BVXI_TRY(check_real_option(ctx, function, row, at)); break;
         case BVXI_IS_RESERVED:
-            for (size_t k = 0; k < row->size; k++)
-                if (at[k] != 0) return fail_reserved_option(ctx, function, row, k / 8);
+            for (size_t k = 0; k < row->size; k++) {
+                if (at[k] == 0) continue;
+                if (row->size <= 8) return bvxi_fail_reserved(ctx, function, "");
+                /* An array has 8-byte elements: name which. */
+                return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: reserved[%u] must be 0",
+                                     function, (uint64_t)(k / 8));
+            }
             break;
         default: BVXI_TRY(check_whole_option(ctx, function, row, at)); break;
         }

@@ -126,17 +126,6 @@ static int32_t batch_of(const bvx_context *ctx, int32_t count)
     return batch < least && ctx->threads != 1 ? least : batch;
 }
 
-/* Workers wait for the last of a batch, so it has some tasks for each; one thread waits for none. */
-static int32_t batch_of_long(const bvx_context *ctx, int32_t count, double each)
-{
-    int32_t const most = batch_of(ctx, count),
-                  least = ctx->threads == 1 ? 1 : ctx->threads * LONG_TASKS_PER_WORKER;
-    double const fits = BETWEEN_REPORTS * (double)ctx->threads / (each > 1.0 ? each : 1.0);
-    if (fits >= (double)most) return most;
-    if (fits <= (double)least) return least < most ? least : most;
-    return (int32_t)fits;
-}
-
 static bvx_status run_batches(bvx_context *ctx, const char *stage, double from, double to, int32_t count,
                               int32_t batch, bvx_task_fn *task, void *user)
 {
@@ -161,7 +150,13 @@ bvx_status bvxi_parallel_long(bvx_context *ctx, const char *stage, double from, 
                               double each, bvx_task_fn *task, void *user)
 {
     if (ctx->progress == NULL) return run_all(ctx, count, task, user);
-    return run_batches(ctx, stage, from, to, count, batch_of_long(ctx, count, each), task, user);
+    /* Workers wait for the last of a batch, so it has some tasks for each; one thread waits for none. */
+    int32_t const most = batch_of(ctx, count),
+                  few = ctx->threads == 1 ? 1 : ctx->threads * LONG_TASKS_PER_WORKER;
+    double const fits = BETWEEN_REPORTS * (double)ctx->threads / (each > 1.0 ? each : 1.0);
+    int32_t const least = few < most ? few : most;
+    int32_t const batch = fits >= (double)most ? most : fits <= (double)least ? least : (int32_t)fits;
+    return run_batches(ctx, stage, from, to, count, batch, task, user);
 }
 
 /* Items and ranges, which do not depend on who computes them. */

@@ -72,14 +72,6 @@ static int64_t take_count(const char **text)
     return n;
 }
 
-/* Processors that quota of each period are worth, to the nearest whole one; 0: all. */
-static int32_t granted(int64_t quota, int64_t period)
-{
-    if (quota <= 0 || period <= 0) return 0;
-    int64_t const whole = (quota + period / 2) / period;
-    return whole < 1 ? 1 : whole > BVXI_MAX_THREADS ? 0 : (int32_t)whole;
-}
-
 static int32_t lesser_quota(int32_t a, int32_t b)
 {
     return a == 0 || (b != 0 && b < a) ? b : a;
@@ -100,8 +92,11 @@ static int32_t group_quota(const char *mounted, const char *group, size_t length
         memcpy(path + first + length, "/cpu.max", sizeof "/cpu.max");
         if (read_text(path, text, sizeof text) >= 0) {
             const char *p = text;
-            int64_t const quota = take_count(&p);
-            least = lesser_quota(least, granted(quota, take_count(&p)));
+            int64_t const quota = take_count(&p), period = take_count(&p);
+            /* Processors that quota of each period are worth, to the nearest whole one; 0: all. */
+            int64_t whole = quota <= 0 || period <= 0 ? INT32_MAX : (quota + period / 2) / period;
+            whole = whole < 1 ? 1 : whole > BVXI_MAX_THREADS ? 0 : whole;
+            least = lesser_quota(least, (int32_t)whole);
         }
         if (length == 0) return least;
         while (length > 0 && group[length - 1] != '/') length--;
@@ -255,22 +250,16 @@ void bvxi_worth_begin(bvxi_worth *w, int32_t threads)
     *w = (bvxi_worth){.most = threads - 1, .rest = REST_LEAST};
 }
 
-static int32_t count_idle(bvxi_worth *w)
-{
-    int32_t const running = bvxi_running_threads();
-    /* Not known here: all may be called. */
-    if (running == 0) return w->most;
-    if (w->online == 0) w->online = bvxi_online_processors();
-    int32_t const idle = w->online - running;
-    return idle < 0 ? 0 : idle < w->most ? idle : w->most;
-}
-
 static int has_processors(bvxi_worth *w, int64_t now)
 {
     if (now < w->rest_until && w->eager < 2) return 0;
     /* Seldom, as a look takes longer than a small step. */
     if (now >= w->look_at && !w->eager) {
-        w->idle = count_idle(w);
+        int32_t const running = bvxi_running_threads();
+        if (w->online == 0) w->online = bvxi_online_processors();
+        w->idle = w->online - running < 0 ? 0 : w->online - running;
+        /* Not known here: all may be called. */
+        if (running == 0 || w->idle > w->most) w->idle = w->most;
         w->look_at = now + LOOK_TIME;
     }
     return w->idle > 0;

@@ -132,26 +132,20 @@ static uint64_t carry_reach(const carry_front *f, uint64_t row, int32_t k, uint6
     return near;
 }
 
-static int changed_beside(const carry_front *f, uint64_t row)
-{
-    uint64_t const ny = (uint64_t)f->shape->size[1];
-    uint64_t const nz = (uint64_t)f->shape->size[2];
-    uint64_t const y = row % ny;
-    uint64_t const z = row / ny;
-    /* Nothing changed beside it: nothing new can reach it. */
-    return f->changed[row] || (y > 0 && f->changed[row - 1]) || (y + 1 < ny && f->changed[row + 1]) ||
-           (z > 0 && f->changed[row - ny]) || (z + 1 < nz && f->changed[row + ny]);
-}
-
 static void look_for_fronts(void *user, int32_t piece, uint64_t row, uint64_t end)
 {
     carry_front *const f = user;
     uint64_t const words = (uint64_t)f->shape->words_per_row;
+    uint64_t const ny = (uint64_t)f->shape->size[1], nz = (uint64_t)f->shape->size[2];
     uint64_t reached = 0;
 
     for (; row < end; row++) {
+        uint64_t const y = row % ny, z = row / ny;
         f->change[row] = 0;
-        if (!changed_beside(f, row)) continue;
+        /* Nothing changed beside it: nothing new can reach it. */
+        if (!(f->changed[row] || (y > 0 && f->changed[row - 1]) || (y + 1 < ny && f->changed[row + 1]) ||
+              (z > 0 && f->changed[row - ny]) || (z + 1 < nz && f->changed[row + ny])))
+            continue;
         for (int32_t k = 0; k < f->shape->words_per_row; k++) {
             uint64_t const at = row * words + (uint64_t)k, open = f->open[at];
 

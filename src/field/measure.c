@@ -11,27 +11,6 @@
 
 #include <math.h>
 
-/* AUTO, PARITY, NONZERO, WINDING, VOTE: inside, which is open, becomes the solid by that rule; AUTO the one chosen. At
- * the same centres, so a field and a solid of one rule never disagree. */
-static bvx_status sign_by_solid(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t *sign, bvx_grid *inside)
-{
-    bvx_solid_report report;
-
-    /* A field's sign and a solid's fill are one decision, made once. Only the choice is of interest: what
-     * voxels lose of the mesh's walls and volume costs a third of a narrow field, and a field says
-     * neither. */
-    bvx_voxelize_options o = {.struct_size = sizeof o,
-                              .fill = *sign,
-                              .report = *sign == BVX_FILL_AUTO ? &report : NULL,
-                              .check_thin = BVX_CHECK_NEVER};
-    memcpy(o.window.low, inside->low, sizeof o.window.low);
-    memcpy(o.window.size, inside->size, sizeof o.window.size);
-    BVXI_TRY(bvx_voxelize_solid(ctx, mesh, &inside->lattice, &o, inside));
-
-    if (*sign == BVX_FILL_AUTO) *sign = report.fill;
-    return BVX_OK;
-}
-
 static const char measure_name[] = "bvx_measure_field";
 static const char measure_stage[] = "field";
 
@@ -111,16 +90,6 @@ static bvx_status check_measure_range(bvx_context *ctx, const measure_job *job, 
     return BVX_OK;
 }
 
-static void take_every_centre(bvx_field *field)
-{
-    uint64_t const rows = bvxi_grid_rows(&field->band);
-    for (uint64_t r = 0; r < rows; r++) {
-        bvxi_set_run(field->band.words + r * (uint64_t)field->band.words_per_row, 0, field->band.size[0]);
-        field->row_values[r] = r * (uint64_t)field->band.size[0];
-    }
-    field->row_values[rows] = rows * (uint64_t)field->band.size[0];
-}
-
 static bvx_status make_band(bvx_context *ctx, const bvx_lattice *lattice, measure_job *job)
 {
     bvx_field *const f = &job->field;
@@ -129,25 +98,13 @@ static bvx_status make_band(bvx_context *ctx, const bvx_lattice *lattice, measur
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, (rows + 1) * 8, "the field's rows", &f->row_values));
     /* Infinity less itself is NaN: the test for a finite width without a library call. */
     if (f->half_width - f->half_width == 0.0)
-        BVXI_TRY(bvxi_nearest_band(bvxi_call_of(ctx, NULL, measure_stage, 0.15, 0.8), job->nearest,
-                                   f->half_width, &f->band, f->row_values));
-    else take_every_centre(f);
+        return bvxi_nearest_band(bvxi_call_of(ctx, NULL, measure_stage, 0.15, 0.8), job->nearest,
+                                 f->half_width, &f->band, f->row_values);
+    /* Every centre. */
+    for (uint64_t r = 0; r < rows; r++)
+        bvxi_set_run(f->band.words + r * (uint64_t)f->band.words_per_row, 0, f->band.size[0]);
+    for (uint64_t r = 0; r <= rows; r++) f->row_values[r] = r * (uint64_t)f->band.size[0];
     return BVX_OK;
-}
-
-static bvx_status make_features(bvx_context *ctx, measure_job *job)
-{
-    bvx_field *const f = &job->field;
-    uint64_t const n = f->value_count;
-
-    /* Signs by normals need triangles even when the caller does not: then they are scratch. */
-    if (!job->o.features)
-        return f->sign != BVX_FILL_NORMAL
-                   ? BVX_OK
-                   : bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the field's triangles", &job->triangles);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, n * 4, "the field's triangles", &f->triangles));
-    job->triangles = f->triangles;
-    return bvxi_alloc(ctx, BVXI_RESULT, n, "the field's features", &f->features);
 }
 
 /* The field's values with triangles, which may be the job's alone. */
@@ -164,9 +121,23 @@ static bvx_status make_inside(bvx_context *ctx, const bvx_lattice *lattice, meas
     bvxi_sparse const values = measured_values(job);
     if (f->sign == BVX_FILL_NONE) return BVX_OK;
     BVXI_TRY(bvxi_grid_open(ctx, measure_name, lattice, &job->window, &f->inside));
-    if (f->sign != BVX_FILL_NORMAL) return sign_by_solid(ctx, job->mesh, &f->sign, &f->inside);
-    return bvxi_sign_normal(bvxi_call_of(ctx, measure_name, measure_stage, 0.9, 0.97), job->nearest,
-                            f->half_width, job->mesh, &values, &f->inside);
+    if (f->sign == BVX_FILL_NORMAL)
+        return bvxi_sign_normal(bvxi_call_of(ctx, measure_name, measure_stage, 0.9, 0.97), job->nearest,
+                                f->half_width, job->mesh, &values, &f->inside);
+
+    /* AUTO, PARITY, NONZERO, WINDING, VOTE: the solid by that rule, at the same centres, so a field and a solid of
+     * one rule never disagree. Only the choice is of interest: what voxels lose of the mesh's walls and volume
+     * costs a third of a narrow field, and a field says neither. */
+    bvx_solid_report report = {.fill = f->sign};
+    bvx_voxelize_options o = {.struct_size = sizeof o,
+                              .fill = f->sign,
+                              .report = f->sign == BVX_FILL_AUTO ? &report : NULL,
+                              .check_thin = BVX_CHECK_NEVER};
+    memcpy(o.window.low, f->inside.low, sizeof o.window.low);
+    memcpy(o.window.size, f->inside.size, sizeof o.window.size);
+    BVXI_TRY(bvx_voxelize_solid(ctx, job->mesh, &f->inside.lattice, &o, &f->inside));
+    f->sign = report.fill;
+    return BVX_OK;
 }
 
 static void negate_rows(void *user, uint64_t row, uint64_t end)
@@ -204,7 +175,14 @@ static bvx_status measure_distances_of(bvx_context *ctx, const bvx_lattice *latt
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, n * number_bytes, "the field's distances", &f->distances));
     if (!job->o.no_vectors)
         BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, n * 3 * number_bytes, "the field's vectors", &f->vectors));
-    BVXI_TRY(make_features(ctx, job));
+    /* Signs by normals need triangles even when the caller does not: then they are scratch. */
+    if (job->o.features) {
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, n * 4, "the field's triangles", &f->triangles));
+        job->triangles = f->triangles;
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, n, "the field's features", &f->features));
+    } else if (f->sign == BVX_FILL_NORMAL) {
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the field's triangles", &job->triangles));
+    }
     bvxi_sparse const values = measured_values(job);
     return bvxi_nearest_fill(bvxi_call_of(ctx, NULL, measure_stage, 0.8, 0.9), job->nearest, HUGE_VAL,
                              &values);

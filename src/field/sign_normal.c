@@ -120,20 +120,6 @@ static bvx_status sign_by_first_centre(bvxi_call call, const bvxi_nearest *neare
     return BVX_OK;
 }
 
-/* The band of the whole lattice with its triangles, made for the signs only; its words are zero before. */
-static bvx_status measure_whole_band(bvxi_call call, const bvxi_nearest *nearest, double width,
-                                     bvxi_sparse *band)
-{
-    double const middle = call.from + (call.to - call.from) * 0.4;
-    uint64_t const rows = bvxi_grid_rows(&band->where);
-    BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, (rows + 1) * 8, "the band's rows", &band->first));
-    BVXI_TRY(bvxi_nearest_band(bvxi_call_part(call, call.from, middle), nearest, width, &band->where,
-                               band->first));
-    band->count = band->first[rows];
-    BVXI_TRY(bvxi_sparse_columns(call.ctx, band, BVX_F32, BVXI_TRIANGLES));
-    return bvxi_nearest_fill(bvxi_call_part(call, middle, call.to), nearest, HUGE_VAL, band);
-}
-
 static bvx_status sign_whole_band(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,
                                   bvx_grid *inside)
 {
@@ -176,7 +162,15 @@ static bvx_status sign_as_whole(bvxi_call call, const bvxi_nearest *nearest, dou
     shape.word_capacity = bvxi_grid_words(&shape);
     BVXI_TRY(bvxi_sparse_open(call.ctx, &shape, &band));
     memset(band.where.words, 0, (size_t)bvxi_grid_words(&shape) * 8);
-    BVXI_TRY(measure_whole_band(bvxi_call_part(call, call.from, middle), nearest, width, &band));
+    /* The band of the whole lattice with its triangles, made for the signs only. */
+    double const part = call.from + (middle - call.from) * 0.4;
+    uint64_t const rows = bvxi_grid_rows(&shape);
+    BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, (rows + 1) * 8, "the band's rows", &band.first));
+    BVXI_TRY(
+        bvxi_nearest_band(bvxi_call_part(call, call.from, part), nearest, width, &band.where, band.first));
+    band.count = band.first[rows];
+    BVXI_TRY(bvxi_sparse_columns(call.ctx, &band, BVX_F32, BVXI_TRIANGLES));
+    BVXI_TRY(bvxi_nearest_fill(bvxi_call_part(call, part, middle), nearest, HUGE_VAL, &band));
     BVXI_TRY(band.count == 0
                  ? sign_by_first_centre(bvxi_call_part(call, middle, middle), nearest, mesh, inside)
                  : sign_whole_band(bvxi_call_part(call, middle, call.to), mesh, &band, inside));

@@ -19,16 +19,6 @@ typedef struct below_job {
     uint64_t cut[256], fill[256]; /* by piece */
 } below_job;
 
-/* The first centre at or above a height. */
-static int32_t base_index(const bvx_lattice *lattice, int32_t axis, double height)
-{
-    double const v = (height - lattice->origin[axis]) *
-                     ((double)(1 << lattice->fraction_bits) / lattice->spacing[axis]);
-    if (!(v > 0.5 - BVXI_FIXED_LIMIT)) return INT32_MIN;
-    if (!(v < BVXI_FIXED_LIMIT - 0.5)) return INT32_MAX;
-    return bvxi_centres_below(bvxi_round_half_up(v), lattice->fraction_bits);
-}
-
 static void fill_below_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     below_job *const job = user;
@@ -93,9 +83,17 @@ bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *sec
     if (second_job != NULL)
         BVXI_TRY(
             find_highest(bvxi_solid_step(ctx, job, 0.5, 0.8), second_job, &turned, axis, report, &second));
-    below_job below = {.first = first,
-                       .second = second,
-                       .base = o->has_base ? base_index(&solid->lattice, axis, o->base) : INT32_MIN};
+    below_job below = {.first = first, .second = second, .base = INT32_MIN};
+
+    /* The first centre at or above the base. */
+    if (o->has_base) {
+        const bvx_lattice *const l = &solid->lattice;
+        double const v = (o->base - l->origin[axis]) * ((double)(1 << l->fraction_bits) / l->spacing[axis]);
+        if (v > 0.5 - BVXI_FIXED_LIMIT)
+            below.base = v < BVXI_FIXED_LIMIT - 0.5
+                             ? bvxi_centres_below(bvxi_round_half_up(v), l->fraction_bits)
+                             : INT32_MAX;
+    }
 
     uint64_t const words = bvxi_grid_words(&turned);
 

@@ -114,20 +114,6 @@ static bvx_status run_gap_passes(bvx_context *ctx, gap_job *job, int32_t first, 
     return BVX_OK;
 }
 
-/* Set D where the cube is locked in. */
-static bvx_status lock_gap_cubes(bvx_context *ctx, const char *function, gap_job *job, uint64_t *pockets)
-{
-    bvxi_pockets locked;
-    bvx_grid places = {0};
-
-    places.words = job->words;
-    memcpy(places.size, job->size, sizeof places.size);
-    places.words_per_row = job->row_words;
-    BVXI_TRY(bvxi_fill_pockets(ctx, function, &places, BVXI_CONNECT_6, 0, job->words, &locked));
-    *pockets = locked.count;
-    return BVX_OK;
-}
-
 static void copy_gap_rows(const bvx_grid *grid, const gap_job *job, uint64_t *back)
 {
     size_t const row_words = (size_t)grid->words_per_row;
@@ -169,7 +155,15 @@ bvx_status bvxi_close_gaps(bvx_context *ctx, const char *function, bvx_grid *gri
     copy_gap_rows(grid, &job, NULL);
     BVXI_TRY(run_gap_passes(ctx, &job, 0, 3));
 
-    if (pockets != NULL) BVXI_TRY(lock_gap_cubes(ctx, function, &job, pockets));
+    /* Set where the cube is locked in. */
+    if (pockets != NULL) {
+        bvx_grid places = {.words = job.words, .words_per_row = job.row_words};
+        bvxi_pockets locked;
+
+        memcpy(places.size, job.size, sizeof places.size);
+        BVXI_TRY(bvxi_fill_pockets(ctx, function, &places, BVXI_CONNECT_6, 0, job.words, &locked));
+        *pockets = locked.count;
+    }
     BVXI_TRY(run_gap_passes(ctx, &job, 3, 6));
     copy_gap_rows(grid, &job, grid->words);
     bvxi_drop(ctx, job.words);

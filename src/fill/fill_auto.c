@@ -63,38 +63,31 @@ static bvx_status turn_triangles(bvx_context *ctx, auto_work *w)
     return BVX_OK;
 }
 
-/* Triangles that are there twice count once: each copy would be inside of all others. */
-static bvx_status drop_copies(bvx_context *ctx, auto_work *w)
-{
-    bvx_mesh_view *const view = &w->choice.view;
-    uint64_t kept;
-
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->triangle_count * 12, "the triangles once each",
-                        &w->choice.index));
-    BVXI_TRY(bvxi_drop_duplicates(ctx, view, w->representative, w->choice.index, &kept));
-    if (kept == 0) return BVX_OK; /* none has area: they stay, and enclose nothing */
-
-    w->choice.doubles = view->triangle_count - kept;
-    view->indices = w->choice.index;
-    view->index_type = BVX_U32;
-    view->index_stride = 0;
-    view->triangle_count = kept;
-    w->job.view = view;
-    return BVX_OK;
-}
-
 /* Weld, and turn patches. copies: leave out those of triangles, which may be there. */
 static bvx_status look_at_edges(bvx_context *ctx, auto_work *w, int copies)
 {
-    const bvx_mesh_view *const view = &w->choice.view;
-    uint64_t different;
+    bvx_mesh_view *const view = &w->choice.view;
+    uint64_t different, kept = 0;
 
     bvxi_view_used_bounds(&w->choice.view, w->low, w->high);
     for (int a = 0; a < 3; a++) w->centre[a] = 0.5 * w->low[a] + 0.5 * w->high[a];
     BVXI_TRY(
         bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 4, "the vertices' places", &w->representative));
     BVXI_TRY(bvxi_weld(ctx, view, w->representative, &different));
-    if (copies) BVXI_TRY(drop_copies(ctx, w));
+    /* Triangles that are there twice count once: each copy would be inside of all others. */
+    if (copies) {
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->triangle_count * 12, "the triangles once each",
+                            &w->choice.index));
+        BVXI_TRY(bvxi_drop_duplicates(ctx, view, w->representative, w->choice.index, &kept));
+    }
+    if (kept != 0) { /* else none has area: they stay, and enclose nothing */
+        w->choice.doubles = view->triangle_count - kept;
+        view->indices = w->choice.index;
+        view->index_type = BVX_U32;
+        view->index_stride = 0;
+        view->triangle_count = kept;
+        w->job.view = view;
+    }
 
     BVXI_TRY(bvxi_patches_open(ctx, view, w->representative, w->centre, w->choice.doubles != 0, &w->patches));
     w->choice.turned = w->patches.turned;
@@ -102,20 +95,6 @@ static bvx_status look_at_edges(bvx_context *ctx, auto_work *w, int copies)
 }
 
 /* ---- Closed meshes whose rows are deeper ---- */
-
-/* By part, at its least triangle: the volume that it encloses, 0 where it is open; counts those that are
- * inside out. */
-static uint64_t sum_volumes(const auto_work *w, double *volume)
-{
-    uint64_t inverted = 0;
-
-    /* From the centre, so that large coordinates do not take the digits. */
-    for (uint64_t t = 0; t < w->patches.triangles; t++)
-        if (!w->patches.open[w->patches.part[t]])
-            volume[w->patches.part[t]] += bvxi_patches_volume(&w->choice.view, t, w->centre);
-    for (uint64_t t = 0; t < w->patches.triangles; t++) inverted += w->patches.part[t] == t && volume[t] < 0;
-    return inverted;
-}
 
 /* The mesh as it stands, turned or not. */
 static bvxi_welded welded_choice(const auto_work *w)
@@ -163,10 +142,17 @@ static bvx_status turn_inverted(bvx_context *ctx, auto_work *w, const double *vo
 static bvx_status turn_closed_parts(bvx_context *ctx, auto_work *w)
 {
     uint64_t const bytes = w->patches.triangles * sizeof(double);
+    uint64_t inverted = 0;
     double *volume;
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the parts' volumes", &volume));
-    if (sum_volumes(w, volume) != 0) BVXI_TRY(turn_inverted(ctx, w, volume));
+    /* By part, at its least triangle: the volume that it encloses, 0 where it is open. From the centre, so that
+     * large coordinates do not take the digits. */
+    for (uint64_t t = 0; t < w->patches.triangles; t++)
+        if (!w->patches.open[w->patches.part[t]])
+            volume[w->patches.part[t]] += bvxi_patches_volume(&w->choice.view, t, w->centre);
+    for (uint64_t t = 0; t < w->patches.triangles; t++) inverted += w->patches.part[t] == t && volume[t] < 0;
+    if (inverted != 0) BVXI_TRY(turn_inverted(ctx, w, volume));
     bvxi_drop(ctx, volume);
     return BVX_OK;
 }
@@ -179,17 +165,6 @@ enum { ROWS_TO_LOOK_AT = 1 << 22 };
 static int has_more_rows(const bvx_lattice *lattice)
 {
     return (int64_t)lattice->dims[1] * lattice->dims[2] > ROWS_TO_LOOK_AT;
-}
-
-static void double_voxels(bvx_lattice *lattice)
-{
-    for (int a = 0; a < 3; a++) {
-        lattice->spacing[a] *= 2;
-        lattice->dims[a] = lattice->dims[a] / 2 + (lattice->dims[a] & 1);
-    }
-
-    /* One bit more, where there is one, keeps the snapped positions. */
-    if (lattice->fraction_bits < 16) lattice->fraction_bits++;
 }
 
 /* Voxels of l put around it, so that no triangle lies beyond. Returns 1 where there are some. */
@@ -214,14 +189,6 @@ static int reach_around(const auto_work *w, bvx_lattice *l)
     return beyond;
 }
 
-/* 1: the far end has no place in fixed point. */
-static int is_too_far(const bvx_lattice *l)
-{
-    for (int a = 0; a < 3; a++)
-        if (l->dims[a] > 1 << (29 - l->fraction_bits)) return 1;
-    return 0;
-}
-
 /* In the lattice, and around it where the mesh lies beyond: what is inside out there looks like a cavity here. */
 static bvx_status look_for_depths(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice, int32_t *depths)
 {
@@ -234,7 +201,18 @@ static bvx_status look_for_depths(bvx_context *ctx, auto_work *w, const bvx_latt
         BVXI_TRY(bvxi_row_depths(ctx, &w->job, lattice, 0.0, AUTO_DEPTHS, depths));
         if (!reach_around(w, &coarse)) return BVX_OK;
     }
-    while (has_more_rows(&coarse) || is_too_far(&coarse)) double_voxels(&coarse);
+    for (;;) {
+        int more = has_more_rows(&coarse);
+        /* The far end has no place in fixed point. */
+        for (int a = 0; a < 3; a++) more |= coarse.dims[a] > 1 << (29 - coarse.fraction_bits);
+        if (!more) break;
+        for (int a = 0; a < 3; a++) {
+            coarse.spacing[a] *= 2;
+            coarse.dims[a] = coarse.dims[a] / 2 + (coarse.dims[a] & 1);
+        }
+        /* One bit more, where there is one, keeps the snapped positions. */
+        if (coarse.fraction_bits < 16) coarse.fraction_bits++;
+    }
     BVXI_TRY(bvxi_solid_open(ctx, w->job.function, &w->choice.view, &coarse, &job));
     BVXI_TRY(bvxi_row_depths(ctx, &job, &coarse, 0.0, AUTO_DEPTHS, &around));
     bvxi_solid_close(ctx, &job);

@@ -134,19 +134,6 @@ static bvx_status sum_sheet(bvx_context *ctx, measure_work *w, const bvx_mesh_vi
     return BVX_OK;
 }
 
-/* A single surface that crosses itself nowhere has one side in and one out. Of several, one may lie in another
- * between two rows of centres. */
-static bvx_status find_doubts(bvx_context *ctx, measure_work *w, const bvx_mesh_view *view)
-{
-    uint64_t crossings = 0;
-    bvx_certificate c;
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.3, bvx_mesh_check(ctx, view, 1, &c)));
-    if (c.closed && c.oriented && c.components <= 1)
-        BVXI_TRY(BVXI_SHARE(ctx, 0.3, 1.0, bvx_mesh_crossings(ctx, view, &crossings, NULL, 0)));
-    w->certain = c.closed && c.oriented && c.components <= 1 && crossings == 0;
-    return BVX_OK;
-}
-
 /* Of shells that are closed, by the sheet of a lattice if it is given. */
 static bvx_status sum_shells(bvx_context *ctx, measure_work *w, const bvx_mesh_view *view,
                              const bvx_lattice *lattice)
@@ -154,8 +141,19 @@ static bvx_status sum_shells(bvx_context *ctx, measure_work *w, const bvx_mesh_v
     triangle_sums s, sheet = {{0}, {0}, 0, 0};
 
     BVXI_TRY(sum_moments(ctx, w, view, &s));
-    if (lattice != NULL) BVXI_TRY(BVXI_SHARE(ctx, 0.5, 1.0, sum_sheet(ctx, w, view, lattice, &sheet)));
-    else BVXI_TRY(BVXI_SHARE(ctx, 0.5, 1.0, find_doubts(ctx, w, view)));
+    if (lattice != NULL) {
+        BVXI_TRY(BVXI_SHARE(ctx, 0.5, 1.0, sum_sheet(ctx, w, view, lattice, &sheet)));
+    } else {
+        /* A single surface that crosses itself nowhere has one side in and one out. Of several, one may lie in
+         * another between two rows of centres. */
+        uint64_t crossings = 0;
+        bvx_certificate c;
+        BVXI_TRY(BVXI_SHARE(ctx, 0.5, 0.65, bvx_mesh_check(ctx, view, 1, &c)));
+        w->certain = c.closed && c.oriented && c.components <= 1;
+        if (w->certain)
+            BVXI_TRY(BVXI_SHARE(ctx, 0.65, 1.0, bvx_mesh_crossings(ctx, view, &crossings, NULL, 0)));
+        w->certain &= crossings == 0;
+    }
     w->summed = 1;
     w->error = MEASURE_ROUNDING * s.spread * w->radius;
     for (int k = 0; k < MOMENTS; k++) w->moment[k] = s.sum[k] + s.lost[k] - (sheet.sum[k] + sheet.lost[k]);
@@ -209,24 +207,6 @@ static uint64_t find_changes(const bvx_grid *g, int32_t k, int32_t y, int32_t z)
     return (w ^ (w << 1 | before)) | (w ^ (w >> 1 | after)) | (w ^ (y > 0 ? *(row + k - n) : 0)) |
            (w ^ (y + 1 < g->size[1] ? row[(size_t)k + n] : 0)) | (w ^ (z > 0 ? *(row + k - slice) : 0)) |
            (w ^ (z + 1 < g->size[2] ? row[(size_t)k + slice] : 0));
-}
-
-/* *inside: voxels that are set and may not be so as a whole. */
-static void sum_voxels(const bvx_grid *solid, const bvx_grid *shell, voxel_sums *body, voxel_sums *edge,
-                       uint64_t *inside)
-{
-    size_t at = 0;
-
-    for (int32_t z = 0; z < solid->size[2]; z++)
-        for (int32_t y = 0; y < solid->size[1]; y++)
-            for (int32_t k = 0; k < solid->words_per_row; k++, at++) {
-                uint64_t const mask = k + 1 < solid->words_per_row ? ~UINT64_C(0)
-                                                                   : bvxi_tail_mask(solid->size[0]);
-                uint64_t const unsure = (shell->words[at] | find_changes(solid, k, y, z)) & mask;
-                add_voxels(body, solid->words[at], (uint64_t)k * 64, (uint64_t)y, (uint64_t)z);
-                add_voxels(edge, unsure, (uint64_t)k * 64, (uint64_t)y, (uint64_t)z);
-                *inside += bvxi_popcount(unsure & solid->words[at]);
-            }
 }
 
 /* ---- The report ---- */
@@ -396,7 +376,18 @@ static bvx_status mass_of_body(bvx_context *ctx, const bvx_mesh_view *mesh, meas
         return BVX_OK;
     }
     BVXI_TRY(BVXI_SHARE(ctx, 0.8, 1.0, bvxi_shell_open(ctx, mesh, &solid, &shell)));
-    sum_voxels(&solid, &shell, &body, &edge, &inside);
+    /* inside: voxels that are set and may not be so as a whole. */
+    size_t at = 0;
+    for (int32_t z = 0; z < solid.size[2]; z++)
+        for (int32_t y = 0; y < solid.size[1]; y++)
+            for (int32_t k = 0; k < solid.words_per_row; k++, at++) {
+                uint64_t const mask = k + 1 < solid.words_per_row ? ~UINT64_C(0)
+                                                                  : bvxi_tail_mask(solid.size[0]);
+                uint64_t const unsure = (shell.words[at] | find_changes(&solid, k, y, z)) & mask;
+                add_voxels(&body, solid.words[at], (uint64_t)k * 64, (uint64_t)y, (uint64_t)z);
+                add_voxels(&edge, unsure, (uint64_t)k * 64, (uint64_t)y, (uint64_t)z);
+                inside += bvxi_popcount(unsure & solid.words[at]);
+            }
     r->resolution = w->options.resolution;
     report_voxels(w, &solid.lattice, &body, &edge, inside, r);
     if (w->solid.fill_reason == BVX_FILL_REASON_SOUND || w->solid.fill_reason == BVX_FILL_REASON_OPEN)

@@ -144,31 +144,27 @@ static bvx_status step_outside(bvx_context *ctx, outside_job *w, int32_t level, 
     return BVX_OK;
 }
 
-/* The centres of the last step become those that the next one starts from; outside gains or loses them. */
-static void turn_outside(outside_job *w, int32_t steps)
-{
-    uint64_t const words = bvxi_grid_words(w->outside);
-    uint64_t *const last = w->from;
-
-    w->from = w->to;
-    w->to = last;
-    for (uint64_t i = 0; i < words; i++) {
-        w->outside->words[i] ^= w->from[i];
-        for (int32_t p = 0; p < OUTSIDE_PLANES; p++)
-            if ((steps >> p & 1) != 0) w->plane[p][i] |= w->from[i];
-    }
-}
-
 /* From what the cube covers, along edges that are not blocked, and back from what lies too deep. */
 static bvx_status follow_open_edges(bvx_context *ctx, outside_job *w, int32_t most)
 {
+    uint64_t const words = bvxi_grid_words(w->outside);
     int some = 1;
     int32_t steps = 0;
 
-    for (; steps < most; steps++) {
+    while (steps < most) {
+        uint64_t *const last = w->from;
+
         BVXI_TRY(step_outside(ctx, w, 0, &some));
         if (!some) return BVX_OK;
-        turn_outside(w, steps + 1);
+        /* The centres of the last step become those that the next one starts from; outside gains them. */
+        w->from = w->to;
+        w->to = last;
+        steps++;
+        for (uint64_t i = 0; i < words; i++) {
+            w->outside->words[i] ^= w->from[i];
+            for (int32_t p = 0; p < OUTSIDE_PLANES; p++)
+                if ((steps >> p & 1) != 0) w->plane[p][i] |= w->from[i];
+        }
     }
     BVXI_TRY(step_outside(ctx, w, 0, &some));
     while (some && steps > 0) {
@@ -177,7 +173,7 @@ static bvx_status follow_open_edges(bvx_context *ctx, outside_job *w, int32_t mo
         w->from = w->to;
         w->to = last;
         BVXI_TRY(step_outside(ctx, w, steps, &some));
-        for (uint64_t i = 0; i < bvxi_grid_words(w->outside); i++) w->outside->words[i] &= ~w->to[i];
+        for (uint64_t i = 0; i < words; i++) w->outside->words[i] &= ~w->to[i];
         steps--;
     }
     return BVX_OK;

@@ -55,18 +55,6 @@ static bvx_status check_seed_mesh(seed_judge *j)
 
 /* ---- Lines ---- */
 
-/* First and last set voxel of the line through a voxel along an axis; 0
- * when there are not two with room between them. */
-static int scan_seed_line(const bvx_grid *g, const int32_t voxel[3], int axis, int32_t *low, int32_t *high)
-{
-    int32_t p[3] = {voxel[0], voxel[1], voxel[2]};
-    *low = 0;
-    *high = g->size[axis] - 1;
-    for (p[axis] = *low; *low < *high && !bvx_grid_get(g, p[0], p[1], p[2]); p[axis] = *low) ++*low;
-    for (p[axis] = *high; *high > *low && !bvx_grid_get(g, p[0], p[1], p[2]); p[axis] = *high) --*high;
-    return *high - *low > 1;
-}
-
 /* The first empty voxel behind `from` on the line, or `until`. */
 static int32_t next_gap(const bvx_grid *g, const int32_t voxel[3], int axis, int32_t from, int32_t until)
 {
@@ -87,9 +75,17 @@ typedef struct seed_search {
 
 static int scan_for_seed(seed_search *s, int axis, int32_t *low, int32_t *high)
 {
+    const bvx_grid *const g = s->surface;
+    int32_t p[3] = {s->voxel[0], s->voxel[1], s->voxel[2]};
+
+    /* First and last set voxel of the line through the voxel; 0 when there are not two with room between them. */
     s->scanned++;
     s->seed.scans[axis]++;
-    return scan_seed_line(s->surface, s->voxel, axis, low, high);
+    *low = 0;
+    *high = g->size[axis] - 1;
+    for (p[axis] = *low; *low < *high && !bvx_grid_get(g, p[0], p[1], p[2]); p[axis] = *low) ++*low;
+    for (p[axis] = *high; *high > *low && !bvx_grid_get(g, p[0], p[1], p[2]); p[axis] = *high) --*high;
+    return *high - *low > 1;
 }
 
 static int may_scan(seed_search *s)
@@ -291,33 +287,26 @@ static void give_pocket(void *user, uint32_t space, int32_t begin, int32_t end, 
     w->count++;
 }
 
-static bvx_status list_pockets(bvx_context *ctx, const seed_judge *judge, int32_t *seeds, uint64_t capacity,
-                               uint64_t *count)
+static bvx_status run_find_pockets(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh,
+                                   int32_t *seeds, uint64_t capacity, uint64_t *count)
 {
-    pocket_work work = {judge, NULL, 0, 0, seeds != NULL ? capacity : 0, seeds};
+    seed_judge judge = {.ctx = context, .function = pockets_name, .mesh = mesh, .surface = surface};
+    pocket_work work = {&judge, NULL, 0, 0, seeds != NULL ? capacity : 0, seeds};
     bvxi_spaces spaces;
 
-    BVXI_TRY(bvxi_spaces_open(ctx, pockets_name, "pockets", judge->surface, 1, BVXI_CONNECT_6, &spaces));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the pockets' sides", &work.outside));
+    if (count == NULL) return bvxi_fail_null(context, pockets_name, "count");
+    BVXI_TRY(bvxi_grid_check(context, pockets_name, surface));
+    BVXI_TRY(check_seed_mesh(&judge));
+    if (mesh != NULL) BVXI_TRY(make_seed_vote(&judge));
+    BVXI_TRY(bvxi_spaces_open(context, pockets_name, "pockets", surface, 1, BVXI_CONNECT_6, &spaces));
+    BVXI_TRY(bvxi_alloc_zero(context, BVXI_SCRATCH, spaces.count, "the pockets' sides", &work.outside));
     bvxi_spaces_each(&spaces, judge_pocket, &work);
     work.seen = 0;
     bvxi_spaces_each(&spaces, give_pocket, &work);
     *count = work.count;
     if (seeds != NULL && work.count > capacity)
-        return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: there are %u pockets, the array given holds %u",
+        return bvxi_fail(context, BVX_ERR_CAPACITY, "%s: there are %u pockets, the array given holds %u",
                          pockets_name, work.count, capacity);
-    return BVX_OK;
-}
-
-static bvx_status run_find_pockets(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh,
-                                   int32_t *seeds, uint64_t capacity, uint64_t *count)
-{
-    seed_judge judge = {.ctx = context, .function = pockets_name, .mesh = mesh, .surface = surface};
-    if (count == NULL) return bvxi_fail_null(context, pockets_name, "count");
-    BVXI_TRY(bvxi_grid_check(context, pockets_name, surface));
-    BVXI_TRY(check_seed_mesh(&judge));
-    if (mesh != NULL) BVXI_TRY(make_seed_vote(&judge));
-    BVXI_TRY(list_pockets(context, &judge, seeds, capacity, count));
     return BVX_OK;
 }
 

@@ -32,32 +32,6 @@ typedef struct loss_job {
     loss_sums sums[256]; /* by piece */
 } loss_job;
 
-static inline void add_to_sums(const double from[3], double p[3][3], loss_sums *s)
-{
-    double n[3];
-
-    /* Twice the triangle's area as a vector: its parts are shadows along the axes. */
-    bvxi_facet_cross((const double(*)[3])p, n);
-    for (int a = 0; a < 3; a++) {
-        s->volume += (p[0][a] - from[a]) * n[a];
-        s->shadow[a] += bvxi_absolute(n[a]);
-    }
-}
-
-/* That of a face along the lattice. */
-static inline void add_flat_face(double p[3][3], loss_sums *s)
-{
-    double n[3];
-
-    bvxi_facet_cross((const double(*)[3])p, n);
-    for (int a = 0; a < 3; a++) {
-        double const most = bvxi_absolute(n[a]) / LOSS_FLAT;
-        double const u = bvxi_absolute(n[(a + 1) % 3]), v = bvxi_absolute(n[(a + 2) % 3]);
-
-        if (u <= most && v <= most) s->flat[a] += bvxi_absolute(n[a]);
-    }
-}
-
 /* Triangles of three numbers each and vertices of three floats, as meshes that the library made: some at once, each
  * lane with sums of its own. Triangles after the last have no area. */
 BVXI_VECTOR_INLINE void sum_packed_losses(const loss_job *job, uint64_t begin, uint64_t end, loss_sums *s)
@@ -111,11 +85,22 @@ static void sum_losses_piece(void *user, int32_t piece, uint64_t begin, uint64_t
         begin = end;
     }
     for (uint64_t t = begin; t < end; t++) {
-        double p[3][3];
+        double p[3][3], n[3];
 
+        /* Twice the triangle's area as a vector: its parts are shadows along the axes. */
         bvxi_view_corners(m, t, p);
-        if (job->flat) add_flat_face(p, &s);
-        else add_to_sums(job->from, p, &s);
+        bvxi_facet_cross((const double(*)[3])p, n);
+        for (int a = 0; a < 3; a++) {
+            double const shadow = bvxi_absolute(n[a]), most = shadow / LOSS_FLAT;
+
+            /* Of flat ones only that of a face along the lattice. */
+            if (!job->flat) {
+                s.volume += (p[0][a] - job->from[a]) * n[a];
+                s.shadow[a] += shadow;
+            } else if (bvxi_absolute(n[(a + 1) % 3]) <= most && bvxi_absolute(n[(a + 2) % 3]) <= most) {
+                s.flat[a] += shadow;
+            }
+        }
     }
     job->sums[piece] = s;
 }
@@ -178,15 +163,6 @@ static double comparable_volume(const loss_sums *sums, const bvx_mesh_view *mesh
 
 /* ---- Of the solid ---- */
 
-/* Is it known that the triangles run the same way round? Rules that do not
- * require it say nothing of it when requested by name. */
-static int is_oriented(const bvx_solid_report *r)
-{
-    if (r->turned != 0) return 0;
-    return r->fill == BVX_FILL_NONZERO || r->fill == BVX_FILL_WINDING ||
-           (r->fill == BVX_FILL_PARITY && r->fill_reason != BVX_FILL_REASON_ASKED);
-}
-
 void bvxi_walls_of_solid(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                          const bvx_grid *solid, const bvx_solid_report *report, bvxi_walls *walls)
 {
@@ -195,7 +171,11 @@ void bvxi_walls_of_solid(bvx_context *ctx, const char *function, const bvx_mesh_
     walls->function = function;
     walls->mesh = mesh;
     walls->solid = solid;
-    walls->unoriented = !is_oriented(report);
+    /* Is it known that the triangles run the same way round? Rules that do not require it say nothing of it when
+     * requested by name. */
+    walls->unoriented = report->turned != 0 ||
+                        (report->fill != BVX_FILL_NONZERO && report->fill != BVX_FILL_WINDING &&
+                         (report->fill != BVX_FILL_PARITY || report->fill_reason == BVX_FILL_REASON_ASKED));
     /* Faces may be seen from behind through holes. */
     if (report->fill_reason == BVX_FILL_REASON_OPEN || report->unbalanced_rows != 0)
         walls->open = walls->unoriented ? BVXI_WALLS_NO_SHEETS : BVXI_WALLS_HOLES;

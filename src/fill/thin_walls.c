@@ -308,18 +308,6 @@ typedef struct wall_range {
     double sum;
 } wall_range;
 
-/* The wall that a tenth of the places is thinner than: the mean of the range that holds it. */
-static double common_wall(const wall_range bins[WALL_BINS], uint64_t all)
-{
-    uint64_t below = 0;
-    int bin = 0;
-    for (; bin + 1 < WALL_BINS; bin++) {
-        below += bins[bin].count;
-        if (below * 10 > all) break;
-    }
-    return bins[bin].count != 0 ? bins[bin].sum / (double)bins[bin].count : 0;
-}
-
 int32_t bvxi_wall_resolution(int32_t longest, double wall)
 {
     if (!(wall > 0)) return 0;
@@ -357,7 +345,14 @@ void bvxi_walls_report(bvxi_walls *t, bvxi_wall_report *report)
         bins[bin < WALL_BINS ? bin : WALL_BINS - 1].count++;
         bins[bin < WALL_BINS ? bin : WALL_BINS - 1].sum += (double)p->wall;
     }
-    report->wall = report->voxels != 0 ? common_wall(bins, report->voxels) : 0;
+    /* The wall that a tenth of the places is thinner than: the mean of the range that holds it. */
+    uint64_t below = 0;
+    int common = 0;
+    for (; common + 1 < WALL_BINS; common++) {
+        below += bins[common].count;
+        if (below * 10 > report->voxels) break;
+    }
+    report->wall = bins[common].count != 0 ? bins[common].sum / (double)bins[common].count : 0;
 }
 
 bvx_status bvxi_walls_open(bvxi_walls *t)
@@ -386,16 +381,6 @@ void bvxi_walls_close(bvxi_walls *t)
     bvxi_drop(t->ctx, t->places.words);
 }
 
-/* 1: the body encloses a negative volume about the middle of its triangles. */
-static int is_inside_out(const bvx_mesh_view *mesh)
-{
-    double low[3], high[3], centre[3], volume = 0;
-    bvxi_view_used_bounds(mesh, low, high);
-    for (int a = 0; a < 3; a++) centre[a] = 0.5 * low[a] + 0.5 * high[a];
-    for (uint64_t t = 0; t < mesh->triangle_count; t++) volume += bvxi_patches_volume(mesh, t, centre);
-    return volume < 0;
-}
-
 bvx_status bvxi_walls_gather(bvxi_walls *t)
 {
     /* Places first; most bodies have none, and nothing is searched. */
@@ -407,6 +392,13 @@ bvx_status bvxi_walls_gather(bvxi_walls *t)
     if (t->near.triangle_count == 0) bvxi_walls_drop(t);
 
     /* Only beside holes does it matter which way faces look. */
-    t->inverted = t->open == BVXI_WALLS_HOLES && is_inside_out(t->mesh);
+    if (t->open != BVXI_WALLS_HOLES) return BVX_OK;
+
+    /* Inverted: the body encloses a negative volume about the middle of its triangles. */
+    double low[3], high[3], centre[3], volume = 0;
+    bvxi_view_used_bounds(t->mesh, low, high);
+    for (int a = 0; a < 3; a++) centre[a] = 0.5 * low[a] + 0.5 * high[a];
+    for (uint64_t i = 0; i < t->mesh->triangle_count; i++) volume += bvxi_patches_volume(t->mesh, i, centre);
+    t->inverted = volume < 0;
     return BVX_OK;
 }

@@ -157,18 +157,6 @@ static bvx_status move_sheet(bvx_context *ctx, bvxi_solid_job *job, vote_work *w
     return BVX_OK;
 }
 
-static bvx_status find_holes_and_ask(bvx_context *ctx, bvxi_solid_job *job, vote_work *w, double from,
-                                     double to)
-{
-    double const part = from + (to - from) / 8;
-    bvxi_holes holes;
-    /* Back along x, since the last vote has left the vertices turned. */
-    BVXI_TRY(bvxi_snap_turn(ctx, 0, from, &job->snapped));
-    if (job->holes != NULL) return move_sheet(ctx, job, w, job->holes, from, to);
-    BVXI_TRY(BVXI_SHARE(ctx, from, part, bvxi_holes_open(ctx, job->view, &job->snapped, 1, &holes)));
-    return move_sheet(ctx, job, w, &holes, part, to);
-}
-
 static bvx_status ask_all_directions(bvx_context *ctx, bvxi_solid_job *job, vote_work *w, double from,
                                      double to)
 {
@@ -182,7 +170,15 @@ static bvx_status ask_all_directions(bvx_context *ctx, bvxi_solid_job *job, vote
     mark_even_columns(w->odd_rows[2], size[0], size[1], w->even_z);
 
     /* Nothing is unsure on a mesh without holes: looking for holes would cost more than all three votes. */
-    return drop_odd_rows(w) ? BVX_OK : find_holes_and_ask(ctx, job, w, from, to);
+    if (drop_odd_rows(w)) return BVX_OK;
+
+    /* Back along x, since the last vote has left the vertices turned. */
+    double const part = from + (to - from) / 8;
+    bvxi_holes holes;
+    BVXI_TRY(bvxi_snap_turn(ctx, 0, from, &job->snapped));
+    if (job->holes != NULL) return move_sheet(ctx, job, w, job->holes, from, to);
+    BVXI_TRY(BVXI_SHARE(ctx, from, part, bvxi_holes_open(ctx, job->view, &job->snapped, 1, &holes)));
+    return move_sheet(ctx, job, w, &holes, part, to);
 }
 
 bvx_status bvxi_vote(bvxi_call step, bvxi_solid_job *job, int32_t want_clear, bvx_grid *solid, uint64_t *sure,

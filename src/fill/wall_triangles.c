@@ -118,14 +118,6 @@ static void mark_around(near_job *t, uint64_t bit, double radius)
             bvxi_set_run(t->blocks[BESIDE_MARK] + block_word(t, 0, y, z), from[0], to[0] + 1);
 }
 
-static void mark_blocks(near_job *t, double radius)
-{
-    uint64_t const words = bvxi_grid_words(t->grid);
-    for (uint64_t i = 0; i < words; i++)
-        for (uint64_t bits = t->grid->words[i]; bits != 0; bits &= bits - 1)
-            mark_around(t, i * 64 + (uint64_t)bvxi_lowest(bits), radius);
-}
-
 /* The block of each vertex; of those that no triangle uses too, whatever they are. */
 static void place_piece_in_blocks(void *user, uint64_t begin, uint64_t end)
 {
@@ -253,7 +245,9 @@ bvx_status bvxi_triangles_near(bvx_context *ctx, const bvx_mesh_view *mesh, cons
     job.blocks[1] = job.blocks[0] + words;
     BVXI_TRY(
         bvxi_alloc(job.ctx, BVXI_SCRATCH, job.mesh->vertex_count * 4, "the vertices' blocks", &job.block_of));
-    mark_blocks(&job, 1.01 * reach); /* a little more for rounding */
+    for (uint64_t i = 0; i < bvxi_grid_words(places); i++)
+        for (uint64_t bits = places->words[i]; bits != 0; bits &= bits - 1) /* a little more for rounding */
+            mark_around(&job, i * 64 + (uint64_t)bvxi_lowest(bits), 1.01 * reach);
     BVXI_TRY(run_near(&job, job.mesh->vertex_count, place_piece_in_blocks));
     BVXI_TRY(run_near_pieces(&job, job.mesh->triangle_count, take_piece_nearby));
     bvxi_drop(job.ctx, job.block_of);
@@ -335,27 +329,6 @@ static void move_piece_nearby(void *user, uint64_t begin, uint64_t end)
         memcpy(job->sorted + 3 * n, corner + 3 * (size_t)job->numbers[n], 12);
 }
 
-/* Give the triangles nearby in an order that no numbering of the mesh shows in: that of a hash of their
- * corners' places. keys, numbers [Size: count]: scratch. sorted [Size: count * 3]: the corners in that order;
- * before, sorted[n] says whether triangle n was turned round. */
-static bvx_status sort_triangles_nearby(near_job *job, double low[3], double high[3])
-{
-    uint64_t const count = job->walls->near.triangle_count;
-
-    BVXI_TRY(run_near_pieces(job, count, order_piece_nearby));
-    for (int a = 0; a < 3; a++) {
-        low[a] = job->low[0][a];
-        high[a] = job->high[0][a];
-        for (int32_t i = 1; i < job->pieces; i++) {
-            low[a] = job->low[i][a] < low[a] ? job->low[i][a] : low[a];
-            high[a] = job->high[i][a] > high[a] ? job->high[i][a] : high[a];
-        }
-    }
-    BVXI_TRY(bvxi_radix_sort(job->ctx, job->keys, job->numbers, count));
-    BVXI_TRY(run_near(job, count, side_piece_nearby));
-    return run_near(job, count, move_piece_nearby);
-}
-
 static bvx_status order_triangles_nearby(near_job *job, double low[3], double high[3])
 {
     bvxi_walls *const t = job->walls;
@@ -367,7 +340,20 @@ static bvx_status order_triangles_nearby(near_job *job, double low[3], double hi
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the order of triangles at thin places", &job->keys));
     BVXI_TRY(
         bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the numbers of triangles at thin places", &job->numbers));
-    BVXI_TRY(sort_triangles_nearby(job, low, high));
+    /* In an order that no numbering of the mesh shows in: that of a hash of their corners' places. Until they are
+     * moved, sorted[n] says whether triangle n was turned round. */
+    BVXI_TRY(run_near_pieces(job, count, order_piece_nearby));
+    for (int a = 0; a < 3; a++) {
+        low[a] = job->low[0][a];
+        high[a] = job->high[0][a];
+        for (int32_t i = 1; i < job->pieces; i++) {
+            low[a] = job->low[i][a] < low[a] ? job->low[i][a] : low[a];
+            high[a] = job->high[i][a] > high[a] ? job->high[i][a] : high[a];
+        }
+    }
+    BVXI_TRY(bvxi_radix_sort(ctx, job->keys, job->numbers, count));
+    BVXI_TRY(run_near(job, count, side_piece_nearby));
+    BVXI_TRY(run_near(job, count, move_piece_nearby));
     bvxi_drop(ctx, job->numbers);
     bvxi_drop(ctx, job->keys);
 

@@ -204,23 +204,21 @@ BVXI_VECTOR_INLINE void append_bits(gathered_bits *g, uint64_t bits, int32_t cou
     g->held = g->have != 0 ? bits >> (count - g->have) : 0;
 }
 
-static uint64_t gather_starts(uint64_t w, const bvxi_block_starts *s)
-{
-    w &= s->mask;
-    /* Warren's compress: each step moves the bits whose distance has that power of two. */
-    for (int32_t i = 0; i < 6; i++) {
-        uint64_t const t = w & s->move[i];
-        w = (w ^ t) | t >> (1 << i);
-    }
-    return w;
-}
-
 static void gather_row(const bvxi_blocks *b, const uint64_t *row, uint64_t *to)
 {
     gathered_bits g = {to, 0, 0};
-    for (int32_t k = 0; k < b->words; k++)
-        if (b->starts[k].count != 0)
-            append_bits(&g, gather_starts(row[k], &b->starts[k]), b->starts[k].count);
+    for (int32_t k = 0; k < b->words; k++) {
+        const bvxi_block_starts *const s = &b->starts[k];
+        uint64_t w = row[k] & s->mask;
+
+        if (s->count == 0) continue;
+        /* Warren's compress: each step moves the bits whose distance has that power of two. */
+        for (int32_t i = 0; i < 6; i++) {
+            uint64_t const m = w & s->move[i];
+            w = (w ^ m) | m >> (1 << i);
+        }
+        append_bits(&g, w, s->count);
+    }
     if (g.have != 0) *g.to = g.held;
 }
 

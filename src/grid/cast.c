@@ -39,30 +39,10 @@ typedef struct brick_box {
     int32_t low[3], size[3];
 } brick_box;
 
-/* Bit i of the result says whether byte i of w is not 0. */
-static uint64_t bytes_to_bits(uint64_t w)
-{
-    /* The lowest bit of each byte becomes the OR of its eight, others get some of the byte above. */
-    w |= w >> 4;
-    w |= w >> 2;
-    w |= w >> 1;
-    /* The multiplication brings the eight lowest bits together in the top byte. */
-    return (w & UINT64_C(0x0101010101010101)) * UINT64_C(0x0102040810204080) >> 56;
-}
-
-static uint64_t join_brick_words(const bvx_grid *g, int32_t k, int32_t y, int32_t z)
-{
-    int32_t const y_end = g->size[1] - y < 8 ? g->size[1] : y + 8;
-    int32_t const z_end = g->size[2] - z < 8 ? g->size[2] : z + 8;
-    uint64_t w = 0;
-    for (int32_t j = z; j < z_end; j++)
-        for (int32_t i = y; i < y_end; i++) w |= bvxi_grid_row(g, i, j)[k];
-    return w;
-}
-
 static void make_brick_rows(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     const brick_box *const box = user;
+    const bvx_grid *const g = &box->rays->grid;
     (void)index;
     for (uint64_t r = begin; r < end; r++) {
         int32_t const y = box->low[1] + (int32_t)(r % (uint64_t)box->size[1]);
@@ -71,7 +51,16 @@ static void make_brick_rows(void *user, int32_t index, uint64_t begin, uint64_t 
         /* A word of the grid is a byte of bricks. */
         for (int32_t k = box->low[0]; k < box->low[0] + box->size[0]; k++) {
             int const at = 8 * (k & 7);
-            uint64_t const bits = bytes_to_bits(join_brick_words(&box->rays->grid, k, 8 * y, 8 * z));
+            uint64_t w = 0, bits;
+
+            for (int32_t j = 8 * z; j < 8 * z + 8 && j < g->size[2]; j++)
+                for (int32_t i = 8 * y; i < 8 * y + 8 && i < g->size[1]; i++) w |= bvxi_grid_row(g, i, j)[k];
+            /* The lowest bit of each byte becomes the OR of its eight, others get some of the byte above; the
+             * multiplication brings the eight lowest bits together in the top byte. */
+            w |= w >> 4;
+            w |= w >> 2;
+            w |= w >> 1;
+            bits = (w & UINT64_C(0x0101010101010101)) * UINT64_C(0x0102040810204080) >> 56;
             row[k >> 3] = (row[k >> 3] & ~(UINT64_C(0xff) << at)) | bits << at;
         }
     }
@@ -368,25 +357,6 @@ static int clip_cast_ray(const double *ray, double t_max, cast_ray *r, double *b
     return *begin <= r->end;
 }
 
-static void report_cast_hit(const double *ray, const cast_ray *r, bvx_ray_hit *hit)
-{
-    double latest = 0.0;
-
-    hit->hit = 1;
-    hit->t = r->t;
-    hit->axis = -1;
-    /* The side that was entered last is the one hit; -1 stays where the ray starts inside. */
-    for (int32_t i = 0; i < 3; i++) {
-        double const enter = cast_enter(&r->axis[i], r->voxel[i]);
-        if (enter > latest) {
-            latest = enter;
-            hit->axis = i;
-        }
-        hit->voxel[i] = r->voxel[i];
-        hit->position[i] = ray[i] + r->t * ray[3 + i];
-    }
-}
-
 /* ---- Many rays ---- */
 
 typedef struct cast_work {
@@ -409,7 +379,23 @@ static void cast_piece(void *user, uint64_t begin, uint64_t end)
         if (!clip_cast_ray(ray, w->t_max, &r, &start)) continue;
         if (r.in->bricks.words != NULL) walk_cast_rows(&r, BRICK_SHIFT, start, r.end);
         else walk_cast_voxels(&r, start, r.end);
-        if (r.voxel[0] >= 0) report_cast_hit(ray, &r, &w->hits[i]);
+        if (r.voxel[0] < 0) continue;
+
+        bvx_ray_hit *const hit = &w->hits[i];
+        double latest = 0.0;
+        hit->hit = 1;
+        hit->t = r.t;
+        hit->axis = -1;
+        /* The side that was entered last is the one hit; -1 stays where the ray starts inside. */
+        for (int32_t a = 0; a < 3; a++) {
+            double const enter = cast_enter(&r.axis[a], r.voxel[a]);
+            if (enter > latest) {
+                latest = enter;
+                hit->axis = a;
+            }
+            hit->voxel[a] = r.voxel[a];
+            hit->position[a] = ray[a] + r.t * ray[3 + a];
+        }
     }
 }
 

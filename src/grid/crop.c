@@ -9,28 +9,26 @@ typedef struct content_box {
     int32_t low[3], high[3]; /* low above high when nothing is set */
 } content_box;
 
-/* The row's words are walked from both ends up to the first one that holds a bit. */
-static void widen_content(const uint64_t *row, int32_t words, int32_t y, int32_t z, content_box *box)
-{
-    int32_t first = 0, last = words - 1;
-    while (first < words && row[first] == 0) first++;
-    if (first == words) return;
-    while (row[last] == 0) last--;
-    /* Only the outermost bits count, so the words between are not looked at. */
-    int32_t const low[3] = {first * BVXI_WORD_BITS + bvxi_lowest(row[first]), y, z};
-    int32_t const high[3] = {last * BVXI_WORD_BITS + bvxi_highest(row[last]), y, z};
-    for (int32_t a = 0; a < 3; a++) {
-        box->low[a] = low[a] < box->low[a] ? low[a] : box->low[a];
-        box->high[a] = high[a] > box->high[a] ? high[a] : box->high[a];
-    }
-}
-
 void bvxi_grid_content(const bvx_grid *grid, bvx_window *window)
 {
     content_box box = {{INT32_MAX, INT32_MAX, INT32_MAX}, {-1, -1, -1}};
     for (int32_t z = 0; z < grid->size[2]; z++)
-        for (int32_t y = 0; y < grid->size[1]; y++)
-            widen_content(bvxi_grid_row(grid, y, z), grid->words_per_row, y, z, &box);
+        for (int32_t y = 0; y < grid->size[1]; y++) {
+            const uint64_t *const row = bvxi_grid_row(grid, y, z);
+            int32_t first = 0, last = grid->words_per_row - 1;
+
+            /* The row's words are walked from both ends up to the first one that holds a bit: only the outermost
+             * bits count. */
+            while (first <= last && row[first] == 0) first++;
+            if (first > last) continue;
+            while (row[last] == 0) last--;
+            int32_t const low[3] = {first * BVXI_WORD_BITS + bvxi_lowest(row[first]), y, z};
+            int32_t const high[3] = {last * BVXI_WORD_BITS + bvxi_highest(row[last]), y, z};
+            for (int32_t a = 0; a < 3; a++) {
+                box.low[a] = low[a] < box.low[a] ? low[a] : box.low[a];
+                box.high[a] = high[a] > box.high[a] ? high[a] : box.high[a];
+            }
+        }
     memset(window, 0, sizeof *window);
     for (int32_t a = 0; a < 3 && box.high[0] >= 0; a++) {
         window->low[a] = grid->low[a] + box.low[a];

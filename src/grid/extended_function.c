@@ -125,11 +125,6 @@ void bvxi_downsample_close(bvx_context *ctx, bvxi_downsample *d)
  * Guarantee: weights are integers, sums are exact, every comparison is; each edge is walked once, from its
  * low end. */
 
-static inline int64_t row_bit(const uint64_t *row, int32_t i, int32_t voxels)
-{
-    return row != NULL && i >= 0 && i < voxels ? (int64_t)(row[i >> 6] >> (i & 63) & 1) : 0;
-}
-
 /* The four fine rows around a sample row, and their weights in 1/(2r_y 2r_z). */
 typedef struct sample_rows {
     const uint64_t *row[4];
@@ -139,7 +134,8 @@ typedef struct sample_rows {
 static inline int64_t sum_at(const sample_rows *s, int32_t i, int32_t voxels)
 {
     int64_t sum = 0;
-    for (int32_t r = 0; r < 4; r++) sum += row_bit(s->row[r], i, voxels) * s->weight[r];
+    for (int32_t r = 0; r < 4 && i >= 0 && i < voxels; r++)
+        if (s->row[r] != NULL) sum += (int64_t)(s->row[r][i >> 6] >> (i & 63) & 1) * s->weight[r];
     return sum;
 }
 

@@ -36,17 +36,6 @@ static uint64_t reverse_word(uint64_t w)
     return w >> 32 | w << 32;
 }
 
-static void reverse_row(const uint64_t *row, int32_t size, uint64_t *to)
-{
-    int32_t const words = bvxi_row_words(size), spare = words * BVXI_WORD_BITS - size;
-    for (int32_t k = 0; k < words; k++) {
-        /* The row's last word has spare bits at its end: reversed they come first, and are shifted out. */
-        to[k] = reverse_word(row[words - 1 - k]) >> spare;
-        if (spare != 0 && k + 1 < words)
-            to[k] |= reverse_word(row[words - 2 - k]) << (BVXI_WORD_BITS - spare);
-    }
-}
-
 static void permute_rows(void *user, uint64_t begin, uint64_t end)
 {
     const permute_job *const job = user;
@@ -57,32 +46,19 @@ static void permute_rows(void *user, uint64_t begin, uint64_t end)
         /* Steps of 0 along x leave the row's beginning; y and z may change places or turn over. */
         const uint64_t *const row = job->grid->words + (size_t)flipped(job, 1, b) * job->step[1] +
                                     (size_t)flipped(job, 2, c) * job->step[2];
-        if (job->flips[0]) reverse_row(row, to->size[0], to->words + (size_t)r * words);
-        else memcpy(to->words + (size_t)r * words, row, words * 8);
+        uint64_t *const out = to->words + (size_t)r * words;
+        if (!job->flips[0]) {
+            memcpy(out, row, words * 8);
+            continue;
+        }
+        /* The row's last word has spare bits at its end: reversed they come first, and are shifted out. */
+        int32_t const spare = (int32_t)words * BVXI_WORD_BITS - to->size[0];
+        for (size_t k = 0; k < words; k++) {
+            out[k] = reverse_word(row[words - 1 - k]) >> spare;
+            if (spare != 0 && k + 1 < words)
+                out[k] |= reverse_word(row[words - 2 - k]) << (BVXI_WORD_BITS - spare);
+        }
     }
-}
-
-/* Rows of the result's voxels 64 k .. along x, the grid's word at `from`:
- * then bit i of word n is what bit n of row i was. */
-static void load_permute_square(const permute_job *job, const uint64_t *from, int32_t k, uint64_t square[64])
-{
-    int32_t const first = k * BVXI_WORD_BITS, left = job->result->size[0] - first;
-    int32_t const n = left < BVXI_WORD_BITS ? left : BVXI_WORD_BITS;
-    uint64_t any = 0;
-    for (int32_t i = 0; i < n; i++)
-        any |= square[i] = from[(size_t)flipped(job, 0, first + i) * job->step[0]];
-    /* Rows past the result's end are empty, so their bits stay 0. */
-    for (int32_t i = n; i < BVXI_WORD_BITS; i++) square[i] = 0;
-    if (any != 0) bvxi_transpose_64(square);
-}
-
-/* Where all three agree, the bit of second is set; bits past the row are cleared with it. */
-static void put_agreed(const permute_job *job, size_t at, int32_t k, uint64_t w)
-{
-    uint64_t const a = job->result->words[at], b = job->second[at];
-    uint64_t const within = k + 1 == job->result->words_per_row ? bvxi_tail_mask(job->result->size[0])
-                                                                : ~UINT64_C(0);
-    job->second[at] = ~(a ^ b) & ~(a ^ w) & within;
 }
 
 /* One word of the grid's rows and one of the result's, in a slice across the third axis. */
@@ -91,14 +67,26 @@ static void permute_square(const permute_job *job, int32_t third, int32_t slice,
     int32_t const first = word * BVXI_WORD_BITS, left = job->grid->size[0] - first, x_to = job->x_to;
     int32_t const n = left < BVXI_WORD_BITS ? left : BVXI_WORD_BITS;
     uint64_t *const to = job->result->words + (size_t)slice * job->to_step[third] + (size_t)k;
-    uint64_t square[64];
-    load_permute_square(
-        job, job->grid->words + (size_t)flipped(job, third, slice) * job->step[third] + (size_t)word, k,
-        square);
+    /* Rows of the result's voxels 64 k .. along x: turned, bit i of word n is what bit n of row i was. */
+    const uint64_t *const from = job->grid->words + (size_t)flipped(job, third, slice) * job->step[third] +
+                                 (size_t)word;
+    int32_t const begin = k * BVXI_WORD_BITS, columns = job->result->size[0] - begin;
+    uint64_t const within = columns <= BVXI_WORD_BITS ? bvxi_tail_mask(job->result->size[0]) : ~UINT64_C(0);
+    uint64_t square[64], any = 0;
+
+    /* Rows past the result's end are empty, so their bits stay 0. */
+    for (int32_t i = 0; i < BVXI_WORD_BITS; i++)
+        any |= square[i] = i < columns ? from[(size_t)flipped(job, 0, begin + i) * job->step[0]] : 0;
+    if (any != 0) bvxi_transpose_64(square);
     for (int32_t i = 0; i < n; i++) {
         size_t const at = (size_t)flipped(job, x_to, first + i) * job->to_step[x_to];
-        if (job->second == NULL) to[at] = square[i];
-        else put_agreed(job, (size_t)(to - job->result->words) + at, k, square[i]);
+        if (job->second == NULL) {
+            to[at] = square[i];
+        } else {
+            /* Where all three agree, the bit of second is set; bits past the row are cleared with it. */
+            uint64_t *const second = &job->second[(size_t)(to - job->result->words) + at];
+            *second = ~(to[at] ^ *second) & ~(to[at] ^ square[i]) & within;
+        }
     }
 }
 
@@ -134,21 +122,6 @@ static bvx_status take_axes(bvx_context *ctx, const char *function, const int32_
         if (axes[a] == 0) job->x_to = a;
     }
     return BVX_OK;
-}
-
-static void permute_place(const permute_job *job, bvx_lattice *lattice, bvx_window *window)
-{
-    const bvx_grid *const g = job->grid;
-    /* A mirrored window counts from the lattice's other end. */
-    lattice->fraction_bits = g->lattice.fraction_bits;
-    for (int32_t a = 0; a < 3; a++) {
-        int32_t const from = job->axes[a];
-        lattice->origin[a] = g->lattice.origin[from];
-        lattice->spacing[a] = g->lattice.spacing[from];
-        lattice->dims[a] = g->lattice.dims[from];
-        window->size[a] = g->size[from];
-        window->low[a] = job->flips[a] ? g->lattice.dims[from] - g->low[from] - g->size[from] : g->low[from];
-    }
 }
 
 static void lay_permute_steps(permute_job *job)
@@ -191,7 +164,17 @@ static bvx_status run_grid_permute(bvx_context *context, const bvx_grid *grid, c
     job.grid = grid;
 
     job.result = result;
-    permute_place(&job, &lattice, &window);
+    /* A mirrored window counts from the lattice's other end. */
+    lattice.fraction_bits = grid->lattice.fraction_bits;
+    for (int32_t a = 0; a < 3; a++) {
+        int32_t const from = job.axes[a];
+        lattice.origin[a] = grid->lattice.origin[from];
+        lattice.spacing[a] = grid->lattice.spacing[from];
+        lattice.dims[a] = grid->lattice.dims[from];
+        window.size[a] = grid->size[from];
+        window.low[a] = job.flips[a] ? grid->lattice.dims[from] - grid->low[from] - grid->size[from]
+                                     : grid->low[from];
+    }
     bvxi_grid_renew(context, &lattice, &window, result);
     int const mine = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(context, function, &lattice, &window, result));

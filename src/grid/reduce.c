@@ -144,26 +144,6 @@ static void put_majority(const bvxi_blocks *b, const uint64_t *planes, int32_t d
     }
 }
 
-static void reduce_row(const reduce_job *job, int32_t worker, int32_t j, int32_t k, uint64_t *row)
-{
-    const bvxi_blocks *const b = &job->blocks;
-    size_t const words = (size_t)b->count_words;
-    int32_t digits, y[2], z[2];
-    const uint64_t *const planes = bvxi_blocks_row(b, worker, j, k, &digits);
-
-    /* No digits: all counts are 0, so ALL has no empty voxel and the other rules have no set one. */
-    if (digits == 0) {
-        memset(row, job->rule == BVX_REDUCE_ALL ? 0xff : 0, words * 8);
-    } else if (job->rule == BVX_REDUCE_MAJORITY) {
-        bvxi_block_range(b, 1, j, &y[0], &y[1]);
-        bvxi_block_range(b, 2, k, &z[0], &z[1]);
-        put_majority(b, planes, digits, (uint64_t)(y[1] - y[0]) * (uint64_t)(z[1] - z[0]), row);
-    } else {
-        for (size_t w = 0; w < words; w++) row[w] = job->rule == BVX_REDUCE_ALL ? ~planes[w] : planes[w];
-    }
-    row[words - 1] &= bvxi_tail_mask(b->window.size[0]);
-}
-
 static void reduce_piece(void *user, int32_t index, int32_t worker)
 {
     const reduce_job *const job = user;
@@ -171,9 +151,25 @@ static void reduce_piece(void *user, int32_t index, int32_t worker)
     uint64_t const rows = (uint64_t)b->window.size[1];
     uint64_t begin, end;
     bvxi_piece(block_rows(b), job->pieces, index, &begin, &end);
-    for (uint64_t r = begin; r < end; r++)
-        reduce_row(job, worker, (int32_t)(r % rows), (int32_t)(r / rows),
-                   job->result->words + (size_t)r * (size_t)b->count_words);
+    for (uint64_t r = begin; r < end; r++) {
+        size_t const words = (size_t)b->count_words;
+        int32_t const j = (int32_t)(r % rows), k = (int32_t)(r / rows);
+        int32_t digits, y[2], z[2];
+        const uint64_t *const planes = bvxi_blocks_row(b, worker, j, k, &digits);
+        uint64_t *const row = job->result->words + (size_t)r * words;
+
+        /* No digits: all counts are 0, so ALL has no empty voxel and the other rules have no set one. */
+        if (digits == 0) {
+            memset(row, job->rule == BVX_REDUCE_ALL ? 0xff : 0, words * 8);
+        } else if (job->rule == BVX_REDUCE_MAJORITY) {
+            bvxi_block_range(b, 1, j, &y[0], &y[1]);
+            bvxi_block_range(b, 2, k, &z[0], &z[1]);
+            put_majority(b, planes, digits, (uint64_t)(y[1] - y[0]) * (uint64_t)(z[1] - z[0]), row);
+        } else {
+            for (size_t w = 0; w < words; w++) row[w] = job->rule == BVX_REDUCE_ALL ? ~planes[w] : planes[w];
+        }
+        row[words - 1] &= bvxi_tail_mask(b->window.size[0]);
+    }
 }
 
 static bvx_status run_grid_downsample(bvx_context *context, const bvx_grid *grid, const int32_t factor[3],

@@ -24,28 +24,6 @@ typedef struct sample_work {
     double *values, *gradients;
 } sample_work;
 
-/* The voxel below along an axis, from -1 to size - 1, and the fraction
- * after it; 0 when the sample is 0 whatever is set. */
-static int sample_cell(const bvx_grid *g, int32_t axis, double point, int32_t *cell, double *fraction)
-{
-    double const x = (point - g->lattice.origin[axis]) / g->lattice.spacing[axis] - 0.5;
-    double const whole = floor(x), i = whole - (double)g->low[axis];
-    /* Written so that NaN fails too: a point far away gives no cell. */
-    if (!(i >= -1.0 && i < (double)g->size[axis])) return 0;
-    *cell = (int32_t)i;
-    *fraction = x - whole;
-    return 1;
-}
-
-/* Voxels x and x + 1 of a row, 0 beyond the window. */
-static void sample_pair(const bvx_grid *g, int32_t x, int32_t y, int32_t z, double pair[2])
-{
-    pair[0] = pair[1] = 0.0;
-    if (y < 0 || y >= g->size[1] || z < 0 || z >= g->size[2]) return;
-    if (x >= 0) pair[0] = (double)bvx_grid_get(g, x, y, z);
-    if (x + 1 < g->size[0]) pair[1] = (double)bvx_grid_get(g, x + 1, y, z);
-}
-
 static double sample_point(const bvx_grid *g, const double point[3], double gradient[3])
 {
     int32_t c[3];
@@ -53,13 +31,24 @@ static double sample_point(const bvx_grid *g, const double point[3], double grad
 
     gradient[0] = gradient[1] = gradient[2] = 0.0;
     /* One voxel beyond the window on each side still blends with what is inside. */
-    for (int32_t a = 0; a < 3; a++)
-        if (!sample_cell(g, a, point[a], &c[a], &f[a])) return 0.0;
+    for (int32_t a = 0; a < 3; a++) {
+        double const x = (point[a] - g->lattice.origin[a]) / g->lattice.spacing[a] - 0.5;
+        double const whole = floor(x), i = whole - (double)g->low[a];
+        /* Written so that NaN fails too: a point far away gives no cell. */
+        if (!(i >= -1.0 && i < (double)g->size[a])) return 0.0;
+        c[a] = (int32_t)i;
+        f[a] = x - whole;
+    }
 
     for (int32_t k = 0; k < 2; k++) {
         for (int32_t j = 0; j < 2; j++) {
-            double pair[2];
-            sample_pair(g, c[0], c[1] + j, c[2] + k, pair);
+            double pair[2] = {0.0, 0.0};
+            int32_t const y = c[1] + j, z = c[2] + k;
+            int const within = y >= 0 && y < g->size[1] && z >= 0 && z < g->size[2];
+
+            /* 0 beyond the window. */
+            if (within && c[0] >= 0) pair[0] = (double)bvx_grid_get(g, c[0], y, z);
+            if (within && c[0] + 1 < g->size[0]) pair[1] = (double)bvx_grid_get(g, c[0] + 1, y, z);
             slope[k][j] = pair[1] - pair[0];
             row[k][j] = pair[0] + f[0] * slope[k][j];
         }
@@ -151,17 +140,6 @@ static bvx_status lay_resample_tables(bvx_context *ctx, resample_job *job)
     return BVX_OK;
 }
 
-static void resample_row(const resample_job *job, int32_t y, int32_t z, uint64_t *row)
-{
-    const bvx_grid *const g = job->grid;
-    int32_t begin, end;
-    bvxi_row_runs runs;
-    memset(row, 0, (size_t)job->result->words_per_row * 8);
-    bvxi_row_runs_start(&runs, bvxi_grid_row(g, y, z), g->size[0], 0);
-    /* A run of the grid becomes a run of the result: its ends are looked up, not its voxels. */
-    while (bvxi_row_runs_next(&runs, &begin, &end)) bvxi_set_run(row, job->first[begin], job->first[end]);
-}
-
 static void resample_piece(void *user, uint64_t begin, uint64_t end)
 {
     const resample_job *const job = user;
@@ -174,9 +152,17 @@ static void resample_piece(void *user, uint64_t begin, uint64_t end)
         int32_t const y = job->source[0][r % rows], z = job->source[1][r / rows];
         uint64_t *const row = to->words + (size_t)r * words;
         /* Where the row comes from the same row of the grid again, it is a copy of the one just written. */
-        if (y < 0 || z < 0) memset(row, 0, words * 8);
-        else if (y == last_y && z == last_z) memcpy(row, row - words, words * 8);
-        else resample_row(job, y, z, row);
+        if (y >= 0 && z >= 0 && y == last_y && z == last_z) memcpy(row, row - words, words * 8);
+        else memset(row, 0, words * 8);
+        if (y >= 0 && z >= 0 && (y != last_y || z != last_z)) {
+            const bvx_grid *const g = job->grid;
+            int32_t first, last;
+            bvxi_row_runs runs;
+            bvxi_row_runs_start(&runs, bvxi_grid_row(g, y, z), g->size[0], 0);
+            /* A run of the grid becomes a run of the result: its ends are looked up, not its voxels. */
+            while (bvxi_row_runs_next(&runs, &first, &last))
+                bvxi_set_run(row, job->first[first], job->first[last]);
+        }
         last_y = y;
         last_z = z;
     }

@@ -69,20 +69,6 @@ static void fill_slab_piece(void *user, int32_t index, int32_t worker)
         job->again[i] = fill_in_view(&job->worker[worker], &job->slab[i]) != BVX_OK;
 }
 
-static bvx_status fill_again(slabs_job *job)
-{
-    slabs_worker *const w = &job->worker[0];
-    w->view.fixed = 0;
-    for (uint32_t i = 0; i < job->count; i++) {
-        bvxi_slab *const slab = &job->slab[i];
-        if (!job->again[i]) continue;
-        BVXI_TRY(bvxi_progress(job->s->ctx, "surface", (double)i / (double)job->count));
-        memset(&slab->mesh, 0, sizeof slab->mesh);
-        BVXI_TRY(fill_in_view(w, slab));
-    }
-    return BVX_OK;
-}
-
 static bvx_status open_workers(slabs_job *job)
 {
     bvxi_stack *const s = job->s;
@@ -107,39 +93,36 @@ static bvx_status open_workers(slabs_job *job)
     return BVX_OK;
 }
 
-/* Slabs share the vertices of the planes between them, which the field makes as it comes to them. */
-static bvx_status fill_in_order(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
-{
-    uint32_t const lines = ((uint32_t)s->size[0] + 1) * ((uint32_t)s->size[1] + 1);
-    bvxi_slab_work w;
-    BVXI_TRY(bvxi_slab_work_open(&w, s, lines, SLAB_SPARE));
-    for (uint32_t i = 0; i < count; i++) {
-        BVXI_TRY(bvxi_progress(s->ctx, "surface", (double)i / count));
-        BVXI_TRY(bvxi_slab_fill(&w, &slabs[i]));
-    }
-    return BVX_OK;
-}
-
 bvx_status bvxi_slabs_fill(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 {
     slabs_job job = {.s = s, .slab = slabs, .count = count};
 
-    if (s->options.slabs.crossings != BVX_CROSSINGS_EXACT) return fill_in_order(s, slabs, count);
+    /* Slabs share the vertices of the planes between them, which the field makes as it comes to them. */
+    if (s->options.slabs.crossings != BVX_CROSSINGS_EXACT) {
+        bvxi_slab_work w;
+        BVXI_TRY(
+            bvxi_slab_work_open(&w, s, ((uint32_t)s->size[0] + 1) * ((uint32_t)s->size[1] + 1), SLAB_SPARE));
+        for (uint32_t i = 0; i < count; i++) {
+            BVXI_TRY(bvxi_progress(s->ctx, "surface", (double)i / count));
+            BVXI_TRY(bvxi_slab_fill(&w, &slabs[i]));
+        }
+        return BVX_OK;
+    }
     BVXI_TRY(BVXI_ZEROS(s->ctx, count, "the slabs' scratch", job.again));
     for (uint32_t i = 0; i < count; i++) count_slab(s, &slabs[i]);
 
-    bvxi_section_mesh *const all = &job.s->slab_mesh;
+    bvxi_section_mesh *const all = &s->slab_mesh;
     double *position;
     uint32_t *triangle;
 
-    for (uint32_t i = 0; i < job.count; i++) {
-        all->vertex_room += job.slab[i].mesh.vertex_room;
-        all->triangle_room += job.slab[i].mesh.triangle_room;
+    for (uint32_t i = 0; i < count; i++) {
+        all->vertex_room += slabs[i].mesh.vertex_room;
+        all->triangle_room += slabs[i].mesh.triangle_room;
     }
-    BVXI_TRY(BVXI_ARRAY(job.s->ctx, 3 * all->vertex_room, "the vertices of a body", position));
-    BVXI_TRY(BVXI_ARRAY(job.s->ctx, 3 * all->triangle_room, "the triangles of a body", triangle));
-    for (uint32_t i = 0; i < job.count; i++) {
-        bvxi_section_mesh *const m = &job.slab[i].mesh;
+    BVXI_TRY(BVXI_ARRAY(s->ctx, 3 * all->vertex_room, "the vertices of a body", position));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, 3 * all->triangle_room, "the triangles of a body", triangle));
+    for (uint32_t i = 0; i < count; i++) {
+        bvxi_section_mesh *const m = &slabs[i].mesh;
         m->position = position;
         m->triangle = triangle;
         position += 3 * m->vertex_room;
@@ -151,7 +134,14 @@ bvx_status bvxi_slabs_fill(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
     BVXI_TRY(BVXI_ZEROS(s->ctx, job.workers, "the slabs' scratch", job.worker));
     BVXI_TRY(open_workers(&job));
     BVXI_TRY(bvxi_parallel(s->ctx, "surface", 0.02, 0.8, job.pieces, fill_slab_piece, &job));
-    return BVXI_SHARE(s->ctx, 0.8, 1.0, fill_again(&job));
+    job.worker[0].view.fixed = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        if (!job.again[i]) continue;
+        BVXI_TRY(bvxi_progress(s->ctx, "surface", 0.8 + 0.2 * (double)i / (double)count));
+        memset(&slabs[i].mesh, 0, sizeof slabs[i].mesh);
+        BVXI_TRY(fill_in_view(&job.worker[0], &slabs[i]));
+    }
+    return BVX_OK;
 }
 
 /* ---- joining ---- */

@@ -42,16 +42,6 @@ static int cap_meets(const cap_work *w, uint32_t a, uint32_t b, uint32_t c, uint
     return bvxi_segments_meet(q[a], q[b], q[c], q[d]);
 }
 
-static int is_free(const cap_work *w, uint32_t a, uint32_t b)
-{
-    const bvxi_plane *const p = w->plane;
-    for (uint32_t i = 0; i < p->point_count; i++)
-        if (cap_meets(w, a, b, i, p->next[i])) return 0;
-    for (uint32_t i = 0; i < w->bridge_count; i++)
-        if (cap_meets(w, a, b, w->bridge[i][0], w->bridge[i][1])) return 0;
-    return 1;
-}
-
 static int is_in_corner(const cap_work *w, uint32_t i, uint32_t point)
 {
     const int32_t *const o = w->plane->q[w->corner[i]];
@@ -85,7 +75,13 @@ static bvx_status find_bridge(cap_work *w, uint32_t from, uint32_t *corner)
             return bvxi_fail(w->s->ctx, BVX_ERR_FORMAT,
                              "%s: a hole of section %i cannot be joined to its loop", w->s->function,
                              (uint64_t)w->plane->section);
-        if (is_in_corner(w, at, from) && is_free(w, from, w->corner[at])) {
+        const bvxi_plane *const p = w->plane;
+        int sees = is_in_corner(w, at, from);
+        for (uint32_t i = 0; i < p->point_count && sees; i++)
+            sees = !cap_meets(w, from, w->corner[at], i, p->next[i]);
+        for (uint32_t i = 0; i < w->bridge_count && sees; i++)
+            sees = !cap_meets(w, from, w->corner[at], w->bridge[i][0], w->bridge[i][1]);
+        if (sees) {
             *corner = at;
             return BVX_OK;
         }
@@ -125,27 +121,6 @@ void bvxi_plane_owners(const bvxi_plane *p, uint32_t *owner)
     }
 }
 
-/* 1 when a point lies on the straight line from the one before it to the
- * next: no corner, but a vertex on a side as crossings are. */
-static int is_straight(const bvxi_plane *p, uint32_t before, uint32_t i)
-{
-    const double *const a = p->uv[before], *const o = p->uv[i], *const b = p->uv[p->next[i]];
-    double const x = o[0] - a[0], y = o[1] - a[1], u = b[0] - o[0], v = b[1] - o[1];
-    double const turn = x * v - y * u, along = x * u + y * v;
-    return along > 0.0 && (turn < 0.0 ? -turn : turn) <= CAP_STRAIGHT * along;
-}
-
-/* 1 when points are moved apart in fixed point from others that lie at
- * their place: the region is simple there only. */
-static int has_moved_points(const cap_work *w)
-{
-    for (uint32_t i = 0; i < w->plane->point_count && w->s->nudge != NULL && !w->plane->lines; i++) {
-        const int16_t *const nudge = w->s->nudge[w->plane->given[i]];
-        if (nudge[0] != 0 || nudge[1] != 0) return 1;
-    }
-    return 0;
-}
-
 static void find_corners(cap_work *w)
 {
     const bvxi_plane *const p = w->plane;
@@ -160,8 +135,17 @@ static void find_corners(cap_work *w)
             n = 0;
             for (uint32_t i = c->first; i < end; i++) {
                 w->after[i] = BVXI_NONE;
-                if (pass == 0 && !p->lines && !w->fixed && is_straight(p, i == c->first ? end - 1 : i - 1, i))
-                    continue;
+                int straight = 0;
+                if (pass == 0 && !p->lines && !w->fixed) {
+                    /* A point on the straight line from the one before it to the next is no corner, but a vertex
+                     * on a side as crossings are. */
+                    const double *const a = p->uv[i == c->first ? end - 1 : i - 1], *const o = p->uv[i],
+                                        *const b = p->uv[p->next[i]];
+                    double const x = o[0] - a[0], y = o[1] - a[1], u = b[0] - o[0], v = b[1] - o[1];
+                    double const turn = x * v - y * u, along = x * u + y * v;
+                    straight = along > 0.0 && bvxi_absolute(turn) <= CAP_STRAIGHT * along;
+                }
+                if (straight) continue;
                 if (last == BVXI_NONE) first = i;
                 else w->after[last] = i;
                 last = i;
@@ -317,7 +301,11 @@ bvx_status bvxi_cap_fill(bvxi_stack *s, const bvxi_plane *plane, int32_t side)
     uint32_t *owner = NULL;
     cap_work w = {.s = s, .plane = plane, .side = side};
     w.polygon.ctx = s->ctx;
-    w.fixed = has_moved_points(&w);
+    /* Where points are moved apart in fixed point from others at their place, the region is simple there only. */
+    for (uint32_t i = 0; i < plane->point_count && s->nudge != NULL && !plane->lines; i++) {
+        const int16_t *const nudge = s->nudge[plane->given[i]];
+        w.fixed |= nudge[0] != 0 || nudge[1] != 0;
+    }
     BVXI_TRY(BVXI_ARRAY(s->ctx, plane->contour_count, "the holes of a cap", owner));
     BVXI_TRY(BVXI_ARRAY(s->ctx, corners, "the corners of a cap", w.after));
     BVXI_TRY(BVXI_ARRAY(s->ctx, corners, "the corners of a cap", w.corner));

@@ -67,17 +67,6 @@ static int fill_by_table(const bvxi_trace *l, fill_table *t)
     return t->cost[0][n - 1] < FILL_NEVER;
 }
 
-static int fill_four(const bvxi_trace *l, uint32_t *first)
-{
-    int const even = (l->faces[0] & l->faces[2]) == 0, odd = (l->faces[1] & l->faces[3]) == 0;
-    if (!even && !odd) return 0;
-    *first = even && (!odd ||
-                      bvxi_vec_distance2(l->at[0], l->at[2]) <= bvxi_vec_distance2(l->at[1], l->at[3]))
-                 ? 0
-                 : 1;
-    return 1;
-}
-
 /* ---- a strip ---- */
 
 /* A loop of one stretch below and one above: their corners. Returns how many lie below, or 0. */
@@ -215,12 +204,12 @@ static bvx_status fill_cell_loop(bvxi_trace *l)
     if (common != 0 || l->cone) return fill_by_vertex(l);
     /* Loops of four are frequent, and have two ways only. */
     if (l->count == 4) {
-        uint32_t i;
-        if (fill_four(l, &i)) {
-            BVXI_TRY(bvxi_section_add_triangle(l->s, l->vertex[i], l->vertex[i + 1], l->vertex[i + 2]));
-            return bvxi_section_add_triangle(l->s, l->vertex[i], l->vertex[i + 2], l->vertex[(i + 3) & 3]);
-        }
-        return fill_by_vertex(l);
+        int const even = (l->faces[0] & l->faces[2]) == 0, odd = (l->faces[1] & l->faces[3]) == 0;
+        int const i = !even || (odd && bvxi_vec_distance2(l->at[0], l->at[2]) >
+                                           bvxi_vec_distance2(l->at[1], l->at[3]));
+        if (!even && !odd) return fill_by_vertex(l);
+        BVXI_TRY(bvxi_section_add_triangle(l->s, l->vertex[i], l->vertex[i + 1], l->vertex[i + 2]));
+        return bvxi_section_add_triangle(l->s, l->vertex[i], l->vertex[i + 2], l->vertex[(i + 3) & 3]);
     }
     if (l->count > FILL_FEW) {
         status = fill_as_strip(l);
@@ -268,15 +257,6 @@ static int uncross_pierces(const double *p, const double *q, const double *const
     return (a > 0.0 && b > 0.0 && c > 0.0) || (a < 0.0 && b < 0.0 && c < 0.0);
 }
 
-static void uncross_box(const bvxi_stack *s, const uint32_t *t, double box[6])
-{
-    for (int c = 0; c < 3; c++) {
-        const double *const p = bvxi_section_vertex(s, t[c]);
-        for (int k = 0; k < 3 && c == 0; k++) box[k] = box[k + 3] = p[k];
-        bvxi_widen(box, box + 3, p, 3);
-    }
-}
-
 /* Of two triangles that share corners only the sides without them can pass through. */
 static int uncross_pair(const bvxi_stack *s, const uint32_t *a, const uint32_t *b)
 {
@@ -289,28 +269,6 @@ static int uncross_pair(const bvxi_stack *s, const uint32_t *a, const uint32_t *
             uint32_t const p = corner[i][k], q = corner[i][(k + 1) % 3];
             if (p == o[0] || p == o[1] || p == o[2] || q == o[0] || q == o[1] || q == o[2]) continue;
             if (uncross_pierces(bvxi_section_vertex(s, p), bvxi_section_vertex(s, q), at)) return 1;
-        }
-    }
-    return 0;
-}
-
-/* 1 when triangles from a number on cross. */
-static int cell_crosses(const bvxi_stack *s, uint64_t from)
-{
-    uint64_t const n = s->mesh.triangle_count - from;
-    double box[UNCROSS_MOST][6];
-
-    /* very many contour points in one cell: it would take too long */
-    if (n == 0 || n > UNCROSS_MOST) return 0;
-    const uint32_t *const t = s->mesh.triangle + 3 * from;
-    for (uint64_t i = 0; i < n; i++) {
-        uncross_box(s, t + 3 * i, box[i]);
-        for (uint64_t k = 0; k < i; k++) {
-            const double *const a = box[i], *const b = box[k];
-            /* Boxes that only touch do not count: neighbours share corners. */
-            if (a[0] >= b[3] || b[0] >= a[3] || a[1] >= b[4] || b[1] >= a[4] || a[2] >= b[5] || b[2] >= a[5])
-                continue;
-            if (uncross_pair(s, t + 3 * i, t + 3 * k)) return 1;
         }
     }
     return 0;
@@ -400,18 +358,6 @@ static bvx_status follow_loop(bvxi_trace *t, uint32_t start)
     return bvxi_trace_fill(t, count);
 }
 
-/* A loop of a section that lies in the cell whole: closed by a cone. */
-static bvx_status fill_inner_loop(bvxi_trace *t, int k, const bvxi_arc *a)
-{
-    const bvxi_plane *const p = t->level[k].plane;
-    uint32_t first, end, count = 0;
-    bvxi_ring_stretch(p, bvxi_contour_of(p, a->point), &first, &end);
-    for (uint32_t i = first; i < end; i++)
-        BVXI_TRY(bvxi_trace_add_to_loop(t, &count, p->vertex + (k == 0 ? i : end - 1 - (i - first)),
-                                        k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE));
-    return bvxi_trace_fill(t, count);
-}
-
 /* ---- all of a cell ---- */
 
 void bvxi_trace_begin_fill(bvxi_trace *t, uint32_t choice, bvxi_trace_made *made)
@@ -439,7 +385,26 @@ int bvxi_trace_crosses(const bvxi_trace *t, const bvxi_trace_made *made)
     if (t->choice == 0 && t->loop_count == 1 &&
         (t->strips == 1 || s->mesh.triangle_count - made->triangles <= TRACE_SURE))
         return 0;
-    return cell_crosses(s, made->triangles);
+    uint64_t const n = s->mesh.triangle_count - made->triangles;
+    const uint32_t *const corner = s->mesh.triangle + 3 * made->triangles;
+    double box[UNCROSS_MOST][6];
+
+    /* very many contour points in one cell: it would take too long */
+    for (uint64_t i = 0; i < n && n <= UNCROSS_MOST; i++) {
+        for (int c = 0; c < 3; c++) {
+            const double *const p = bvxi_section_vertex(s, corner[3 * i + (uint64_t)c]);
+            for (int k = 0; k < 3 && c == 0; k++) box[i][k] = box[i][k + 3] = p[k];
+            bvxi_widen(box[i], box[i] + 3, p, 3);
+        }
+        for (uint64_t k = 0; k < i; k++) {
+            const double *const a = box[i], *const b = box[k];
+            /* Boxes that only touch do not count: neighbours share corners. */
+            if (a[0] >= b[3] || b[0] >= a[3] || a[1] >= b[4] || b[1] >= a[4] || a[2] >= b[5] || b[2] >= a[5])
+                continue;
+            if (uncross_pair(s, corner + 3 * i, corner + 3 * k)) return 1;
+        }
+    }
+    return 0;
 }
 
 static bvx_status fill_cell_loops(bvxi_trace *t, uint32_t choice, bvxi_trace_made *made)
@@ -451,8 +416,18 @@ static bvx_status fill_cell_loops(bvxi_trace *t, uint32_t choice, bvxi_trace_mad
         if (!t->point[i].seen) BVXI_TRY(follow_loop(t, i));
     for (int k = 0; k < 2; k++) {
         if (t->level[k].kind != BVXI_PLANE_EXACT) continue;
-        for (uint32_t i = 0; i < t->arc_count[k]; i++)
-            if (t->arc[k][i].from == BVXI_NONE) BVXI_TRY(fill_inner_loop(t, k, &t->arc[k][i]));
+        for (uint32_t a = 0; a < t->arc_count[k]; a++) {
+            const bvxi_plane *const p = t->level[k].plane;
+            uint32_t first, end, count = 0;
+
+            /* A loop of a section that lies in the cell whole is closed by a cone. */
+            if (t->arc[k][a].from != BVXI_NONE) continue;
+            bvxi_ring_stretch(p, bvxi_contour_of(p, t->arc[k][a].point), &first, &end);
+            for (uint32_t i = first; i < end; i++)
+                BVXI_TRY(bvxi_trace_add_to_loop(t, &count, p->vertex + (k == 0 ? i : end - 1 - (i - first)),
+                                                k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE));
+            BVXI_TRY(bvxi_trace_fill(t, count));
+        }
     }
     return BVX_OK;
 }

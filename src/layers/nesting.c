@@ -82,19 +82,6 @@ static bvx_status nest_meet_segments(void *user, uint32_t one, uint32_t two)
     return BVX_OK;
 }
 
-static bvx_status nest_meet_by_segments(nest_work *w)
-{
-    uint32_t count = 0;
-    for (uint32_t k = 0; k < 2; k++) {
-        const bvxi_plane *const p = w->plane[k];
-        for (uint32_t c = 0; c < p->contour_count; c++)
-            for (uint32_t i = p->contour[c].first;
-                 w->on[k][c].candidate && i < p->contour[c].first + p->contour[c].count; i++)
-                w->box[count++] = bvxi_box_segment(p->q[i], p->q[p->next[i]], i | k << NESTING_ABOVE_BIT);
-    }
-    return bvxi_sweep(w->s->ctx, w->box, count, nest_meet_segments, w);
-}
-
 /* ---- levels ---- */
 
 /* Loops of a depth whose parents go on, each of them on the level just below. */
@@ -109,6 +96,19 @@ static uint32_t nest_choose_candidates(nest_work *w, uint8_t *const level[2], ui
             count[k] += (uint32_t)l->candidate;
         }
     return count[0] < count[1] ? count[0] : count[1];
+}
+
+static bvx_status nest_meet_by_segments(nest_work *w)
+{
+    uint32_t count = 0;
+    for (uint32_t k = 0; k < 2; k++) {
+        const bvxi_plane *const p = w->plane[k];
+        for (uint32_t c = 0; c < p->contour_count; c++)
+            for (uint32_t i = p->contour[c].first;
+                 w->on[k][c].candidate && i < p->contour[c].first + p->contour[c].count; i++)
+                w->box[count++] = bvxi_box_segment(p->q[i], p->q[p->next[i]], i | k << NESTING_ABOVE_BIT);
+    }
+    return bvxi_sweep(w->s->ctx, w->box, count, nest_meet_segments, w);
 }
 
 /* Levels of the loops of this depth; *found when some are of a level of their own. */
@@ -291,22 +291,6 @@ static void nest_fill_level(const bvxi_stack *s, bvxi_plane *p, const uint8_t *l
     bvxi_plane_tree(p);
 }
 
-/* side: 0 for a level between its section and the one above, 1 below. part: scratch, one a loop. */
-static bvx_status nest_make_level(bvxi_stack *s, bvxi_plane *whole, int side, uint32_t number, uint32_t *part)
-{
-    const uint8_t *const level = s->nesting.level[side] + (whole->contour - s->all.contour);
-    bvxi_plane *const p = &s->nesting.plane[s->nesting.plane_count++];
-    uint32_t *segment;
-
-    *p = *whole;
-    p->whole = whole;
-    p->turned = (int)(number & 1);
-    BVXI_TRY(nest_open_level(s, p, level, number, &segment));
-    nest_copy_loops(p, level, number, part);
-    nest_fill_level(s, p, level, number, segment);
-    return BVX_OK;
-}
-
 bvx_status bvxi_nesting_make(bvxi_stack *s)
 {
     bvxi_nesting *const n = &s->nesting;
@@ -324,8 +308,19 @@ bvx_status bvxi_nesting_make(bvxi_stack *s)
     BVXI_TRY(BVXI_ARRAY(s->ctx, most, "the parts of sections", part));
     for (uint32_t i = 0; i + 1 < s->plane_count; i++)
         for (uint32_t level = 0; level < n->count[i] && n->count[i] > 1; level++)
-            for (int k = 0; k < 2; k++)
-                BVXI_TRY(nest_make_level(s, &s->plane[i + (uint32_t)k], k, level, part));
+            /* Below the level, between its section and the one above, then above it. */
+            for (uint32_t k = 0; k < 2; k++) {
+                bvxi_plane *const whole = &s->plane[i + k], *const p = &n->plane[n->plane_count++];
+                const uint8_t *const of = n->level[k] + (whole->contour - s->all.contour);
+                uint32_t *segment;
+
+                *p = *whole;
+                p->whole = whole;
+                p->turned = (int)(level & 1);
+                BVXI_TRY(nest_open_level(s, p, of, level, &segment));
+                nest_copy_loops(p, of, level, part);
+                nest_fill_level(s, p, of, level, segment);
+            }
     return BVX_OK;
 }
 

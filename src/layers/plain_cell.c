@@ -125,7 +125,7 @@ bvx_status bvxi_slab_plain_cell(bvxi_slab_work *w, const uint32_t arcs[2], const
     for (uint32_t i = 0; i < 4; i++)
         if (line[i] != BVXI_NONE) plain_add(&c, PLAIN_OVER + i, line[i]);
     if (!plain_sides(&c, inside) || c.from != c.present || c.to != c.present) return BVX_OK;
-    if (PLAIN_PLACES + inner > w->trace.loop_room[0]) return BVX_OK;
+    if (PLAIN_PLACES + inner > w->trace.loop_room) return BVX_OK;
     bvxi_trace_begin_fill(&w->trace, 0, &made);
     for (uint32_t i = 0; i < c.count; i++)
         if ((seen >> c.order[i] & 1) == 0) BVXI_TRY(plain_loop(w, &c, c.order[i], &seen));

@@ -205,21 +205,16 @@ static int ending_line(bvxi_field *f, int from, double u, double v, double d[2])
     return 1;
 }
 
-/* Where the blend is 0, as a share of the way. Beyond distances have signs. from: the plane inside. */
-static double line_zero(const bvxi_field *f, int from, const double d[BVXI_BLEND_SECTIONS])
-{
-    double value[BVXI_BLEND_SECTIONS];
-    if (!f->cubic) return d[0] + d[1] > 0.0 ? d[0] / (d[0] + d[1]) : 0.5;
-    memcpy(value, d, sizeof value);
-    value[1 - from] = -value[1 - from];
-    return bvxi_blend_zero(&f->blend, value);
-}
-
 static bvx_status cross_over(bvxi_field *f, double u, double v, int from, const double d[BVXI_BLEND_SECTIONS],
                              uint32_t *vertex)
 {
     const double *const w = f->slab->w;
-    double t = line_zero(f, from, d), place[3];
+    double value[BVXI_BLEND_SECTIONS], place[3];
+
+    /* Where the blend is 0, as a share of the way. Beyond distances have signs. from: the plane inside. */
+    memcpy(value, d, sizeof value);
+    value[1 - from] = -value[1 - from];
+    double t = f->cubic ? bvxi_blend_zero(&f->blend, value) : d[0] + d[1] > 0.0 ? d[0] / (d[0] + d[1]) : 0.5;
     if (!(t > FIELD_MARGIN)) t = FIELD_MARGIN;
     if (t > 1.0 - FIELD_MARGIN) t = 1.0 - FIELD_MARGIN;
     bvxi_section_place(f->s, u, v, w[0] + t * (w[1] - w[0]), place);
@@ -353,35 +348,6 @@ static void set_plane(bvxi_field *f, bvxi_plane_field *p, const bvxi_plane *plan
     if (p->known != NULL) memset(p->known, 0, (size_t)known_words(f->s) * 8);
 }
 
-static void index_hanging(bvxi_field *f)
-{
-    const bvxi_slab *const slab = f->slab;
-    for (int k = 0; k < 2; k++) {
-        uint32_t *const start = k == 0 ? f->hanging_column : f->hanging_row;
-        uint32_t n = 0;
-        for (int32_t i = 0; i < f->s->size[k] + 2; i++) {
-            while (n < slab->hanging_count &&
-                   slab->hanging[k == 0 ? slab->by_u[n] : n].at[k] >> f->s->fine < i)
-                n++;
-            start[i] = n;
-        }
-    }
-}
-
-/* Over parts that end between two sections the blend stays linear, as their ridges are. */
-static void set_blend(bvxi_field *f)
-{
-    const bvxi_slab *const slab = f->slab;
-    f->cubic = slab->far[0] != NULL || slab->far[1] != NULL;
-    if (is_nothing(f, 0) || is_nothing(f, 1) || slab->plane[0]->ends[1] || slab->plane[1]->ends[0])
-        f->cubic = 0;
-    if (!f->cubic) return;
-    f->blend.height = slab->plane[1]->w - slab->plane[0]->w;
-    f->blend.below = slab->far[0] == NULL ? 0.0 : slab->plane[0]->w - slab->far[0]->w;
-    f->blend.above = slab->far[1] == NULL ? 0.0 : slab->far[1]->w - slab->plane[1]->w;
-    for (int k = 0; k < 2; k++) set_plane(f, &f->plane[BVXI_BLEND_FAR_BELOW + k], slab->far[k]);
-}
-
 bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab)
 {
     f->slab = slab;
@@ -394,8 +360,25 @@ bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab)
         set_plane(f, &f->plane[0], slab->plane[0]);
     }
     set_plane(f, &f->plane[1], slab->plane[1]);
-    set_blend(f);
-    if (slab->hanging_count != 0) index_hanging(f);
+    /* Over parts that end between two sections the blend stays linear, as their ridges are. */
+    f->cubic = (slab->far[0] != NULL || slab->far[1] != NULL) && !is_nothing(f, 0) && !is_nothing(f, 1) &&
+               !slab->plane[0]->ends[1] && !slab->plane[1]->ends[0];
+    if (f->cubic) {
+        f->blend.height = slab->plane[1]->w - slab->plane[0]->w;
+        f->blend.below = slab->far[0] == NULL ? 0.0 : slab->plane[0]->w - slab->far[0]->w;
+        f->blend.above = slab->far[1] == NULL ? 0.0 : slab->far[1]->w - slab->plane[1]->w;
+        for (int k = 0; k < 2; k++) set_plane(f, &f->plane[BVXI_BLEND_FAR_BELOW + k], slab->far[k]);
+    }
+    for (int k = 0; k < 2 && slab->hanging_count != 0; k++) {
+        uint32_t *const start = k == 0 ? f->hanging_column : f->hanging_row;
+        uint32_t n = 0;
+        for (int32_t i = 0; i < f->s->size[k] + 2; i++) {
+            while (n < slab->hanging_count &&
+                   slab->hanging[k == 0 ? slab->by_u[n] : n].at[k] >> f->s->fine < i)
+                n++;
+            start[i] = n;
+        }
+    }
     return cross_lines(f);
 }
 

@@ -32,16 +32,6 @@ static uint32_t count_ends(const bvxi_plane *p, const bvxi_arc *arc, uint32_t co
     return inner;
 }
 
-static int asks_for_split(const bvxi_split_work *w, const bvxi_split_cell *c)
-{
-    for (int k = 0; k < 2; k++) {
-        uint32_t ends[4];
-        if (count_ends(w->slab->plane[k], w->pool + c->arc[k], c->arc_count[k], c->low, ends) != 0) return 1;
-        if (ends[0] > 1 || ends[1] > 1 || ends[2] > 1 || ends[3] > 1) return 1;
-    }
-    return 0;
-}
-
 /* Counts are of planes, of which most have a slab on either side: the one
  * above counts, for the last plane the one below. */
 /* What is still crossed more than once is counted once an edge: at its cell with higher coordinates. */
@@ -221,24 +211,6 @@ static bvx_status split_plane(bvxi_split_work *w, const bvxi_split_cell *c, int 
     return BVX_OK;
 }
 
-static bvx_status add_hanging(bvxi_split_work *w, int32_t u, int32_t v, uint32_t below, uint32_t above)
-{
-    bvxi_slab *const slab = w->slab;
-    int32_t const part = (1 << w->s->fine) - 1;
-
-    if ((u & part) == 0 && (v & part) == 0) return BVX_OK; /* a grid point */
-    BVXI_TRY(
-        BVXI_SLAB_GROW(w->s, slab->hanging, slab->hanging_count, slab->hanging_room, "the corners of cells"));
-    bvxi_hanging *const h = &slab->hanging[slab->hanging_count++];
-    memset(h, 0, sizeof *h);
-    h->at[0] = u;
-    h->at[1] = v;
-    h->inside[0] = (uint8_t)below;
-    h->inside[1] = (uint8_t)above;
-    h->vertex = BVXI_NONE;
-    return BVX_OK;
-}
-
 static bvx_status add_leaf(bvxi_split_work *w, const bvxi_split_cell *c)
 {
     bvxi_slab *const slab = w->slab;
@@ -261,9 +233,15 @@ static bvx_status add_leaf(bvxi_split_work *w, const bvxi_split_cell *c)
     }
 
     /* All four corners, again and again where leaves meet; they are sorted and made one afterwards. */
-    for (int j = 0; j < 4; j++)
-        BVXI_TRY(add_hanging(w, c->low[0] + (j & 1) * c->size, c->low[1] + (j >> 1) * c->size,
-                             c->inside[0] >> j & 1u, c->inside[1] >> j & 1u));
+    for (int j = 0; j < 4; j++) {
+        int32_t const u = c->low[0] + (j & 1) * c->size, v = c->low[1] + (j >> 1) * c->size;
+        int32_t const part = (1 << w->s->fine) - 1;
+        if ((u & part) == 0 && (v & part) == 0) continue; /* a grid point */
+        BVXI_TRY(BVXI_SLAB_GROW(w->s, slab->hanging, slab->hanging_count, slab->hanging_room,
+                                "the corners of cells"));
+        slab->hanging[slab->hanging_count++] = (bvxi_hanging){
+            .at = {u, v}, .inside = {c->inside[0] >> j & 1u, c->inside[1] >> j & 1u}, .vertex = BVXI_NONE};
+    }
     return BVX_OK;
 }
 
@@ -275,7 +253,13 @@ static bvx_status split_down(bvxi_split_work *w, const bvxi_split_cell *root)
     stack[top++] = *root;
     while (top > 0) {
         bvxi_split_cell const c = stack[--top];
-        if (asks_for_split(w, &c)) {
+        int split = 0;
+        for (int k = 0; k < 2 && !split; k++) {
+            uint32_t ends[4];
+            split = count_ends(w->slab->plane[k], w->pool + c.arc[k], c.arc_count[k], c.low, ends) != 0 ||
+                    ends[0] > 1 || ends[1] > 1 || ends[2] > 1 || ends[3] > 1;
+        }
+        if (split) {
             if (c.depth < w->s->options.slabs.depth) {
                 bvxi_split_cell quarter[4];
                 int32_t const half = c.size / 2;
@@ -378,23 +362,6 @@ static bvx_status keep_part(bvx_context *ctx, void *to, const void *from, uint64
     return BVX_OK;
 }
 
-static bvx_status keep_slab(const bvxi_split_work *w, bvxi_slab *slab)
-{
-    const bvxi_slab *const g = &w->grown;
-    bvx_context *const ctx = w->s->ctx;
-
-    if (g->split_count == 0) return BVX_OK;
-    slab->split_count = g->split_count;
-    slab->leaf_count = g->leaf_count;
-    slab->arc_count = g->arc_count;
-    slab->hanging_count = g->hanging_count;
-    BVXI_TRY(keep_part(ctx, &slab->split, g->split, g->split_count * sizeof *g->split));
-    BVXI_TRY(keep_part(ctx, &slab->leaf, g->leaf, g->leaf_count * sizeof *g->leaf));
-    BVXI_TRY(keep_part(ctx, &slab->arc, g->arc, g->arc_count * sizeof *g->arc));
-    BVXI_TRY(keep_part(ctx, &slab->hanging, w->sorted, g->hanging_count * sizeof *g->hanging));
-    return keep_part(ctx, &slab->by_u, w->order, g->hanging_count * sizeof *slab->by_u);
-}
-
 /* ---- all slabs ---- */
 
 static bvx_status split_slab(bvxi_split_work *w, bvxi_slab *slab)
@@ -420,7 +387,18 @@ static bvx_status split_slab(bvxi_split_work *w, bvxi_slab *slab)
         BVXI_TRY(split_grid_cell(w, (int32_t)((a < b ? a : b) & 0xffff), (int32_t)((a < b ? a : b) >> 16)));
     }
     BVXI_TRY(order_hanging(w, g));
-    return keep_slab(w, slab);
+    bvx_context *const ctx = w->s->ctx;
+
+    if (g->split_count == 0) return BVX_OK;
+    slab->split_count = g->split_count;
+    slab->leaf_count = g->leaf_count;
+    slab->arc_count = g->arc_count;
+    slab->hanging_count = g->hanging_count;
+    BVXI_TRY(keep_part(ctx, &slab->split, g->split, g->split_count * sizeof *g->split));
+    BVXI_TRY(keep_part(ctx, &slab->leaf, g->leaf, g->leaf_count * sizeof *g->leaf));
+    BVXI_TRY(keep_part(ctx, &slab->arc, g->arc, g->arc_count * sizeof *g->arc));
+    BVXI_TRY(keep_part(ctx, &slab->hanging, w->sorted, g->hanging_count * sizeof *g->hanging));
+    return keep_part(ctx, &slab->by_u, w->order, g->hanging_count * sizeof *slab->by_u);
 }
 
 static void set_slab(bvxi_slab *slab, bvxi_plane *below, bvxi_plane *above, double low, double high)
@@ -429,18 +407,6 @@ static void set_slab(bvxi_slab *slab, bvxi_plane *below, bvxi_plane *above, doub
     slab->plane[1] = above;
     slab->w[0] = low;
     slab->w[1] = high;
-}
-
-/* Each nesting level between two planes is a slab of its own. */
-static uint32_t lay_levels(const bvxi_stack *s, bvxi_slab *slabs, uint32_t below, bvxi_plane *level)
-{
-    uint32_t const levels = s->nesting.count[below];
-    for (uint32_t i = 0; i < levels; i++, level += 2) {
-        set_slab(&slabs[i], &level[0], &level[1], s->plane[below].w, s->plane[below + 1].w);
-        slabs[i].below = below;
-        slabs[i].level = i;
-    }
-    return levels;
 }
 
 /* The plane beyond one side of a slab, which a cubic blend looks at; side: 0 below, 1 above. A nesting level
@@ -483,9 +449,12 @@ static uint32_t lay_slabs(bvxi_stack *s, bvxi_slab *slabs, bvxi_plane *nothing)
         int const here = p[i].contour_count != 0, there = p[i + 1].contour_count != 0;
         double const half = p[i].w + 0.5 * (p[i + 1].w - p[i].w);
         if (level != NULL && s->nesting.count[i] > 1) {
-            uint32_t const levels = lay_levels(s, slabs + count, i, level);
-            level += 2 * (size_t)levels;
-            count += levels;
+            /* Each nesting level between two planes is a slab of its own. */
+            for (uint32_t k = 0; k < s->nesting.count[i]; k++, level += 2) {
+                slabs[count].below = i;
+                slabs[count].level = k;
+                set_slab(&slabs[count++], &level[0], &level[1], p[i].w, p[i + 1].w);
+            }
             continue;
         }
         slabs[count].below = i;

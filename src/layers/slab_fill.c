@@ -105,20 +105,6 @@ static int is_beside_split(const bvxi_slab_work *w, int32_t i, int32_t j)
             is_split(w, i, j + 1));
 }
 
-static bvx_status fill_traced_cell(bvxi_slab_work *w, int32_t i, int32_t j, const uint32_t arcs[2])
-{
-    bvxi_trace *const t = &w->trace;
-    const bvxi_slab *const slab = w->field.slab;
-    if (w->split < slab->split_count && slab->split[w->split].cell == t->key)
-        return fill_leaves(w, &slab->split[w->split++]);
-    t->beside_split = is_beside_split(w, i, j);
-    for (int k = 0; k < 2; k++) {
-        t->arc[k] = arcs[k] == 0 ? NULL : slab->plane[k]->arc + w->arc[k];
-        t->arc_count[k] = t->level[k].kind == BVXI_PLANE_EXACT ? arcs[k] : 0;
-    }
-    return bvxi_trace_slab_cell(t);
-}
-
 static bvx_status fill_grid_cell(bvxi_slab_work *w, int32_t i, int32_t j)
 {
     bvxi_trace *const t = &w->trace;
@@ -144,7 +130,17 @@ static bvx_status fill_grid_cell(bvxi_slab_work *w, int32_t i, int32_t j)
         /* Beside a subdivided cell there may be points on the common side, which only the trace looks for. */
         if (!is_beside_split(w, i, j)) BVXI_TRY(bvxi_slab_plain_cell(w, arcs, inside, line, &done));
     }
-    if (!done) BVXI_TRY(fill_traced_cell(w, i, j, arcs));
+    const bvxi_slab *const slab = w->field.slab;
+    if (!done && w->split < slab->split_count && slab->split[w->split].cell == t->key) {
+        BVXI_TRY(fill_leaves(w, &slab->split[w->split++]));
+    } else if (!done) {
+        t->beside_split = is_beside_split(w, i, j);
+        for (int k = 0; k < 2; k++) {
+            t->arc[k] = arcs[k] == 0 ? NULL : slab->plane[k]->arc + w->arc[k];
+            t->arc_count[k] = t->level[k].kind == BVXI_PLANE_EXACT ? arcs[k] : 0;
+        }
+        BVXI_TRY(bvxi_trace_slab_cell(t));
+    }
     for (int k = 0; k < 2; k++) w->arc[k] += arcs[k];
     return BVX_OK;
 }

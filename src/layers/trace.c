@@ -9,6 +9,42 @@
 
 #include "lattice/wide.h"
 
+enum { TRACE_FEW = 64 };
+
+/* ---- arrays, which grow on the calling thread, never in a view of the stack that other threads have ---- */
+
+static bvx_status add_trace_point(bvxi_trace *t, uint32_t vertex, uint32_t faces, uint32_t *point)
+{
+    BVXI_TRY(BVXI_SLAB_GROW(t->s, t->point, t->point_count, t->point_room, "the crossings of a cell"));
+    *point = t->point_count++;
+    t->point[*point] = (bvxi_trace_point){.vertex = vertex,
+                                          .next = BVXI_NONE,
+                                          .arc = BVXI_NONE,
+                                          .faces = (uint8_t)faces,
+                                          .link = BVXI_LINK_STRAIGHT};
+    return BVX_OK;
+}
+
+static bvx_status open_rows(bvxi_trace *t, uint64_t ends, uint64_t nodes)
+{
+    for (int k = 0; k < 2; k++) {
+        BVXI_TRY(bvxi_trace_reserve(t, &t->row[k], ends + 1, &t->row_room[k], sizeof *t->row[k]));
+        BVXI_TRY(bvxi_trace_reserve(t, &t->cross[k], nodes + 1, &t->cross_room[k], sizeof *t->cross[k]));
+    }
+    return BVX_OK;
+}
+
+bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop)
+{
+    bvxi_stack *const s = t->s;
+    BVXI_TRY(BVXI_SLAB_GROW(s, t->node, 0, t->node_room, "the corners of a cell"));
+    BVXI_TRY(BVXI_SLAB_GROW(s, t->point, 0, t->point_room, "the crossings of a cell"));
+    BVXI_TRY(BVXI_SLAB_GROW(s, t->end, 0, t->end_room, "the crossings of a cell"));
+    BVXI_TRY(open_rows(t, TRACE_FEW, TRACE_FEW));
+    BVXI_TRY(bvxi_map_reserve(s->ctx, &t->folds, 32));
+    return bvxi_trace_open_loop(t, loop);
+}
+
 /* ---- corners ---- */
 
 /* The corner of finer cells at a place or, in the order of rows or of columns, first beyond it. */
@@ -152,7 +188,7 @@ static bvx_status join_pair(bvxi_trace *t, int k, uint32_t first, uint32_t secon
         BVXI_TRY(bvxi_section_add_vertex(s, place, &number));
         *vertex = number;
     }
-    BVXI_TRY(bvxi_trace_add_point(t, *vertex, (uint32_t)BVXI_FACE_SIDE << side, &point));
+    BVXI_TRY(add_trace_point(t, *vertex, (uint32_t)BVXI_FACE_SIDE << side, &point));
 
     /* counter-clockwise around the strip from P to Q inside: P to Q. The strip's order is that below. */
     if ((k == 0) == !inside_before) {
@@ -231,10 +267,10 @@ static bvx_status gather_ends(bvxi_trace *t)
                 e->cut = to ? a->to : a->from;
                 e->k = (uint8_t)k;
                 e->side = (uint8_t)bvxi_side_of(c, t->low);
-                BVXI_TRY(bvxi_trace_add_point(t, p->vertex + c->ring,
-                                              (k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE) |
-                                                  (uint32_t)BVXI_FACE_SIDE << e->side,
-                                              &e->point));
+                BVXI_TRY(add_trace_point(t, p->vertex + c->ring,
+                                         (k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE) |
+                                             (uint32_t)BVXI_FACE_SIDE << e->side,
+                                         &e->point));
             }
         }
     }
@@ -318,7 +354,7 @@ static bvx_status link_strip(bvxi_trace *t, side_walk *w, uint32_t a, uint32_t b
         } else if (t->level[k].kind == BVXI_PLANE_FIELD && left->inside[k] != right->inside[k]) {
             uint32_t vertex;
             BVXI_TRY(bvxi_trace_edge(t, k, left, right, &vertex));
-            BVXI_TRY(bvxi_trace_add_point(
+            BVXI_TRY(add_trace_point(
                 t, vertex, (k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE) | (uint32_t)BVXI_FACE_SIDE << w->side,
                 &crossing[k]));
             t->cross[k][t->cross_count[k]++] = crossing[k];
@@ -335,7 +371,7 @@ static bvx_status link_sides(bvxi_trace *t, const uint32_t corner[5], uint32_t *
     for (uint32_t i = 0; i < t->node_count; i++) {
         const bvxi_trace_node *const n = &t->node[i];
         points[i] = BVXI_NONE;
-        if (n->vertex != BVXI_NONE) BVXI_TRY(bvxi_trace_add_point(t, n->vertex, n->faces, &points[i]));
+        if (n->vertex != BVXI_NONE) BVXI_TRY(add_trace_point(t, n->vertex, n->faces, &points[i]));
     }
     t->cross_count[0] = t->cross_count[1] = 0;
 
@@ -365,7 +401,7 @@ bvx_status bvxi_trace_slab_cell(bvxi_trace *t)
     corner[4] = t->node_count;
 
     BVXI_TRY(gather_ends(t));
-    BVXI_TRY(bvxi_trace_open_rows(t, t->end_count, t->node_count));
+    BVXI_TRY(open_rows(t, t->end_count, t->node_count));
     BVXI_TRY(bvxi_trace_open_loop(t, (uint64_t)t->node_count + 16));
     /* the loop's scratch holds the nodes' points until loops are followed */
     BVXI_TRY(link_sides(t, corner, t->next));

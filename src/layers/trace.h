@@ -71,7 +71,7 @@ typedef struct bvxi_trace {
     int strip;                   /* out: it became a strip from below to above */
     uint32_t loop_count, strips; /* so far in the cell */
     uint32_t choice;             /* how each is filled */
-    uint64_t loop_room[5];       /* of the arrays below */
+    uint64_t loop_room;          /* of each of the arrays below */
     uint32_t *vertex;
     uint8_t *faces;
     const double **at;
@@ -81,10 +81,11 @@ typedef struct bvxi_trace {
 /* Room for what most cells need, so that arrays seldom grow. loop: vertices
  * of the longest loop that is likely. */
 bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop);
-/* Room for a loop of count vertices; for the crossings of the cell. */
+/* Capacity for a loop of count vertices, and of any array of a cell; BVX_ERR_BUDGET in a view that would have to
+ * grow, whose slab the calling thread makes again afterwards. */
 bvx_status bvxi_trace_open_loop(bvxi_trace *t, uint64_t count);
-bvx_status bvxi_trace_open_rows(bvxi_trace *t, uint64_t ends, uint64_t nodes);
-bvx_status bvxi_trace_add_point(bvxi_trace *t, uint32_t vertex, uint32_t faces, uint32_t *point);
+bvx_status bvxi_trace_reserve(const bvxi_trace *t, void *array, uint64_t count, uint64_t *room,
+                              uint64_t item);
 bvx_status bvxi_trace_loops(bvxi_trace *t);
 /* How much there was before a cell's loops were filled. */
 typedef struct bvxi_trace_made {

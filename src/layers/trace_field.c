@@ -6,6 +6,36 @@
  * contour's points in the cell are put into the lines, each into the nearer one where there are two. */
 #include "layers/trace.h"
 
+/* ---- the arrays of a loop, which grow on the calling thread, never in a view that other threads have ---- */
+
+bvx_status bvxi_trace_reserve(const bvxi_trace *t, void *array, uint64_t count, uint64_t *room, uint64_t item)
+{
+    if (BVXI_LIKELY(count <= *room)) return BVX_OK;
+    if (t->s->fixed) return BVX_ERR_BUDGET;
+    return bvxi_reserve(t->s->ctx, array, count + count / 2 + 64, room, item, "the loops of a cell");
+}
+
+bvx_status bvxi_trace_open_loop(bvxi_trace *t, uint64_t count)
+{
+    uint64_t room[4] = {t->loop_room, t->loop_room, t->loop_room, t->loop_room};
+
+    BVXI_TRY(bvxi_trace_reserve(t, &t->faces, count, &room[0], sizeof *t->faces));
+    BVXI_TRY(bvxi_trace_reserve(t, (void *)&t->at, count, &room[1], sizeof *t->at));
+    BVXI_TRY(bvxi_trace_reserve(t, &t->next, count, &room[2], sizeof *t->next));
+    BVXI_TRY(bvxi_trace_reserve(t, &t->before, count, &room[3], sizeof *t->before));
+    return bvxi_trace_reserve(t, &t->vertex, count, &t->loop_room, sizeof *t->vertex);
+}
+
+bvx_status bvxi_trace_add_to_loop(bvxi_trace *t, uint32_t *count, uint32_t vertex, uint32_t faces)
+{
+    if (*count >= t->loop_room) BVXI_TRY(bvxi_trace_open_loop(t, (uint64_t)*count + 1));
+    t->vertex[*count] = vertex;
+    t->faces[(*count)++] = (uint8_t)faces;
+    return BVX_OK;
+}
+
+/* ---- crossings ---- */
+
 #define FIELD_EDGE_MARGIN (1.0 / 1024.0)
 
 bvx_status bvxi_trace_edge(bvxi_trace *t, int k, const bvxi_trace_node *a, const bvxi_trace_node *b,
@@ -45,27 +75,25 @@ static void uv_of_vertex(const bvxi_trace *t, uint32_t vertex, double uv[2])
     for (int k = 0; k < 2; k++) uv[k] = bvxi_along_axis(t->s->axis[k], p);
 }
 
-/* The field where the lines joining opposite crossings of a face meet. */
-static int face_joins(bvxi_trace *t, int k)
-{
-    double p[4][2], d, x, y, share;
-    for (int i = 0; i < 4; i++) uv_of_vertex(t, t->point[t->cross[k][i]].vertex, p[i]);
-    d = (p[2][0] - p[0][0]) * (p[3][1] - p[1][1]) - (p[2][1] - p[0][1]) * (p[3][0] - p[1][0]);
-    share = ((p[1][0] - p[0][0]) * (p[3][1] - p[1][1]) - (p[1][1] - p[0][1]) * (p[3][0] - p[1][0])) / d;
-    /* Lines that do not meet between their ends: the middle will do. */
-    if (!(share > 0.0 && share < 1.0)) share = 0.5;
-    x = p[0][0] + share * (p[2][0] - p[0][0]);
-    y = p[0][1] + share * (p[2][1] - p[0][1]);
-    return bvxi_field_at(t->field, x, y, k) > 0.0;
-}
-
 void bvxi_trace_face(bvxi_trace *t, int k)
 {
     uint32_t const n = t->cross_count[k];
     uint32_t const *const cross = t->cross[k];
     /* crossings into the inside, counter-clockwise, are those of this parity */
     uint32_t const enters = t->node[0].inside[k];
-    int const joins = n == 4 && face_joins(t, k);
+    int joins = 0;
+
+    /* The field where the lines joining opposite crossings of a face meet. */
+    if (n == 4) {
+        double p[4][2], d, share;
+        for (int i = 0; i < 4; i++) uv_of_vertex(t, t->point[cross[i]].vertex, p[i]);
+        d = (p[2][0] - p[0][0]) * (p[3][1] - p[1][1]) - (p[2][1] - p[0][1]) * (p[3][0] - p[1][0]);
+        share = ((p[1][0] - p[0][0]) * (p[3][1] - p[1][1]) - (p[1][1] - p[0][1]) * (p[3][0] - p[1][0])) / d;
+        /* Lines that do not meet between their ends: the middle will do. */
+        if (!(share > 0.0 && share < 1.0)) share = 0.5;
+        joins = bvxi_field_at(t->field, p[0][0] + share * (p[2][0] - p[0][0]),
+                              p[0][1] + share * (p[2][1] - p[0][1]), k) > 0.0;
+    }
     for (uint32_t i = enters; i < n; i += 2) {
         uint32_t const in = cross[i], out = cross[joins ? (i + n - 1) % n : (i + 1) % n];
         bvxi_trace_point *const p = &t->point[k == 0 ? out : in];

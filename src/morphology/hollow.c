@@ -163,23 +163,6 @@ static const bvxi_option hollow_rows[] = {
     BVXI_RESERVED(bvx_hollow_options, reserved),
 };
 
-/* A face voxel's nearest empty centre is a spacing away: with less the shell would be open. */
-static bvx_status check_shell(bvx_context *ctx, const char *function, const bvx_lattice *lattice,
-                              double thickness)
-{
-    /* A hair less is taken, as a thickness computed from the spacing may be rounded. */
-    for (int a = 0; a < 3; a++)
-        if (thickness < lattice->spacing[a] * (1.0 - 1.0 / 1099511627776.0))
-            return bvxi_fail_for(
-                ctx, BVX_ERR_RANGE, BVX_REASON_RANGE,
-                "%s: thickness %g is less than a voxel, %g along %s: take a finer lattice or a thicker shell",
-                function, thickness, lattice->spacing[a],
-                a == 0   ? "x"
-                : a == 1 ? "y"
-                         : "z");
-    return BVX_OK;
-}
-
 /* *shell becomes the grid without its hollow and hole; hollow is room for a grid. */
 static bvx_status make_shell(bvx_context *ctx, const char *function, const bvx_grid *grid,
                              const bvx_hollow_options *o, bvx_grid *hollow, bvx_grid *shell,
@@ -215,7 +198,17 @@ static bvx_status run_grid_hollow(bvx_context *context, const bvx_grid *grid,
                              "%s: drain_side %d is more than one side", function, (int64_t)o.drain_side);
 
     /* All is checked before the result's memory is touched. */
-    BVXI_TRY(check_shell(context, function, &grid->lattice, o.thickness));
+    /* A face voxel's nearest empty centre is a spacing away: with less the shell would be open. A hair less is
+     * taken, as a thickness computed from the spacing may be rounded. */
+    for (int a = 0; a < 3; a++)
+        if (o.thickness < grid->lattice.spacing[a] * (1.0 - 1.0 / 1099511627776.0))
+            return bvxi_fail_for(
+                context, BVX_ERR_RANGE, BVX_REASON_RANGE,
+                "%s: thickness %g is less than a voxel, %g along %s: take a finer lattice or a thicker shell",
+                function, o.thickness, grid->lattice.spacing[a],
+                a == 0   ? "x"
+                : a == 1 ? "y"
+                         : "z");
     memcpy(window.low, grid->low, sizeof window.low);
     memcpy(window.size, grid->size, sizeof window.size);
     bvxi_grid_renew(context, &grid->lattice, &window, result);

@@ -89,17 +89,6 @@ static uint64_t *grown_slice(const runs_job *job, uint64_t *scratch, int32_t w)
            (size_t)job->reach[1] * (size_t)job->from.row_words + 1;
 }
 
-static void read_run_slice(const runs_job *job, int32_t z, uint64_t *slice)
-{
-    const uint64_t *const from = job->from.words + (size_t)z * job->slice;
-    size_t const words = (size_t)job->from.row_words;
-    /* Erosion is dilation of the complement: bits are turned once, when they are read. */
-    for (size_t k = 0; k < job->slice; k++) slice[k] = from[k] ^ job->flip;
-    /* What lies beyond a row's end comes in with the bits there. */
-    for (size_t k = words - 1; k < job->slice; k += words)
-        slice[k] = (slice[k] & job->tail) | (job->around & ~job->tail);
-}
-
 /* Slice z joined to those from begin on before end that the ball reaches. */
 static void spread_slice(const runs_job *job, uint64_t *scratch, int32_t z, int32_t begin, int32_t end)
 {
@@ -107,7 +96,13 @@ static void spread_slice(const runs_job *job, uint64_t *scratch, int32_t z, int3
     uint64_t *const joined = scratch;
 
     /* Each width from the one before it, by one voxel; all runs of the ball then lie ready. */
-    read_run_slice(job, z, grown_slice(job, scratch, 0));
+    const uint64_t *const read = job->from.words + (size_t)z * job->slice;
+    uint64_t *const slice = grown_slice(job, scratch, 0);
+    /* Erosion is dilation of the complement: bits are turned once, when they are read. */
+    for (size_t k = 0; k < job->slice; k++) slice[k] = read[k] ^ job->flip;
+    /* What lies beyond a row's end comes in with the bits there. */
+    for (size_t k = words - 1; k < job->slice; k += words)
+        slice[k] = (slice[k] & job->tail) | (job->around & ~job->tail);
     for (int32_t w = 1; w <= job->reach[0]; w++) {
         const uint64_t *const from = grown_slice(job, scratch, w - 1);
         uint64_t *const out = grown_slice(job, scratch, w);

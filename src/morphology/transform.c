@@ -44,15 +44,6 @@ int bvxi_transform_fits_whole(const int32_t size[3])
     return sum < 4294900000.0;
 }
 
-static uint64_t scratch_bytes_of(const transform_job *job)
-{
-    uint64_t const n = (uint64_t)job->longest, lanes = n * BVXI_LANES, groups = (uint64_t)job->t->groups;
-    /* Columns in and out for all groups, then what the envelope needs. */
-    uint64_t bytes = lanes * job->cell * (1 + groups) + n * 16 + n * 8;
-    if (job->t->nearest) bytes += lanes * 8 * groups + lanes * 8;
-    return (bytes + 63) / 64 * 64 + 64;
-}
-
 /* The parts of a worker's block: doubles and long ones first. */
 static transform_scratch scratch_of(const transform_job *job, int32_t worker)
 {
@@ -99,7 +90,11 @@ static bvx_status open_transform(transform_job *job)
     job->carry_bytes = bvxi_mul(ny * nz, sizeof(bvxi_row_carry), &ok);
     job->has_bytes = (uint64_t)t->groups * nz;
     job->inverse_bytes = (uint64_t)job->longest * sizeof(double);
-    job->scratch_size = scratch_bytes_of(job);
+    uint64_t const lanes = (uint64_t)job->longest * BVXI_LANES, groups = (uint64_t)t->groups;
+    /* Columns in and out for all groups, then what the envelope needs. */
+    uint64_t bytes = lanes * job->cell * (1 + groups) + (uint64_t)job->longest * 24;
+    if (t->nearest) bytes += lanes * 8 * groups + lanes * 8;
+    job->scratch_size = (bytes + 63) / 64 * 64 + 64;
     job->workers = bvxi_threads(ctx);
     job->all_scratch = bvxi_mul(job->scratch_size, (uint64_t)job->workers, &ok);
     /* Nothing was taken yet: a tile that no memory could hold is reported as that. */
@@ -236,21 +231,6 @@ static void lessen_by_beyond(const transform_job *job, int32_t x, int32_t y, int
     }
 }
 
-/* Targets of all columns as linear indices. */
-static void find_nearest(const transform_job *job, const transform_scratch *s, int32_t group, int32_t y,
-                         uint64_t *nearest)
-{
-    const int32_t *const size = job->t->box.size;
-    uint64_t const slice = (uint64_t)size[0] * (uint64_t)size[1];
-    for (size_t z = 0; z < (size_t)size[2]; z++)
-        for (size_t i = 0; i < BVXI_LANES; i++) {
-            size_t const from = (size_t)s->from[z * BVXI_LANES + i];
-            /* Its slice along z, then what that slice's columns kept. */
-            size_t const line = ((size_t)group * (size_t)size[2] + from) * job->y_room + (size_t)y;
-            nearest[z * BVXI_LANES + i] = job->tile_nearest[line * BVXI_LANES + i] + from * slice;
-        }
-}
-
 static void run_group_of_row(const transform_job *job, const transform_scratch *s, int32_t group, int32_t y)
 {
     size_t const nz = (size_t)job->t->box.size[2];
@@ -280,22 +260,15 @@ static void run_group_of_row(const transform_job *job, const transform_scratch *
     c.in = s->in;
     c.out = out;
     run_columns(job, &c);
-    if (nearest != NULL) find_nearest(job, s, group, y, nearest);
-}
-
-static void run_row(const transform_job *job, const transform_scratch *s, int32_t y)
-{
-    const bvxi_transform *const t = job->t;
-    for (int32_t g = 0; g < job->groups; g++) run_group_of_row(job, s, g, y);
-    for (int32_t z = 0; z < t->box.size[2]; z++)
-        for (int32_t g = 0; g < job->groups; g++) {
-            size_t const at = ((size_t)g * (size_t)job->longest + (size_t)z) * BVXI_LANES;
-            int32_t const x = job->x + g * BVXI_LANES, left = t->box.size[0] - x;
-            void *const squares = (unsigned char *)s->out + at * job->cell;
-            uint64_t *const nearest = s->nearest != NULL ? s->nearest + at : NULL;
-            if (t->beyond) lessen_by_beyond(job, x, y, z, squares, nearest);
-            t->sink(t->user, x, y, z, left < BVXI_LANES ? left : BVXI_LANES, squares, nearest);
-        }
+    /* Targets of all columns as linear indices. */
+    const int32_t *const size = job->t->box.size;
+    for (size_t i = 0; i < nz * BVXI_LANES && nearest != NULL; i++) {
+        size_t const from = (size_t)s->from[i];
+        /* Its slice along z, then what that slice's columns kept. */
+        size_t const kept = ((size_t)group * nz + from) * job->y_room + (size_t)y;
+        nearest[i] = job->tile_nearest[kept * BVXI_LANES + i % BVXI_LANES] +
+                     from * (uint64_t)size[0] * (uint64_t)size[1];
+    }
 }
 
 static void run_rows(void *user, int32_t index, int32_t worker)
@@ -304,20 +277,19 @@ static void run_rows(void *user, int32_t index, int32_t worker)
     transform_scratch const s = scratch_of(job, worker);
     uint64_t begin, end;
     bvxi_piece((uint64_t)job->t->box.size[1], job->pieces, index, &begin, &end);
-    for (uint64_t y = begin; y < end; y++) run_row(job, &s, (int32_t)y);
-}
-
-static bvx_status run_tile(transform_job *job, double from, double to)
-{
     const bvxi_transform *const t = job->t;
-    const int32_t *const size = t->box.size;
-    uint64_t const voxels = (uint64_t)size[1] * (uint64_t)size[2] * BVXI_LANES * (uint64_t)job->groups;
-    int32_t const pieces = bvxi_piece_count(voxels, TRANSFORM_GRAIN);
-    /* Along x and y slices are shared, along z rows: each step waits for the one before. */
-    job->pieces = pieces < size[2] ? pieces : size[2];
-    BVXI_TRY(bvxi_parallel(t->ctx, t->stage, from, (from + to) * 0.5, job->pieces, run_slices, job));
-    job->pieces = pieces < size[1] ? pieces : size[1];
-    return bvxi_parallel(t->ctx, t->stage, (from + to) * 0.5, to, job->pieces, run_rows, job);
+    for (int32_t y = (int32_t)begin; y < (int32_t)end; y++) {
+        for (int32_t g = 0; g < job->groups; g++) run_group_of_row(job, &s, g, y);
+        for (int32_t z = 0; z < t->box.size[2]; z++)
+            for (int32_t g = 0; g < job->groups; g++) {
+                size_t const at = ((size_t)g * (size_t)job->longest + (size_t)z) * BVXI_LANES;
+                int32_t const x = job->x + g * BVXI_LANES, left = t->box.size[0] - x;
+                void *const squares = (unsigned char *)s.out + at * job->cell;
+                uint64_t *const nearest = s.nearest != NULL ? s.nearest + at : NULL;
+                if (t->beyond) lessen_by_beyond(job, x, y, z, squares, nearest);
+                t->sink(t->user, x, y, z, left < BVXI_LANES ? left : BVXI_LANES, squares, nearest);
+            }
+    }
 }
 
 static bvx_status run_tiles(transform_job *job)
@@ -325,6 +297,7 @@ static bvx_status run_tiles(transform_job *job)
     const bvxi_transform *const t = job->t;
     double const share = (t->to - t->from) / (double)t->box.size[0];
     double const reach = sqrt(t->limit / t->weight[0]);
+    uint64_t const slice = (uint64_t)t->box.size[1] * (uint64_t)t->box.size[2];
     int32_t const width = BVXI_LANES * t->groups;
 
     /* Within whole numbers: more than any window is wide. */
@@ -338,8 +311,14 @@ static bvx_status run_tiles(transform_job *job)
         int32_t const left = t->box.size[0] - x, groups = (left + BVXI_LANES - 1) / BVXI_LANES;
         job->x = x;
         job->groups = groups < t->groups ? groups : t->groups;
-        BVXI_TRY(run_tile(job, t->from + share * (double)x,
-                          t->from + share * (double)(left < width ? t->box.size[0] : x + width)));
+        double const from = t->from + share * (double)x;
+        double const to = t->from + share * (double)(left < width ? t->box.size[0] : x + width);
+        int32_t const pieces = bvxi_piece_count(slice * BVXI_LANES * (uint64_t)job->groups, TRANSFORM_GRAIN);
+        /* Along x and y slices are shared, along z rows: each step waits for the one before. */
+        job->pieces = pieces < t->box.size[2] ? pieces : t->box.size[2];
+        BVXI_TRY(bvxi_parallel(t->ctx, t->stage, from, (from + to) * 0.5, job->pieces, run_slices, job));
+        job->pieces = pieces < t->box.size[1] ? pieces : t->box.size[1];
+        BVXI_TRY(bvxi_parallel(t->ctx, t->stage, (from + to) * 0.5, to, job->pieces, run_rows, job));
     }
     return BVX_OK;
 }

@@ -75,21 +75,6 @@ BVXI_VECTOR_INLINE void byte_steps(const uint8_t *BVXI_RESTRICT near, int32_t le
     }
 }
 
-/* The nearest target of each voxel by its place, the left one of two. */
-static void find_target_places(uint32_t bits, const bvxi_row_carry *carry, int32_t x, int32_t *places)
-{
-    int32_t last = carry->left, next = carry->right;
-    /* From the left, then from the right; the left one stays where both are as far. */
-    for (int32_t i = 0; i < BVXI_LANES; i++) {
-        if (bits >> i & 1) last = x + i;
-        places[i] = last;
-    }
-    for (int32_t i = BVXI_LANES - 1; i >= 0; i--) {
-        if (bits >> i & 1) next = x + i;
-        if (places[i] < 0 || (next >= 0 && next - (x + i) < x + i - places[i])) places[i] = next;
-    }
-}
-
 int bvxi_row_steps(const bvxi_row_distances *table, const bvxi_row_carry *carry, const bvxi_target_row *row,
                    int32_t x, int32_t reach, int32_t steps[BVXI_LANES], int32_t *places)
 {
@@ -101,7 +86,19 @@ int bvxi_row_steps(const bvxi_row_distances *table, const bvxi_row_carry *carry,
     /* Each byte sees the other one's nearest target, or the one beyond it. */
     byte_steps(table->near[low], left, high != 0 ? 8 + bvxi_lowest(high) : right, steps);
     byte_steps(table->near[high], low != 0 ? 8 - bvxi_highest(low) : left + 8, right - 8, steps + 8);
-    if (places != NULL) find_target_places(bits, carry, x, places);
+    if (places == NULL) return 1;
+
+    /* The nearest target of each voxel by its place: from the left, then from the right; the left one stays where
+     * both are as far. */
+    int32_t last = carry->left, next = carry->right;
+    for (int32_t i = 0; i < BVXI_LANES; i++) {
+        if (bits >> i & 1) last = x + i;
+        places[i] = last;
+    }
+    for (int32_t i = BVXI_LANES - 1; i >= 0; i--) {
+        if (bits >> i & 1) next = x + i;
+        if (places[i] < 0 || (next >= 0 && next - (x + i) < x + i - places[i])) places[i] = next;
+    }
     return 1;
 }
 
@@ -241,33 +238,18 @@ void bvxi_whole_columns(const bvxi_columns *columns)
 
 #define REAL_NEAR (1.0 / 1048576.0) /* the crossings' error is below 2^-23 for places below 2^26 */
 
-/* a * b as high + low, exactly; both far from overflow and underflow. */
-static void split_product(double a, double b, double *high, double *low)
-{
-    /* The upper 26 bits of each factor: products of halves are exact. */
-    double const ca = a * 134217729.0, cb = b * 134217729.0; /* 2^27 + 1 */
-    double const ah = ca - (ca - a), bh = cb - (cb - b), al = a - ah, bl = b - bh;
-    *high = a * b;
-    *low = ((ah * bh - *high) + ah * bl + al * bh) + al * bl;
-}
-
-/* a - b as high + low, exactly. */
-static void split_difference(double a, double b, double *high, double *low)
-{
-    double const d = a - b, back = d - a;
-    /* What rounding took off both numbers. */
-    *high = d;
-    *low = (a - (d - back)) - (b + back);
-}
-
 /* At y parabola i, of value a at i, is at least as good as u, of value b at u. */
 static int as_good(double a, double b, double weight, int32_t i, int32_t u, int32_t y)
 {
     /* (y - u)^2 - (y - i)^2, a whole number below 2^53: no rounding. */
     double const steps = (double)((int64_t)(u - i) * ((int64_t)u + i - 2 * (int64_t)y));
-    double dh, dl, ph, pl;
-    split_difference(a, b, &dh, &dl);
-    split_product(weight, steps, &ph, &pl);
+    /* a - b as high and low, exactly: low is what rounding took off both numbers. */
+    double const dh = a - b, back = dh - a, dl = (a - (dh - back)) - (b + back);
+    /* The same of weight * steps, both far from overflow and underflow. The upper 26 bits of each factor:
+     * products of halves are exact. */
+    double const cw = weight * 134217729.0, cs = steps * 134217729.0; /* 2^27 + 1 */
+    double const wh = cw - (cw - weight), sh = cs - (cs - steps), wl = weight - wh, sl = steps - sh;
+    double const ph = weight * steps, pl = ((wh * sh - ph) + wh * sl + wl * sh) + wl * sl;
     return dh != ph ? dh < ph : dl <= pl;
 }
 
@@ -320,25 +302,21 @@ static int32_t build_real_envelope(const bvxi_columns *c, const double *in)
     return top;
 }
 
-static void read_real_envelope(const bvxi_columns *c, int32_t top, double *out, int32_t *from)
-{
-    for (int32_t i = 0; i <= top; i++) {
-        int32_t const u = c->site[i], end = i < top ? (int32_t)c->start[i + 1] : c->n;
-        for (int32_t y = (int32_t)c->start[i]; y < end; y++) {
-            /* One product and one sum: the same rounding wherever the window begins. */
-            double const d = (double)(y - u);
-            out[(size_t)y * BVXI_LANES] = c->height[i] + c->weight * (d * d);
-            if (from != NULL) from[(size_t)y * BVXI_LANES] = u;
-        }
-    }
-}
-
 void bvxi_real_columns(const bvxi_columns *columns)
 {
     const double *const in = columns->in;
     double *const out = columns->out;
     for (int32_t lane = 0; lane < BVXI_LANES; lane++) {
         int32_t const top = build_real_envelope(columns, in + lane);
-        read_real_envelope(columns, top, out + lane, columns->from != NULL ? columns->from + lane : NULL);
+        for (int32_t i = 0; i <= top; i++) {
+            int32_t const u = columns->site[i], end = i < top ? (int32_t)columns->start[i + 1] : columns->n;
+            for (int32_t y = (int32_t)columns->start[i]; y < end; y++) {
+                /* One product and one sum: the same rounding wherever the window begins. */
+                double const d = (double)(y - u);
+                size_t const at = (size_t)y * BVXI_LANES + (size_t)lane;
+                out[at] = columns->height[i] + columns->weight * (d * d);
+                if (columns->from != NULL) columns->from[at] = u;
+            }
+        }
     }
 }

@@ -24,18 +24,6 @@ typedef struct oblique_block {
     uint64_t touched[BVXI_OBLIQUE_PLANES];
 } oblique_block;
 
-/* Cells that have corners on both sides of a plane, or on it, from bits of the block's nodes. */
-static uint64_t cells_of_nodes(const uint8_t node[CELL_NODES])
-{
-    uint64_t cells = 0;
-    for (int c = 0; c < BVXI_BLOCK_SIZE; c++) {
-        const uint8_t *const n = node + (c & 3) + 5 * (c >> 2 & 3) + 25 * (c >> 4);
-        int const sides = n[0] | n[1] | n[5] | n[6] | n[25] | n[26] | n[30] | n[31];
-        cells |= (uint64_t)(sides == 3) << c;
-    }
-    return cells;
-}
-
 /* The lattice's last vertices begin no cell. */
 static uint64_t whole_cells(const bvxi_oblique *o, const int32_t first[3])
 {
@@ -69,7 +57,13 @@ static void look_at_block(const bvxi_oblique *o, uint32_t known, oblique_block *
             double const h = bvxi_oblique_height(p, place[n]);
             node[n] = (uint8_t)((h >= -BVXI_OBLIQUE_NEAR) | (h <= BVXI_OBLIQUE_NEAR) << 1);
         }
-        b->touched[i] = cells_of_nodes(node) & whole_cells(o, b->first);
+        uint64_t cells = 0;
+        for (int c = 0; c < BVXI_BLOCK_SIZE; c++) {
+            const uint8_t *const n = node + (c & 3) + 5 * (c >> 2 & 3) + 25 * (c >> 4);
+            int const sides = n[0] | n[1] | n[5] | n[6] | n[25] | n[26] | n[30] | n[31];
+            cells |= (uint64_t)(sides == 3) << c;
+        }
+        b->touched[i] = cells & whole_cells(o, b->first);
     }
 }
 

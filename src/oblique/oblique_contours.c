@@ -297,20 +297,6 @@ static bvx_status insert_segment(bvxi_oblique *o, uint32_t plane, uint32_t from,
     return BVX_OK;
 }
 
-/* A segment by way of the meeting places on it, in their order. */
-static bvx_status insert_way(bvxi_oblique *o, uint32_t plane, uint32_t segment, uint32_t from, uint32_t to)
-{
-    uint32_t knot = bvxi_knot_after(o, plane, segment, 0.0);
-    for (; knot != BVXI_NONE; knot = bvxi_knot_after(o, plane, segment, o->knot[knot].share)) {
-        uint32_t const way = o->knot[bvxi_knot_root(o, knot)].vertex;
-        /* A knot that was moved off this plane is left out rather than gone to. */
-        if (way == BVXI_NONE || !bvxi_is_on(o, way, plane)) continue;
-        BVXI_TRY(insert_segment(o, plane, from, way));
-        from = way;
-    }
-    return insert_segment(o, plane, from, to);
-}
-
 bvx_status bvxi_oblique_contours(bvxi_oblique *o)
 {
     uint32_t *vertex;
@@ -336,7 +322,16 @@ bvx_status bvxi_oblique_contours(bvxi_oblique *o)
         vertex = o->plane[i].vertex;
         for (uint32_t n = 0; n < p->point_count; n++) {
             BVXI_TRY(report_points(o, 0.5, vertex + n));
-            BVXI_TRY(insert_way(o, i, n, vertex[n], vertex[p->next[n]]));
+            /* By way of the meeting places on the segment, in their order. */
+            uint32_t from = vertex[n], knot = bvxi_knot_after(o, i, n, 0.0);
+            for (; knot != BVXI_NONE; knot = bvxi_knot_after(o, i, n, o->knot[knot].share)) {
+                uint32_t const way = o->knot[bvxi_knot_root(o, knot)].vertex;
+                /* A knot that was moved off this plane is left out rather than gone to. */
+                if (way == BVXI_NONE || !bvxi_is_on(o, way, i)) continue;
+                BVXI_TRY(insert_segment(o, i, from, way));
+                from = way;
+            }
+            BVXI_TRY(insert_segment(o, i, from, vertex[p->next[n]]));
         }
     }
     return BVX_OK;

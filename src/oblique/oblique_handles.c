@@ -242,23 +242,6 @@ static uint32_t count_handle_stretches(handle_work *w, int inside)
 
 /* ---- changes ---- */
 
-/* How often the sign changes round an edge; 0 where the tetrahedra do not go all the way round. */
-static bvx_status changes_round(bvxi_oblique *o, uint32_t tetra, uint32_t a, uint32_t b, uint32_t *changes)
-{
-    int closed;
-
-    *changes = 0;
-    BVXI_TRY(bvxi_tetra_ring(o, tetra, a, b, &closed));
-    for (uint64_t i = 0; i < o->ring_count && closed; i++) {
-        const uint32_t *const v = o->tetra[o->ring[i]].v;
-        int sign[2], n = 0;
-        for (int k = 0; k < 4; k++)
-            if (v[k] != a && v[k] != b) sign[n++ & 1] = o->vertex[v[k]].sign;
-        *changes += sign[0] != sign[1];
-    }
-    return BVX_OK;
-}
-
 /* Whether the surface meets the contours around a vertex once, as before. */
 static bvx_status contours_hold(handle_work *w, uint32_t v, int *hold)
 {
@@ -272,9 +255,18 @@ static bvx_status contours_hold(handle_work *w, uint32_t v, int *hold)
             if (o->vertex[x[a]].sign != 0) continue;
             *hold = bvxi_look_link(o, &w->look, x[a]) && !bvxi_look_torn(o, &w->look, x[a]);
             for (int b = a + 1; b < 4 && *hold; b++) {
-                uint32_t changes;
+                uint32_t changes = 0;
+                int closed;
                 if (bvxi_edge_find(&o->contour_edge, x[a], x[b]) == BVXI_NONE) continue;
-                BVXI_TRY(changes_round(o, (uint32_t)o->star[i], x[a], x[b], &changes));
+                /* How often the sign changes round an edge that tetrahedra go all the way round. */
+                BVXI_TRY(bvxi_tetra_ring(o, o->star[i], x[a], x[b], &closed));
+                for (uint64_t r = 0; r < o->ring_count && closed; r++) {
+                    const uint32_t *const y = o->tetra[o->ring[r]].v;
+                    int sign[2], n = 0;
+                    for (int k = 0; k < 4; k++)
+                        if (y[k] != x[a] && y[k] != x[b]) sign[n++ & 1] = o->vertex[y[k]].sign;
+                    changes += sign[0] != sign[1];
+                }
                 *hold = changes <= 2;
             }
         }

@@ -202,27 +202,6 @@ static bvx_status know_round(bvxi_oblique *o, uint32_t i)
     return BVX_OK;
 }
 
-static bvx_status follow_surface(bvxi_oblique *o)
-{
-    uint32_t from = 0;
-
-    while (from < o->known_count) {
-        known_job job;
-        uint32_t const end = o->known_count;
-
-        /* Values of the new blocks at once and in parallel; then, in order, the blocks that these lead to. */
-        BVXI_TRY(bvxi_resize(o->ctx, BVXI_SCRATCH, &o->value, o->value_room * 4,
-                             (uint64_t)end * BVXI_BLOCK_SIZE * 4, "the lattice's values"));
-        o->value_room = (uint64_t)end * BVXI_BLOCK_SIZE;
-        job.o = o;
-        job.from = from;
-        BVXI_TRY(bvxi_for(o->ctx, "field", end - from, BLOCK_GRAIN, known_piece, &job));
-        for (uint32_t i = from; i < end; i++) BVXI_TRY(know_round(o, i));
-        from = end;
-    }
-    return BVX_OK;
-}
-
 /* ---- contours ---- */
 
 static void mark_segment(bvxi_oblique *o, const double a[3], const double b[3])
@@ -310,19 +289,6 @@ static void mark_moved_segment(bvxi_oblique *o, uint32_t plane, uint32_t segment
     mark_sweep(o, at, b, moved, next_moved);
 }
 
-static void mark_contours(bvxi_oblique *o)
-{
-    for (uint32_t i = 0; i < o->plane_count; i++) {
-        const bvxi_plane *const p = &o->plane[i].plane;
-        for (uint32_t n = 0; n < p->point_count; n++) {
-            double a[3], b[3];
-            bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[n], a);
-            bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[p->next[n]], b);
-            mark_moved_segment(o, i, n, p->next[n], a, b);
-        }
-    }
-}
-
 /* ---- planes in blocks without contours ---- */
 
 /* A point that a plane has in a cube: the mean of its crossings with the edges. */
@@ -373,7 +339,15 @@ static bvx_status begin_blocks(bvxi_oblique *o, uint64_t n)
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.2, bvxi_for(o->ctx, "field", n, 512, first_vertex_piece, o)));
 
     /* Before the planes are looked at, which leave out the blocks that contours mark. */
-    mark_contours(o);
+    for (uint32_t i = 0; i < o->plane_count; i++) {
+        const bvxi_plane *const p = &o->plane[i].plane;
+        for (uint32_t k = 0; k < p->point_count; k++) {
+            double from[3], to[3];
+            bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[k], from);
+            bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[p->next[k]], to);
+            mark_moved_segment(o, i, k, p->next[k], from, to);
+        }
+    }
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.2, 0.3, bvxi_for(o->ctx, "field", n, 512, plane_block_piece, o)));
     for (uint64_t i = 0; i < n; i++) {
         int known = o->contour_cells[i] != 0 || (o->block_kind[i] & BLOCK_CONTRADICTED) != 0;
@@ -401,5 +375,17 @@ bvx_status bvxi_oblique_lattice(bvxi_oblique *o)
     BVXI_TRY(BVXI_ZEROS(o->ctx, n, "the blocks of the lattice", o->contour_cells));
     memset(o->block_at, 0xff, (size_t)n * 4);
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, begin_blocks(o, n)));
-    return BVXI_SHARE(o->ctx, 0.4, 1.0, follow_surface(o));
+    for (uint32_t from = 0; from < o->known_count;) {
+        uint32_t const end = o->known_count;
+        known_job job = {o, from};
+
+        /* Values of the new blocks at once and in parallel; then, in order, the blocks that these lead to. */
+        BVXI_TRY(bvxi_resize(o->ctx, BVXI_SCRATCH, &o->value, o->value_room * 4,
+                             (uint64_t)end * BVXI_BLOCK_SIZE * 4, "the lattice's values"));
+        o->value_room = (uint64_t)end * BVXI_BLOCK_SIZE;
+        BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 1.0,
+                            bvxi_for(o->ctx, "field", end - from, BLOCK_GRAIN, known_piece, &job)));
+        for (; from < end; from++) BVXI_TRY(know_round(o, from));
+    }
+    return BVX_OK;
 }

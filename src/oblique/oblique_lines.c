@@ -152,12 +152,6 @@ static bvx_status find_events(bvxi_oblique *o, oblique_line_work *w, uint32_t pl
     return BVX_OK;
 }
 
-static int event_before(const line_event *a, const line_event *b)
-{
-    if (a->along != b->along) return a->along < b->along;
-    return a->which != b->which ? a->which < b->which : a->knot < b->knot;
-}
-
 /* Few of them, nearly in order: by insertion with growing steps back (Shell 1959). */
 static void sort_events(line_event *e, uint64_t n)
 {
@@ -165,7 +159,14 @@ static void sort_events(line_event *e, uint64_t n)
         for (uint64_t i = gap; i < n; i++) {
             line_event const x = e[i];
             uint64_t j = i;
-            for (; j >= gap && event_before(&x, &e[j - gap]); j -= gap) e[j] = e[j - gap];
+            for (; j >= gap; j -= gap) {
+                const line_event *const y = &e[j - gap];
+                if (x.along != y->along   ? x.along > y->along
+                    : x.which != y->which ? x.which > y->which
+                                          : x.knot >= y->knot)
+                    break;
+                e[j] = *y;
+            }
             e[j] = x;
         }
 }
@@ -178,19 +179,6 @@ static bvx_status refuse_gap(bvxi_oblique *o, uint32_t a, uint32_t b, const doub
         "over a way of %g only one of them is inside; %g is allowed, which agree sets",
         o->function, (uint64_t)a, (uint64_t)b, o->origin[0] + o->step * at[0], o->origin[1] + o->step * at[1],
         o->origin[2] + o->step * at[2], gap * o->step, o->agree * o->step);
-}
-
-/* How far a contour would have to move at most: along the line, or across it where it just reaches it. */
-static double way_apart(const bvxi_oblique *o, uint32_t a, uint32_t b, const line_event *from,
-                        const line_event *to)
-{
-    double const gap = to->along - from->along;
-    double middle[3], one, two, least;
-    for (int k = 0; k < 3; k++) middle[k] = 0.5 * (o->knot[from->knot].at[k] + o->knot[to->knot].at[k]);
-    one = 2.0 * bvxi_absolute(bvxi_oblique_exact(o, a, middle));
-    two = 2.0 * bvxi_absolute(bvxi_oblique_exact(o, b, middle));
-    least = one < two ? one : two;
-    return gap < least ? gap : least;
 }
 
 /* Where crossings of the contours of two planes become one place: the share of the way from a to b. A third
@@ -227,7 +215,13 @@ static bvx_status settle_pair(bvxi_oblique *o, oblique_line_work *w, uint32_t a,
             since = i;
             continue;
         }
-        double const gap = way_apart(o, a, b, before, e);
+        /* How far a contour would have to move at most: along the line, or across it where it just reaches it. */
+        double gap = e->along - before->along, middle[3];
+        for (int k = 0; k < 3; k++) middle[k] = 0.5 * (o->knot[before->knot].at[k] + o->knot[e->knot].at[k]);
+        for (int k = 0; k < 2; k++) {
+            double const across = 2.0 * bvxi_absolute(bvxi_oblique_exact(o, k == 0 ? a : b, middle));
+            gap = gap < across ? gap : across;
+        }
         if (gap > o->agree) return refuse_gap(o, a, b, o->knot[before->knot].at, gap);
         if (gap * o->step > o->report.largest_gap) o->report.largest_gap = gap * o->step;
         /* In and out again of the same plane, with nothing of the other: there is nothing to move it to. */

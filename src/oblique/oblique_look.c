@@ -23,7 +23,7 @@ static int look_add_tetra(bvxi_look *l, uint32_t tetra)
     return 1;
 }
 
-static int look_star(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
+int bvxi_look_link(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
 {
     memset(l->seen, 0xff, (size_t)l->most * 16);
     l->count = 0;
@@ -33,12 +33,6 @@ static int look_star(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
         for (int k = 0; k < 4; k++)
             if (t->v[k] != vertex && t->n[k] != BVXI_NONE && !look_add_tetra(l, t->n[k])) return 0;
     }
-    return 1;
-}
-
-int bvxi_look_link(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
-{
-    if (!look_star(o, l, vertex)) return 0;
     memset(l->key, 0xff, (size_t)l->most * 16);
     l->vertices = 0;
     for (uint32_t i = 0; i < l->count; i++)

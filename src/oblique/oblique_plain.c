@@ -62,15 +62,6 @@ typedef struct plain_case {
     uint8_t triangle[PLAIN_TRIANGLES][3], triangles; /* of places in edge */
 } plain_case;
 
-static uint8_t plain_edge(plain_case *c, uint8_t a, uint8_t b)
-{
-    uint8_t const code = (uint8_t)((a < b ? a : b) | (a ^ b) << 3);
-    uint8_t n = 0;
-    while (n < c->edges && c->edge[n] != code) n++;
-    if (n == c->edges) c->edge[c->edges++] = code;
-    return n;
-}
-
 static void make_plain_case(plain_case *c, int signs)
 {
     memset(c, 0, sizeof *c);
@@ -81,7 +72,12 @@ static void make_plain_case(plain_case *c, int signs)
 
         for (int x = 0; x < 4; x++) inside |= (signs >> corner[x] & 1) << x;
         n = bvxi_oblique_case(inside, edge);
-        for (int i = 0; i < n; i++) number[i] = plain_edge(c, corner[edge[i][0]], corner[edge[i][1]]);
+        for (int i = 0; i < n; i++) {
+            uint8_t const a = corner[edge[i][0]], b = corner[edge[i][1]];
+            uint8_t const code = (uint8_t)((a < b ? a : b) | (a ^ b) << 3);
+            for (number[i] = 0; number[i] < c->edges && c->edge[number[i]] != code;) number[i]++;
+            if (number[i] == c->edges) c->edge[c->edges++] = code;
+        }
         for (int i = 2; i < n; i++) {
             uint8_t *const t = c->triangle[c->triangles++];
             t[0] = number[0];
@@ -193,30 +189,6 @@ typedef struct plain_job {
     plain_case cases[256];
 } plain_job;
 
-/* An edge counts where a cell with it is plain; those of split cells alone are looked for there. */
-static void find_crossed(const bvxi_oblique *o, uint32_t known)
-{
-    uint64_t moved[8], has[8];
-
-    bits_around(o, known, 0, moved);
-    for (int c = 0; c < 8; c++) {
-        uint64_t block;
-        uint32_t const n = block_beside(o, known, c, -1, &block);
-        has[c] = n == BVXI_NONE ? 0 : o->active[n];
-    }
-    /* Then has[c] says of each vertex whether the cell that lies back from it by c is plain. */
-    for (int axis = 0; axis < 3; axis++)
-        for (int c = 7; c >= 0; c--)
-            if (c >> axis & 1) has[c] = one_back(has[c ^ 1 << axis], has[c], axis);
-    for (int way = 1; way < 8; way++) {
-        uint64_t used = 0;
-        /* An edge's cells lie back from its lower vertex along the axes that it does not run along. */
-        for (int c = 0; c < 8; c++)
-            if ((c & way) == 0) used |= has[c];
-        o->crossed[known].edges[way - 1] = (moved[0] ^ moved[way]) & used;
-    }
-}
-
 static int signs_of_cell(const uint64_t moved[8], int cell)
 {
     int signs = 0;
@@ -229,10 +201,27 @@ static void plain_crossed_piece(void *user, uint64_t begin, uint64_t end)
     const plain_job *const job = user;
     const bvxi_oblique *const o = job->o;
     for (uint64_t i = begin; i < end; i++) {
-        uint64_t moved[8];
+        uint64_t moved[8], has[8];
         uint32_t triangles = 0;
-        find_crossed(o, (uint32_t)i);
-        if (o->active[i] != 0) bits_around(o, (uint32_t)i, 0, moved);
+
+        bits_around(o, (uint32_t)i, 0, moved);
+        for (int c = 0; c < 8; c++) {
+            uint64_t block;
+            uint32_t const n = block_beside(o, (uint32_t)i, c, -1, &block);
+            has[c] = n == BVXI_NONE ? 0 : o->active[n];
+        }
+        /* Then has[c] says of each vertex whether the cell that lies back from it by c is plain. */
+        for (int axis = 0; axis < 3; axis++)
+            for (int c = 7; c >= 0; c--)
+                if (c >> axis & 1) has[c] = one_back(has[c ^ 1 << axis], has[c], axis);
+        for (int way = 1; way < 8; way++) {
+            uint64_t used = 0;
+            /* An edge counts where a cell with it is plain; those of split cells alone are looked for there. Its
+             * cells lie back from its lower vertex along the axes that it does not run along. */
+            for (int c = 0; c < 8; c++)
+                if ((c & way) == 0) used |= has[c];
+            o->crossed[i].edges[way - 1] = (moved[0] ^ moved[way]) & used;
+        }
         for (uint64_t cells = o->active[i]; cells != 0; cells &= cells - 1)
             triangles += job->cases[signs_of_cell(moved, bvxi_lowest(cells))].triangles;
         job->triangles[i] = triangles;

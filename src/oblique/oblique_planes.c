@@ -63,19 +63,6 @@ static bvx_status lay_lattice(bvxi_oblique *o, const double low[3], const double
     return BVX_OK;
 }
 
-static bvx_status bound_contours(bvxi_oblique *o)
-{
-    const bvx_sections *const g = o->given;
-    double low[3] = {1e300, 1e300, 1e300}, high[3] = {-1e300, -1e300, -1e300};
-    for (uint64_t i = 0; i < g->loop_count; i++) {
-        /* Other bodies neither widen the lattice nor make its cells coarser. */
-        if (g->loops[i].label != o->options.label && !o->of_all) continue;
-        for (uint64_t n = 0; n < g->loops[i].point_count; n++)
-            bvxi_widen(low, high, g->points + 3 * (g->loops[i].first_point + n), 3);
-    }
-    return lay_lattice(o, low, high);
-}
-
 /* ---- planes ---- */
 
 static bvx_status place_points(bvxi_oblique *o, bvxi_oblique_plane *f)
@@ -172,14 +159,22 @@ static bvx_status refuse_one_plane(bvxi_oblique *o)
 
 bvx_status bvxi_oblique_lay_planes(bvxi_oblique *o)
 {
-    uint64_t const n = o->given->section_count;
+    const bvx_sections *const g = o->given;
+    uint64_t const n = g->section_count;
+    double low[3] = {1e300, 1e300, 1e300}, high[3] = {-1e300, -1e300, -1e300};
 
     if (n > BVXI_OBLIQUE_PLANES)
         return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: %u planes that are not parallel; %u is the limit", o->function, n,
                              (uint64_t)BVXI_OBLIQUE_PLANES);
 
-    BVXI_TRY(bound_contours(o));
+    for (uint64_t i = 0; i < g->loop_count; i++) {
+        /* Other bodies neither widen the lattice nor make its cells coarser. */
+        if (g->loops[i].label != o->options.label && !o->of_all) continue;
+        for (uint64_t k = 0; k < g->loops[i].point_count; k++)
+            bvxi_widen(low, high, g->points + 3 * (g->loops[i].first_point + k), 3);
+    }
+    BVXI_TRY(lay_lattice(o, low, high));
     BVXI_TRY(BVXI_ZEROS(o->ctx, n, "the planes of a body", o->plane));
     o->plane_count = (uint32_t)n;
     o->plane_words = (o->plane_count + 63) / 64;
@@ -190,17 +185,17 @@ bvx_status bvxi_oblique_lay_planes(bvxi_oblique *o)
         bvxi_oblique_plane *const p = &o->plane[i];
         double axis[3][3], world;
 
-        BVXI_TRY(bvxi_section_frame(o->ctx, o->function, o->given->normals + 3 * (uint64_t)i, axis));
+        BVXI_TRY(bvxi_section_frame(o->ctx, o->function, g->normals + 3 * (uint64_t)i, axis));
         memcpy(p->axis, axis, sizeof p->axis);
         memcpy(p->normal, axis[2], sizeof p->normal);
 
         /* The plane in cells: its offset is counted from the lattice's origin. */
         world = (p->normal[0] * o->origin[0] + p->normal[1] * o->origin[1]) + p->normal[2] * o->origin[2];
-        p->offset = (o->given->positions[i] - world) / o->step;
+        p->offset = (g->positions[i] - world) / o->step;
 
         p->knot = BVXI_NONE;
         p->plane.section = i;
-        p->plane.w = o->given->positions[i];
+        p->plane.w = g->positions[i];
     }
     return refuse_one_plane(o);
 }

@@ -16,13 +16,6 @@
 
 /* ---- the curve through a contour's points ---- */
 
-static uint32_t point_before(const bvxi_plane *p, uint32_t i)
-{
-    if (i > 0 && p->next[i - 1] == i) return i - 1;
-    /* The first of its loop: the last one is at the end of the loop's points. */
-    return i + p->contour[bvxi_contour_of(p, i)].count - 1;
-}
-
 /* The curve's slope against a segment where it meets the one beside it; 0: there is a corner. */
 static int bulge_slope(const double segment[2], const double beside[2], double *slope)
 {
@@ -39,9 +32,12 @@ static int bulge_slope(const double segment[2], const double beside[2], double *
 /* How far the curve lies to the left of a segment, beside a place. */
 static double bulge_beside(const bvxi_plane *p, uint32_t i, const double at[2])
 {
-    uint32_t const end = p->next[i];
+    /* The point before the first of its loop is the last of the loop's points. */
+    uint32_t const end = p->next[i], start = i > 0 && p->next[i - 1] == i
+                                                 ? i - 1
+                                                 : i + p->contour[bvxi_contour_of(p, i)].count - 1;
     const double *const a = p->uv[i], *const b = p->uv[end];
-    const double *const before = p->uv[point_before(p, i)], *const after = p->uv[p->next[end]];
+    const double *const before = p->uv[start], *const after = p->uv[p->next[end]];
     double const segment[2] = {b[0] - a[0], b[1] - a[1]};
     double const last[2] = {a[0] - before[0], a[1] - before[1]}, next[2] = {after[0] - b[0], after[1] - b[1]};
     double const square = segment[0] * segment[0] + segment[1] * segment[1];
@@ -58,27 +54,21 @@ static double bulge_beside(const bvxi_plane *p, uint32_t i, const double at[2])
     return length * (t * (1.0 - t)) * (from * (1.0 - t) - to * t);
 }
 
-/* The segment nearest to a place, among those of the group that a search for it has ended in. */
-static uint32_t nearest_of_group(const bvxi_plane *p, uint32_t group, const double at[2])
-{
-    uint32_t nearest = 0;
-    double least = 1e300;
-    for (uint32_t n = group; n < group + BVXI_SEGMENT_GROUP && n < p->segment_count; n++) {
-        uint32_t const i = p->segment == NULL ? n : p->segment[n];
-        double const square = bvxi_segment_square(p->uv[i], p->uv[p->next[i]], at);
-        if (square < least) {
-            least = square;
-            nearest = i;
-        }
-    }
-    return nearest;
-}
-
 double bvxi_oblique_curved(const bvxi_oblique *o, uint32_t plane, const double uv[2], uint32_t *hint)
 {
     const bvxi_plane *const p = &o->plane[plane].plane;
     double const d = bvxi_plane_distance(p, uv[0], uv[1], hint);
-    uint32_t const i = nearest_of_group(p, *hint, uv);
+    uint32_t i = 0;
+    double least = 1e300;
+
+    /* The nearest segment is in the group that the search has ended in. */
+    for (uint32_t n = *hint; n < *hint + BVXI_SEGMENT_GROUP && n < p->segment_count; n++) {
+        uint32_t const k = p->segment == NULL ? n : p->segment[n];
+        double const square = bvxi_segment_square(p->uv[k], p->uv[p->next[k]], uv);
+        if (square >= least) continue;
+        least = square;
+        i = k;
+    }
     const double *const a = p->uv[i], *const b = p->uv[p->next[i]];
     int const inside = bvxi_oblique_encloses(o, plane, uv);
     int const left = (b[0] - a[0]) * (uv[1] - a[1]) - (b[1] - a[1]) * (uv[0] - a[0]) > 0.0;

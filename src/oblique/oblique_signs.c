@@ -21,6 +21,9 @@ typedef struct signs_job {
     uint8_t *wrong; /* of each */
     uint8_t *again; /* [vertices] something round a vertex has changed */
     uint64_t vertices;
+    /* For what is settled one by one: large, when it is needed, for stars that are no frame's size. */
+    uint32_t block[BVXI_LOOK_WORDS * BVXI_LOOK_MOST];
+    bvxi_look small, large;
 } signs_job;
 
 static void change_round(const signs_job *job, uint32_t v)
@@ -102,33 +105,21 @@ bvx_status bvxi_oblique_part_contours(bvxi_oblique *o)
 
 /* ---- signs that nothing else decides ---- */
 
-/* For what is settled one by one: large, when it is needed, for stars that are no frame's size. */
-typedef struct link_work {
-    uint32_t block[BVXI_LOOK_WORDS * BVXI_LOOK_MOST];
-    bvxi_look small, large;
-} link_work;
-
 /* The link of a vertex, however large it is. */
-static bvx_status look_any(bvxi_oblique *o, link_work *w, uint32_t v, bvxi_look **look)
+static bvx_status look_any(signs_job *w, uint32_t v, bvxi_look **look)
 {
     *look = &w->small;
-    while (!bvxi_look_link(o, *look, v)) {
+    while (!bvxi_look_link(w->o, *look, v)) {
         if (w->large.most == 0 || *look == &w->large) {
             uint32_t const most = 2 * (*look)->most;
             uint32_t *block = NULL;
-            BVXI_TRY(
-                BVXI_ARRAY(o->ctx, (uint64_t)most * BVXI_LOOK_WORDS, "the vertices round a vertex", block));
+            BVXI_TRY(BVXI_ARRAY(w->o->ctx, (uint64_t)most * BVXI_LOOK_WORDS, "the vertices round a vertex",
+                                block));
             w->large = bvxi_look_in(block, most);
         }
         *look = &w->large;
     }
     return BVX_OK;
-}
-
-static void open_link(link_work *w)
-{
-    w->small = bvxi_look_in(w->block, BVXI_LOOK_MOST);
-    w->large.most = 0;
 }
 
 /* 1: only this sign makes a bridge or hole. The Euler number inside is 1 where its sign changes nothing. */
@@ -140,12 +131,12 @@ static int is_wrong_sign(const bvxi_oblique *o, const bvxi_look *look, uint32_t 
     return euler != 1 && inside != (o->vertex[v].sign > 0) && bvxi_look_whole(o, look, v);
 }
 
-static bvx_status settle_sign(bvxi_oblique *o, link_work *w, uint32_t v, const signs_job *job)
+static bvx_status settle_sign(signs_job *job, uint32_t v)
 {
     bvxi_look *look;
-    BVXI_TRY(look_any(o, w, v, &look));
-    if (!is_wrong_sign(o, look, v)) return BVX_OK;
-    bvxi_flip_sign(o, v);
+    BVXI_TRY(look_any(job, v, &look));
+    if (!is_wrong_sign(job->o, look, v)) return BVX_OK;
+    bvxi_flip_sign(job->o, v);
     for (uint32_t i = 0; i < look->vertices; i++) change_round(job, look->vertex[i]);
     return BVX_OK;
 }
@@ -173,15 +164,13 @@ static void judge_loose_piece(void *user, uint64_t begin, uint64_t end)
 
 /* Vertices of which two planes say different things get the sign that leaves the body simple, whosever it is;
  * so do those off all planes that lie between contours or next to the surface. */
-static bvx_status settle_signs(bvxi_oblique *o, signs_job *job, const uint32_t *torn, uint64_t torn_count)
+static bvx_status settle_signs(signs_job *job, const uint32_t *torn, uint64_t torn_count)
 {
-    link_work w;
-    open_link(&w);
-    for (uint64_t i = 0; i < torn_count; i++) BVXI_TRY(settle_sign(o, &w, torn[i], job));
+    for (uint64_t i = 0; i < torn_count; i++) BVXI_TRY(settle_sign(job, torn[i]));
     memset(job->again, 0, (size_t)job->vertices);
-    BVXI_TRY(bvxi_for(o->ctx, "surface", job->vertices, 256, judge_loose_piece, job));
+    BVXI_TRY(bvxi_for(job->o->ctx, "surface", job->vertices, 256, judge_loose_piece, job));
     for (uint32_t v = 0; v < job->vertices; v++)
-        if (job->wrong[v] || (job->again[v] && is_loose_sign(o, v))) BVXI_TRY(settle_sign(o, &w, v, job));
+        if (job->wrong[v] || (job->again[v] && is_loose_sign(job->o, v))) BVXI_TRY(settle_sign(job, v));
     return BVX_OK;
 }
 
@@ -287,31 +276,7 @@ static bvx_status settle_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t 
     return BVX_OK;
 }
 
-static bvx_status settle_edges(bvxi_oblique *o)
-{
-    const bvxi_map *const m = &o->contour_edge;
-    for (uint64_t i = 0; i < m->room; i++) {
-        if (i % 4096 == 0) BVXI_TRY(bvxi_progress(o->ctx, "surface", (double)i / (double)m->room));
-        if (m->key[i] == UINT64_MAX || m->value[i] == BVXI_NONE) continue;
-        BVXI_TRY(settle_edge(o, (uint32_t)(m->key[i] >> 32), (uint32_t)m->key[i], m->value[i] / 2));
-    }
-    return BVX_OK;
-}
-
 /* ---- contours' vertices ---- */
-
-/* The root of the vertices of a sign that the vertex keeps: of one on its first plane, where the contour bounds
- * it. */
-static uint32_t main_root(const bvxi_oblique *o, const bvxi_look *l, int sign, uint32_t plane)
-{
-    uint32_t found = BVXI_NONE;
-    for (uint32_t i = 0; i < l->vertices; i++) {
-        if (l->sign[i] != sign) continue;
-        if (found == BVXI_NONE) found = bvxi_root(l->joined, i);
-        if (plane != BVXI_NONE && bvxi_is_on(o, l->vertex[i], plane)) return bvxi_root(l->joined, i);
-    }
-    return found;
-}
 
 /* A vertex not connected with the kept ones of its sign, or BVXI_NONE. Those inside come first. */
 static uint32_t find_torn(const bvxi_oblique *o, bvxi_look *l, uint32_t v)
@@ -319,21 +284,30 @@ static uint32_t find_torn(const bvxi_oblique *o, bvxi_look *l, uint32_t v)
     uint32_t const plane = bvxi_first_plane(o, v);
     if (!bvxi_look_torn(o, l, v)) return BVXI_NONE;
     for (int sign = 1; sign >= -1; sign -= 2) {
-        uint32_t const keep = main_root(o, l, sign, plane);
+        /* Kept is what hangs together with a vertex on the first plane, where the contour bounds it. */
+        uint32_t keep = BVXI_NONE;
+        for (uint32_t i = 0; i < l->vertices; i++) {
+            if (l->sign[i] != sign) continue;
+            int const on = plane != BVXI_NONE && bvxi_is_on(o, l->vertex[i], plane);
+            if (keep == BVXI_NONE || on) keep = bvxi_root(l->joined, i);
+            if (on) break;
+        }
         for (uint32_t i = 0; i < l->vertices; i++)
             if (l->sign[i] == sign && bvxi_root(l->joined, i) != keep) return l->vertex[i];
     }
     return BVXI_NONE;
 }
 
-static bvx_status oblique_settle_vertex(bvxi_oblique *o, link_work *w, uint32_t v, const signs_job *job)
+static bvx_status oblique_settle_vertex(signs_job *job, uint32_t v)
 {
+    bvxi_oblique *const o = job->o;
+
     for (;;) {
         bvxi_look *look;
         uint32_t wrong, t, m;
         double at[3];
 
-        BVXI_TRY(look_any(o, w, v, &look));
+        BVXI_TRY(look_any(job, v, &look));
         wrong = find_torn(o, look, v);
         if (wrong == BVXI_NONE) return BVX_OK;
         for (int k = 0; k < 3; k++) at[k] = 0.75 * o->vertex[v].at[k] + 0.25 * o->vertex[wrong].at[k];
@@ -360,18 +334,17 @@ static void judge_vertex_piece(void *user, uint64_t begin, uint64_t end)
 
 static bvx_status settle_vertices(bvxi_oblique *o, signs_job *job)
 {
-    link_work w;
-    open_link(&w);
     memset(job->again, 0, (size_t)job->vertices);
     BVXI_TRY(bvxi_for(o->ctx, "surface", job->vertices, 256, judge_vertex_piece, job));
     for (uint64_t v = 0; v < job->vertices; v++)
         if (o->vertex[v].sign == 0 && (job->wrong[v] || job->again[v]))
-            BVXI_TRY(oblique_settle_vertex(o, &w, (uint32_t)v, job));
+            BVXI_TRY(oblique_settle_vertex(job, (uint32_t)v));
     return BVX_OK;
 }
 
 bvx_status bvxi_oblique_signs(bvxi_oblique *o)
 {
+    const bvxi_map *const m = &o->contour_edge;
     signs_job job = {.o = o};
     uint32_t *torn = NULL;
     uint64_t count = 0;
@@ -381,11 +354,17 @@ bvx_status bvxi_oblique_signs(bvxi_oblique *o)
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.2, 0.4, bvxi_oblique_part_contours(o)));
 
     job.vertices = o->vertex_count;
+    job.small = bvxi_look_in(job.block, BVXI_LOOK_MOST);
     BVXI_TRY(BVXI_ARRAY(o->ctx, job.vertices, "the vertices to settle", job.wrong));
     BVXI_TRY(BVXI_ARRAY(o->ctx, job.vertices, "the vertices to settle", job.again));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.5, bvxi_oblique_regions(o, &torn, &count)));
     /* Vertices that planes contradict each other of come first: others look at their signs. */
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.5, 0.64, settle_signs(o, &job, torn, count)));
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.64, 0.82, settle_edges(o)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.5, 0.64, settle_signs(&job, torn, count)));
+    for (uint64_t i = 0; i < m->room; i++) {
+        if (i % 4096 == 0)
+            BVXI_TRY(bvxi_progress(o->ctx, "surface", 0.64 + 0.18 * (double)i / (double)m->room));
+        if (m->key[i] == UINT64_MAX || m->value[i] == BVXI_NONE) continue;
+        BVXI_TRY(settle_edge(o, (uint32_t)(m->key[i] >> 32), (uint32_t)m->key[i], m->value[i] / 2));
+    }
     return BVXI_SHARE(o->ctx, 0.82, 1.0, settle_vertices(o, &job));
 }

@@ -91,24 +91,6 @@ static int ends_in_cell(const part_work *w, const uint32_t *cell, uint32_t count
     return 1;
 }
 
-/* Parts that end in a cell are joined to those that they end towards. */
-static void join_in_cell(bvxi_oblique *o, const part_work *w, const uint32_t *cell, uint32_t count,
-                         uint32_t *joined)
-{
-    for (uint32_t i = 0; i < count; i++) {
-        const part_stretch *const a = &w->stretch[cell[i]];
-        if (!ends_in_cell(w, cell, count, a)) continue;
-        for (uint32_t j = 0; j < count; j++) {
-            const part_stretch *const b = &w->stretch[cell[j]];
-            if (bvxi_root(joined, a->root) == bvxi_root(joined, b->root) ||
-                is_on_plane(w, cell, count, b->root, a->plane))
-                continue;
-            if (o->apart++ == 0) memcpy(o->apart_at, a->at, 24);
-            bvxi_join(joined, a->root, b->root);
-        }
-    }
-}
-
 static bvx_status find_apart(bvxi_oblique *o, uint32_t *joined)
 {
     uint64_t const most = 2 * (uint64_t)o->point_count;
@@ -121,7 +103,20 @@ static bvx_status find_apart(bvxi_oblique *o, uint32_t *joined)
     BVXI_TRY(bvxi_radix_sort(o->ctx, w.key, w.order, w.count));
     for (uint32_t i = 0, n; i < w.count; i += n) {
         for (n = 1; i + n < w.count && w.key[i + n] == w.key[i];) n++;
-        join_in_cell(o, &w, w.order + i, n < PARTS_IN_CELL ? n : PARTS_IN_CELL, joined);
+        /* Parts that end in a cell are joined to those that they end towards. */
+        uint32_t const count = n < PARTS_IN_CELL ? n : PARTS_IN_CELL, *const cell = w.order + i;
+        for (uint32_t k = 0; k < count; k++) {
+            const part_stretch *const a = &w.stretch[cell[k]];
+            if (!ends_in_cell(&w, cell, count, a)) continue;
+            for (uint32_t j = 0; j < count; j++) {
+                uint32_t const root = w.stretch[cell[j]].root;
+                if (bvxi_root(joined, a->root) == bvxi_root(joined, root) ||
+                    is_on_plane(&w, cell, count, root, a->plane))
+                    continue;
+                if (o->apart++ == 0) memcpy(o->apart_at, a->at, 24);
+                bvxi_join(joined, a->root, root);
+            }
+        }
     }
     return BVX_OK;
 }
@@ -198,32 +193,23 @@ static bvx_status edge_vertex(bvxi_oblique *o, uint32_t in, uint32_t out, uint32
 
 /* ---- triangles ---- */
 
-static bvx_status add_surface_triangle(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t c)
-{
-    if (a == b || b == c || c == a) return BVX_OK;
-    BVXI_TRY(BVXI_GROW_BY(o, o->triangle, o->triangle_count, o->triangle_room, 12,
-                          "the triangles of the surface"));
-    uint32_t *const t = o->triangle + 3 * o->triangle_count++;
-    t[0] = a;
-    t[1] = b;
-    t[2] = c;
-    return BVX_OK;
-}
-
 /* Corners may be one vertex of a contour: a triangle is left then, or nothing. */
 static bvx_status march_tetrahedron(bvxi_oblique *o, uint32_t tetra, int inside)
 {
-    uint32_t v[4];
+    const uint32_t *const v = o->tetra[tetra].v;
     uint8_t edge[4][2];
     uint32_t number[4];
     int const n = bvxi_oblique_case(inside, edge);
-    uint64_t t = o->triangle_count - o->plain_triangles;
-
-    memcpy(v, o->tetra[tetra].v, sizeof v);
     for (int k = 0; k < n; k++) BVXI_TRY(edge_vertex(o, v[edge[k][0]], v[edge[k][1]], &number[k]));
-    for (int k = 2; k < n; k++) BVXI_TRY(add_surface_triangle(o, number[0], number[k - 1], number[k]));
-    for (; t < o->triangle_count - o->plain_triangles; t++) {
-        BVXI_TRY(BVXI_GROW(o, o->owner, t, o->owner_room, "the triangles of the surface"));
+    for (int k = 2; k < n; k++) {
+        static const char what[] = "the triangles of the surface";
+        uint32_t const corner[3] = {number[0], number[k - 1], number[k]};
+        uint64_t const t = o->triangle_count - o->plain_triangles;
+
+        if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0]) continue;
+        BVXI_TRY(BVXI_GROW_BY(o, o->triangle, o->triangle_count, o->triangle_room, 12, what));
+        BVXI_TRY(BVXI_GROW(o, o->owner, t, o->owner_room, what));
+        memcpy(o->triangle + 3 * o->triangle_count++, corner, sizeof corner);
         o->owner[t] = tetra;
     }
     return BVX_OK;
@@ -256,14 +242,20 @@ static bvx_status march_all(bvxi_oblique *o)
     march_job job = {.o = o, .pieces = bvxi_piece_count(o->tetra_count, 4096)};
     uint64_t more = 0;
 
+    /* Also after handles have split tetrahedra. */
+    bvxi_map_clear(&o->crossing);
+    o->position_count = o->triangle_count = 0;
+    BVXI_TRY(BVXI_RESERVE(o, o->output, o->vertex_count + 1, o->output_room, "the vertices on contours"));
+    BVXI_TRY(BVXI_RESERVE(o, o->mark, o->tetra_count, o->mark_room, "the marks of tetrahedra"));
+    memset(o->output, 0xff, (size_t)o->output_room * 4);
+
     /* Signs of lattice vertices that were settled are those of the lattice too. */
     for (uint64_t i = 0; i < o->vertex_count; i++) {
         const bvxi_tetra_vertex *const x = &o->vertex[i];
         if (x->lattice && x->sign != 0 && x->parent[1] != BVXI_NONE) o->value[x->parent[1]] = x->value;
     }
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.1,
-                        bvxi_for_pieces(o->ctx, "surface", 0.0, 1.0, job.pieces, job.o->tetra_count,
-                                        mark_inside_piece, &job)));
+    BVXI_TRY(
+        bvxi_for_pieces(o->ctx, "surface", 0.0, 0.1, job.pieces, o->tetra_count, mark_inside_piece, &job));
     for (int32_t i = 0; i < job.pieces; i++) more += job.triangles[i];
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.1, 0.4, bvxi_oblique_plain(o, more)));
 
@@ -296,16 +288,6 @@ static bvx_status count_handles(bvxi_oblique *o, int64_t *handles)
     return BVX_OK;
 }
 
-static bvx_status march_again(bvxi_oblique *o)
-{
-    bvxi_map_clear(&o->crossing);
-    o->position_count = o->triangle_count = 0;
-    BVXI_TRY(BVXI_RESERVE(o, o->output, o->vertex_count, o->output_room, "the vertices on contours"));
-    BVXI_TRY(BVXI_RESERVE(o, o->mark, o->tetra_count, o->mark_room, "the marks of tetrahedra"));
-    memset(o->output, 0xff, (size_t)o->output_room * 4);
-    return march_all(o);
-}
-
 /* Most bodies have no handle, and then nothing of this is done. */
 static bvx_status close_handles(bvxi_oblique *o)
 {
@@ -320,7 +302,7 @@ static bvx_status close_handles(bvxi_oblique *o)
                             bvxi_oblique_handles(o, o->owner, &settled)));
         if (settled == 0 && o->vertex_count == vertices) return BVX_OK;
         BVXI_TRY(
-            BVXI_SHARE(o->ctx, (round + 0.7) / HANDLE_ROUNDS, (round + 1.0) / HANDLE_ROUNDS, march_again(o)));
+            BVXI_SHARE(o->ctx, (round + 0.7) / HANDLE_ROUNDS, (round + 1.0) / HANDLE_ROUNDS, march_all(o)));
     }
     return BVX_OK;
 }
@@ -344,18 +326,6 @@ static void oblique_count_unkept(bvxi_oblique *o, const uint32_t *renumbered)
     }
 }
 
-/* Whether a contour fits into a cell, wherever it begins. */
-static int is_small_loop(const bvxi_oblique *o, const bvxi_plane *p, const bvxi_contour *loop)
-{
-    double low[3] = {1e300, 1e300, 1e300}, high[3] = {-1e300, -1e300, -1e300};
-    for (uint32_t n = 0; n < loop->count; n++) {
-        bvxi_widen(low, high, o->given->points + 3 * (uint64_t)p->given[loop->first + n], 3);
-        for (int k = 0; k < 3; k++)
-            if (high[k] - low[k] > o->step) return 0;
-    }
-    return 1;
-}
-
 /* Bodies that hold most of some contour are marked at their roots: 2 for a small one alone, else 1. */
 static void mark_bodies(bvxi_oblique *o, const uint32_t *joined)
 {
@@ -373,7 +343,13 @@ static void mark_bodies(bvxi_oblique *o, const uint32_t *joined)
                 lead = root == most ? lead + 1 : lead - 1;
             }
             if (lead == 0 || most == BVXI_NONE) continue;
-            o->kept[most] = o->kept[most] == 0 && is_small_loop(o, p, loop) ? 2 : 1;
+            /* A small one fits into a cell, wherever it begins. */
+            double low[3] = {1e300, 1e300, 1e300}, high[3] = {-1e300, -1e300, -1e300};
+            int small = 1;
+            for (uint32_t n = 0; n < loop->count; n++)
+                bvxi_widen(low, high, o->given->points + 3 * (uint64_t)p->given[loop->first + n], 3);
+            for (int k = 0; k < 3; k++) small &= high[k] - low[k] <= o->step;
+            o->kept[most] = o->kept[most] == 0 && small ? 2 : 1;
         }
     }
     for (uint64_t i = 0; i < o->position_count; i++) o->specks += o->kept[i] == 2;
@@ -449,10 +425,6 @@ static bvx_status write_surface(bvxi_oblique *o, uint32_t *joined, bvx_mesh *mes
 bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh)
 {
     uint32_t *joined;
-    o->output_room = o->vertex_count;
-    BVXI_TRY(BVXI_ARRAY(o->ctx, o->output_room, "the vertices on contours", o->output));
-    memset(o->output, 0xff, (size_t)o->output_room * 4);
-    BVXI_TRY(BVXI_RESERVE(o, o->mark, o->tetra_count, o->mark_room, "the marks of tetrahedra"));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6, march_all(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.7, close_handles(o)));
     BVXI_TRY(BVXI_ARRAY(o->ctx, o->position_count, "the parts of the surface", joined));

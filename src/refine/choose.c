@@ -20,18 +20,6 @@ static int32_t base_for(int32_t resolution, int32_t levels)
     return (int32_t)(((int64_t)resolution + ((int64_t)1 << levels) - 1) >> levels);
 }
 
-static int32_t levels_for(int32_t resolution, const bvx_refine_options *o)
-{
-    int const whole = o->tolerance == 0 && o->window.size[0] == 0;
-    int32_t const most = whole ? WHOLE_BASE : o->tolerance > 0 ? TOLERANCE_BASE : WINDOW_BASE;
-    int32_t levels = 0;
-
-    while (resolution >> (levels + 1) > 0 &&
-           (base_for(resolution, levels) > most || (whole && levels < WHOLE_LEVELS)))
-        levels++;
-    return levels;
-}
-
 static bvx_status run_refine_choose(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,
                                     bvx_refine_options *options, bvx_lattice *base)
 {
@@ -60,7 +48,12 @@ static bvx_status run_refine_choose(bvx_context *context, const bvx_mesh_view *m
         return bvxi_fail(context, BVX_ERR_EMPTY, "%s: the mesh has no triangles", choose_name);
     /* Refuses meshes and resolutions that have no lattice. */
     BVXI_TRY(bvx_lattice_fit(context, mesh, resolution, &made));
-    int32_t const levels = levels_for(resolution, &o);
+    int const whole = o.tolerance == 0 && o.window.size[0] == 0;
+    int32_t const most = whole ? WHOLE_BASE : o.tolerance > 0 ? TOLERANCE_BASE : WINDOW_BASE;
+    int32_t levels = 0;
+    while (resolution >> (levels + 1) > 0 &&
+           (base_for(resolution, levels) > most || (whole && levels < WHOLE_LEVELS)))
+        levels++;
     BVXI_TRY(bvx_lattice_fit(context, mesh, base_for(resolution, levels), &made));
 
     /* Both results at once, when nothing can fail any more. */

@@ -105,35 +105,28 @@ static void expand_piece(void *user, uint64_t begin, uint64_t end)
         }
 }
 
-static bvx_status check_expand_arguments(bvx_context *ctx, const bvx_octree *tree, int32_t level,
-                                         int32_t states, const bvx_window *given, bvx_lattice *lattice,
-                                         bvx_window *window)
-{
-    static const char *const function = "bvx_octree_expand";
-    BVXI_TRY(bvxi_octree_check(ctx, function, tree));
-    if (level < 0 || level > tree->levels)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
-                             "%s: level %d is not one of the tree's 0 to %d", function, (int64_t)level,
-                             (int64_t)tree->levels);
-    BVXI_TRY(bvxi_octree_check_states(ctx, function, states));
-    BVXI_TRY(bvxi_octree_lattice(ctx, tree, level, lattice));
-    return bvxi_window_take(ctx, function, lattice, given, window);
-}
-
 static bvx_status run_octree_expand(bvx_context *context, const bvx_octree *tree, int32_t level,
                                     int32_t states, const bvx_window *window, bvx_grid *grid)
 {
+    static const char *const function = "bvx_octree_expand";
     expand_job job = {.tree = tree, .level = level};
     bvx_lattice lattice;
     bvx_window w;
 
-    if (grid == NULL) return bvxi_fail_null(context, "bvx_octree_expand", "grid");
-    BVXI_TRY(check_expand_arguments(context, tree, level, states, window, &lattice, &w));
+    if (grid == NULL) return bvxi_fail_null(context, function, "grid");
+    BVXI_TRY(bvxi_octree_check(context, function, tree));
+    if (level < 0 || level > tree->levels)
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
+                             "%s: level %d is not one of the tree's 0 to %d", function, (int64_t)level,
+                             (int64_t)tree->levels);
+    BVXI_TRY(bvxi_octree_check_states(context, function, states));
+    BVXI_TRY(bvxi_octree_lattice(context, tree, level, &lattice));
+    BVXI_TRY(bvxi_window_take(context, function, &lattice, window, &w));
 
     /* A grid of the library's that is passed again is used again where it is large enough. */
     bvxi_grid_renew(context, &lattice, &w, grid);
     bvx_grid made = *grid;
-    BVXI_TRY(bvxi_grid_open(context, "bvx_octree_expand", &lattice, &w, &made));
+    BVXI_TRY(bvxi_grid_open(context, function, &lattice, &w, &made));
     memset(made.words, 0, (size_t)bvxi_grid_words(&made) * 8);
     job.grid = &made;
     job.states = states != 0 ? states : BVX_STATE_SURFACE | BVX_STATE_INSIDE;

@@ -19,14 +19,6 @@ static void flat_corners(const bvxi_refine_job *job, uint32_t triangle, const in
                       job->step[a];
 }
 
-/* Within the tolerance of the plane through 0 with normal n, or without one, of 0. */
-static int flat_point(const double p[3], const double n[3], double length2, double tolerance)
-{
-    double const d = bvxi_vec_dot(p, n);
-    if (length2 > 0) return d * d <= tolerance * tolerance * length2;
-    return bvxi_vec_dot(p, p) <= tolerance * tolerance;
-}
-
 int bvxi_refine_is_flat(const bvxi_refine_job *job, const uint32_t *list, const uint8_t *hits, uint32_t bit,
                         uint64_t count)
 {
@@ -55,8 +47,12 @@ int bvxi_refine_is_flat(const bvxi_refine_job *job, const uint32_t *list, const 
         flat_corners(job, list[i], origin, p);
 
         /* A plane at all corners within the tolerance has all points of the triangles within it. */
-        for (int c = 0; c < 3; c++)
-            if (!flat_point(p[c], n, length2, job->tolerance)) return 0;
+        /* Without a plane they are near the origin. */
+        for (int c = 0; c < 3; c++) {
+            double const d = bvxi_vec_dot(p[c], n), off2 = length2 > 0 ? d * d : bvxi_vec_dot(p[c], p[c]);
+            double const most2 = job->tolerance * job->tolerance;
+            if (!(off2 <= (length2 > 0 ? most2 * length2 : most2))) return 0;
+        }
     }
     return 1;
 }

@@ -83,18 +83,13 @@ bvx_status bvxi_octree_leaves(bvxi_call step, const bvx_octree *tree, int32_t st
     return BVX_OK;
 }
 
-static bvx_status run_octree_leaves(bvx_context *context, const bvx_octree *tree, int32_t states,
-                                    bvx_octree_leaf *leaves, uint64_t capacity, uint64_t *count)
-{
-    if (count == NULL) return bvxi_fail_null(context, "bvx_octree_leaves", "count");
-    return bvxi_octree_leaves(bvxi_call_of(context, "bvx_octree_leaves", "octree", 0.0, 1.0), tree, states,
-                              leaves, capacity, count);
-}
-
 bvx_status bvx_octree_leaves(bvx_context *context, const bvx_octree *tree, int32_t states,
                              bvx_octree_leaf *leaves, uint64_t capacity, uint64_t *count)
 {
-    return BVXI_CALL(context, run_octree_leaves(context, tree, states, leaves, capacity, count));
+    return BVXI_CALL(context, count == NULL
+                                  ? bvxi_fail_null(context, __func__, "count")
+                                  : bvxi_octree_leaves(bvxi_call_of(context, __func__, "octree", 0.0, 1.0),
+                                                       tree, states, leaves, capacity, count));
 }
 
 /* ---- the leaves beyond a face of a leaf: bvx_octree_neighbours ---- */

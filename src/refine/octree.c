@@ -112,21 +112,6 @@ static uint64_t count_mask_bits(const uint64_t *words, uint64_t count)
     return n;
 }
 
-static void count_octree_level(const bvx_octree *tree, int32_t level, bvx_octree_level *c)
-{
-    const bvxi_octets *const o = level == 0 ? &tree->root : &tree->octets[level - 1];
-    uint64_t const touched = count_mask_bits(o->touched, o->words);
-    memset(c, 0, sizeof *c);
-    c->voxels = level == 0 ? (uint64_t)tree->base[0] * (uint64_t)tree->base[1] * (uint64_t)tree->base[2]
-                           : 8 * o->count;
-    c->outside = count_mask_bits(o->outside, o->words);
-    c->inside = c->voxels - touched - c->outside;
-    c->split = o->split != NULL ? count_mask_bits(o->split, o->words) : 0;
-    c->surface = touched - c->split;
-    c->bytes = o->words *
-               (16u + (o->before != NULL ? 4u : 0u) + (o->split != NULL && o->split != o->touched ? 8u : 0u));
-}
-
 static bvx_status run_octree_count(bvx_context *context, const bvx_octree *tree, bvx_octree_level *counts,
                                    int32_t capacity)
 {
@@ -136,7 +121,20 @@ static bvx_status run_octree_count(bvx_context *context, const bvx_octree *tree,
     if (capacity < tree->levels + 1)
         return bvxi_fail(context, BVX_ERR_CAPACITY, "%s: the array holds %d levels, the tree has %d",
                          function, (int64_t)capacity, (int64_t)tree->levels + 1);
-    for (int32_t l = 0; l <= tree->levels; l++) count_octree_level(tree, l, &counts[l]);
+    for (int32_t l = 0; l <= tree->levels; l++) {
+        const bvxi_octets *const o = l == 0 ? &tree->root : &tree->octets[l - 1];
+        uint64_t const touched = count_mask_bits(o->touched, o->words);
+        bvx_octree_level *const c = &counts[l];
+        memset(c, 0, sizeof *c);
+        c->voxels = l == 0 ? (uint64_t)tree->base[0] * (uint64_t)tree->base[1] * (uint64_t)tree->base[2]
+                           : 8 * o->count;
+        c->outside = count_mask_bits(o->outside, o->words);
+        c->inside = c->voxels - touched - c->outside;
+        c->split = o->split != NULL ? count_mask_bits(o->split, o->words) : 0;
+        c->surface = touched - c->split;
+        c->bytes = o->words * (16u + (o->before != NULL ? 4u : 0u) +
+                               (o->split != NULL && o->split != o->touched ? 8u : 0u));
+    }
     return BVX_OK;
 }
 
@@ -162,15 +160,6 @@ const bvxi_octets *bvxi_octree_holder(const bvx_octree *tree, int32_t level, con
     return o;
 }
 
-static void find_octree_leaf(const bvx_octree *tree, const int32_t v[3], bvx_octree_leaf *leaf)
-{
-    int32_t up[3], level;
-    uint64_t bit;
-    const bvxi_octets *const o = bvxi_octree_holder(tree, tree->levels, v, &level, &bit);
-    for (int a = 0; a < 3; a++) up[a] = v[a] >> (tree->levels - level);
-    *leaf = bvxi_octree_leaf_at(up, level, bvxi_octets_state(o, bit));
-}
-
 typedef struct octree_places {
     const bvx_octree *tree;
     const int32_t *voxels;
@@ -180,20 +169,6 @@ typedef struct octree_places {
     int32_t pieces;
     uint64_t bad[256]; /* by piece: the first place that is none, or count */
 } octree_places;
-
-/* The voxel that holds a point; 0 when none does, -1 when the point is not finite. */
-static int octree_voxel_of_point(const bvx_octree *tree, const double *p, int32_t v[3])
-{
-    int inside = 1;
-    for (int a = 0; a < 3; a++) {
-        double const at = floor((p[a] - tree->lattice.origin[a]) / tree->lattice.spacing[a]);
-        if (!(p[a] - p[a] == 0.0)) return -1;
-        /* Compared as doubles: a cast of what is out of range is undefined. */
-        if (at >= 0 && at < (double)tree->lattice.dims[a]) v[a] = (int32_t)at;
-        else inside = 0;
-    }
-    return inside;
-}
 
 static void find_octree_range(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
@@ -206,7 +181,18 @@ static void find_octree_range(void *user, int32_t index, uint64_t begin, uint64_
         int found;
 
         if (job->points != NULL) {
-            found = octree_voxel_of_point(job->tree, job->points + 3 * i, v);
+            const bvx_lattice *const l = &job->tree->lattice;
+            const double *const p = job->points + 3 * i;
+
+            /* Found: 0 when no voxel holds the point, -1 when it is not finite. */
+            found = 1;
+            for (int a = 0; a < 3; a++) {
+                double const at = floor((p[a] - l->origin[a]) / l->spacing[a]);
+                if (!(p[a] - p[a] == 0.0)) found = -1;
+                /* Compared as doubles: a cast of what is out of range is undefined. */
+                else if (at >= 0 && at < (double)l->dims[a]) v[a] = (int32_t)at;
+                else if (found > 0) found = 0;
+            }
             voxel = v;
         } else {
             const int32_t *const d = job->tree->lattice.dims;
@@ -220,9 +206,14 @@ static void find_octree_range(void *user, int32_t index, uint64_t begin, uint64_
             job->bad[index] = i;
             return;
         }
-        if (found) find_octree_leaf(job->tree, voxel, &job->leaves[i]);
-        else /* outside of the lattice is outside of the body; level 255 says that no leaf holds the point */
-            job->leaves[i] = (bvx_octree_leaf){.level = 255, .state = BVX_STATE_OUTSIDE};
+        /* Outside of the lattice is outside of the body; level 255 says that no leaf holds the point. */
+        job->leaves[i] = (bvx_octree_leaf){.level = 255, .state = BVX_STATE_OUTSIDE};
+        if (!found) continue;
+        int32_t up[3], level;
+        uint64_t bit;
+        const bvxi_octets *const o = bvxi_octree_holder(job->tree, job->tree->levels, voxel, &level, &bit);
+        for (int a = 0; a < 3; a++) up[a] = voxel[a] >> (job->tree->levels - level);
+        job->leaves[i] = bvxi_octree_leaf_at(up, level, bvxi_octets_state(o, bit));
     }
 }
 

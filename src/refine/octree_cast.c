@@ -49,25 +49,6 @@ static int ray_meets_box(const octree_ray *r, const int32_t v[3], int32_t level,
     return enter <= leave;
 }
 
-static void try_octree_leaf(octree_ray *r, const int32_t v[3], int32_t level, int32_t state, double t,
-                            int32_t axis)
-{
-    int32_t const up = r->tree->levels - level;
-    int32_t const x = v[0] << up, y = v[1] << up, z = v[2] << up;
-
-    /* Of leaves met at one t the least (z, y, x), whatever the order of asking. */
-    if (r->found && t == r->t &&
-        (z > r->low[2] || (z == r->low[2] && (y > r->low[1] || (y == r->low[1] && x > r->low[0])))))
-        return;
-    r->found = 1;
-    r->t = r->end = t;
-    r->axis = axis;
-    r->low[0] = x;
-    r->low[1] = y;
-    r->low[2] = z;
-    r->leaf = bvxi_octree_leaf_at(v, level, state);
-}
-
 /* The voxel at a bit of a level's masks, or of the base's. */
 static void cast_into_voxel(octree_ray *r, const bvxi_octets *o, uint64_t bit, const int32_t v[3],
                             int32_t level)
@@ -82,7 +63,19 @@ static void cast_into_voxel(octree_ray *r, const bvxi_octets *o, uint64_t bit, c
     /* A leaf in a state that was not requested is passed over before its box is computed. */
     if ((!split && (state & r->states) == 0) || !ray_meets_box(r, v, level, &t, &axis)) return;
     if (!split) {
-        try_octree_leaf(r, v, level, state, t, axis);
+        int32_t const up = r->tree->levels - level;
+        int32_t const low[3] = {v[0] << up, v[1] << up, v[2] << up};
+
+        /* Of leaves met at one t the least (z, y, x), whatever the order of asking. */
+        if (r->found && t == r->t &&
+            (low[2] > r->low[2] ||
+             (low[2] == r->low[2] && (low[1] > r->low[1] || (low[1] == r->low[1] && low[0] > r->low[0])))))
+            return;
+        r->found = 1;
+        r->t = r->end = t;
+        r->axis = axis;
+        memcpy(r->low, low, sizeof r->low);
+        r->leaf = bvxi_octree_leaf_at(v, level, state);
         return;
     }
     uint64_t const octet = bvxi_octets_rank(o, bit);
@@ -101,19 +94,6 @@ static inline int32_t in_ray_order(const octree_ray *r, int a, int32_t n)
     return r->way[a] < 0 ? r->tree->base[a] - 1 - n : n;
 }
 
-/* The ray meets a row's box: between the planes of (y, z), along all of x. */
-static int ray_meets_row(const octree_ray *r, int32_t y, int32_t z)
-{
-    octree_ray flat = *r;
-    int32_t const v[3] = {0, y, z};
-    double t;
-    int32_t axis;
-    /* As if the ray stood still in x, in the middle of the row: then x never excludes. */
-    flat.way[0] = 0;
-    flat.u[0] = 0.0;
-    return ray_meets_box(&flat, v, 0, &t, &axis);
-}
-
 static void cast_octree_ray(octree_ray *r)
 {
     const bvx_octree *const tree = r->tree;
@@ -122,7 +102,13 @@ static void cast_octree_ray(octree_ray *r)
         for (int32_t j = 0; j < tree->base[1]; j++) {
             int32_t const y = in_ray_order(r, 1, j), z = in_ray_order(r, 2, k);
 
-            if (!ray_meets_row(r, y, z)) continue;
+            /* The row's box: as if the ray stood still in x, in the middle of the row, so that x never excludes. */
+            octree_ray flat = *r;
+            double t;
+            int32_t axis;
+            flat.way[0] = 0;
+            flat.u[0] = 0.0;
+            if (!ray_meets_box(&flat, (const int32_t[3]){0, y, z}, 0, &t, &axis)) continue;
             for (int32_t i = 0; i < tree->base[0]; i++) {
                 int32_t const v[3] = {in_ray_order(r, 0, i), y, z};
                 cast_into_voxel(r, &tree->root, bvxi_root_bit(tree, v[0], y, z), v, 0);

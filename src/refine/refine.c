@@ -99,20 +99,16 @@ static bvx_status take_refine_window(bvxi_refine_job *job, bvx_refine_options *o
     return BVX_OK;
 }
 
-/* 1 when the window is less than an eighth of the lattice. */
-static int window_is_small(const bvxi_refine_job *job)
-{
-    double share = 1;
-    for (int a = 0; a < 3; a++)
-        share *= (double)(job->last[a] - job->low[a] + 1) / (double)job->tree->lattice.dims[a];
-    return share < 0.125;
-}
-
 /* A tolerance looks at lists, so it has them from the base on; a small window needs no grid. */
 static int32_t choose_start(const bvxi_refine_job *job)
 {
     const bvx_octree *const tree = job->tree;
-    int32_t start = job->windowed && window_is_small(job) ? job->outer : tree->levels;
+    int32_t start;
+    double share = 1;
+
+    for (int a = 0; a < 3; a++)
+        share *= (double)(job->last[a] - job->low[a] + 1) / (double)tree->lattice.dims[a];
+    start = job->windowed && share < 0.125 ? job->outer : tree->levels;
     if (job->tolerance > 0) return 0;
     /* One grid of the last level is the fastest way while it is small: rows of bits, no lists. */
     if (bvxi_refine_grid_words(tree, start) <= BVXI_REFINE_WHOLE_GRID / 8) return start;

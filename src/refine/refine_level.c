@@ -128,15 +128,6 @@ static uint32_t children_to_split(const level_job *job, uint64_t n, uint32_t tou
     return split;
 }
 
-/* Triangles that the split children of an octet take on. */
-static uint64_t pairs_of_octet(const level_job *job, uint64_t n, uint32_t split)
-{
-    uint64_t begin, end, pairs = 0;
-    list_of_voxel(job->front, n, &begin, &end);
-    for (uint64_t i = begin; i < end; i++) pairs += bvxi_popcount(job->hits[i] & split);
-    return pairs;
-}
-
 static void mark_octets(void *user, int32_t index)
 {
     level_job *const job = user;
@@ -158,24 +149,14 @@ static void mark_octets(void *user, int32_t index)
             bvxi_octet_put(job->octets->touched, n, children_in_grid(job, job->front->ijk + 3 * n));
         uint32_t const split = children_to_split(job, n, bvxi_octet_mask(job->octets->touched, n));
         children += bvxi_popcount(split);
-        if (!from_grid && !job->last) pairs += pairs_of_octet(job, n, split);
+        /* Triangles that the split children take on. */
+        if (from_grid || job->last) continue;
+        uint64_t from, to;
+        list_of_voxel(job->front, n, &from, &to);
+        for (uint64_t i = from; i < to; i++) pairs += bvxi_popcount(job->hits[i] & split);
     }
     job->children[index] = children;
     job->pairs[index] = pairs;
-}
-
-/* The lists of an octet's split children, one after the other; place of the first, which moves on. */
-static void place_lists(level_job *job, uint64_t n, uint32_t split, uint64_t child, uint64_t *place)
-{
-    uint64_t begin, end;
-    list_of_voxel(job->front, n, &begin, &end);
-    /* The list is read once for each split child: it is short, and in the cache after the first. */
-    for (uint32_t p = 0; p < 8; p++) {
-        if ((split >> p & 1) == 0) continue;
-        job->next.offset[child++] = *place;
-        for (uint64_t i = begin; i < end; i++)
-            if ((job->hits[i] >> p & 1) != 0) job->next.list[(*place)++] = job->front->list[i];
-    }
 }
 
 static void place_children(void *user, int32_t index)
@@ -188,9 +169,14 @@ static void place_children(void *user, int32_t index)
     for (uint64_t n = begin; n < end; n++) {
         const int32_t *const v = job->front->ijk + 3 * n;
         uint32_t const split = bvxi_octet_split(job->octets, n);
-        if (lists) place_lists(job, n, split, child, &place);
+        uint64_t from = 0, to = 0;
+        if (lists) list_of_voxel(job->front, n, &from, &to);
         for (uint32_t p = 0; p < 8; p++) {
             if ((split >> p & 1) == 0) continue;
+            /* The list is read once for each split child: it is short, and in the cache after the first. */
+            if (lists) job->next.offset[child] = place;
+            for (uint64_t i = from; i < to; i++)
+                if ((job->hits[i] >> p & 1) != 0) job->next.list[place++] = job->front->list[i];
             for (uint32_t a = 0; a < 3; a++) job->next.ijk[3 * child + a] = 2 * v[a] + (int32_t)(p >> a & 1);
             job->up[child++] = (uint32_t)(8 * n + p);
         }

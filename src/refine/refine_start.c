@@ -258,22 +258,6 @@ static void coarsen_rows(void *user, uint64_t begin, uint64_t end)
 
 enum { COARSEN_GRAIN = 512 };
 
-static bvx_status coarsen_grids(bvxi_refine_job *job)
-{
-    for (int32_t l = job->start - 1; l >= 0; l--) {
-        coarsen_job c = {job->tree, job->grids.words[l + 1], NULL, l};
-        uint64_t const words = bvxi_refine_grid_words(job->tree, l);
-        BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, words * 8, "a coarser grid", &job->grids.words[l]));
-        c.coarse = job->grids.words[l];
-        BVXI_TRY(
-            BVXI_SHARE(job->ctx, 0.95, 1.0,
-                       bvxi_for(job->ctx, "refine",
-                                (uint64_t)(job->tree->base[1] << l) * (uint64_t)(job->tree->base[2] << l),
-                                COARSEN_GRAIN, coarsen_rows, &c)));
-    }
-    return BVX_OK;
-}
-
 /* ---- the root and the first front ---- */
 
 /* Which of the root's touched voxels are split; r is their rank among these. */
@@ -339,7 +323,15 @@ bvx_status bvxi_refine_start(bvxi_refine_job *job)
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, words * 8, "the start's grid",
                              &job->grids.words[job->start]));
     BVXI_TRY(touch_start_grid(job));
-    BVXI_TRY(coarsen_grids(job));
+    for (int32_t l = job->start - 1; l >= 0; l--) {
+        coarsen_job c = {job->tree, job->grids.words[l + 1], NULL, l};
+        uint64_t const rows = (uint64_t)(job->tree->base[1] << l) * (uint64_t)(job->tree->base[2] << l);
+        BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, bvxi_refine_grid_words(job->tree, l) * 8,
+                            "a coarser grid", &job->grids.words[l]));
+        c.coarse = job->grids.words[l];
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.95, 1.0,
+                            bvxi_for(job->ctx, "refine", rows, COARSEN_GRAIN, coarsen_rows, &c)));
+    }
     return make_first_front(job);
 }
 

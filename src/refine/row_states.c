@@ -14,15 +14,6 @@ typedef struct row_states_job {
     bvx_grid solid[BVXI_OCTREE_LEVELS + 1]; /* by level from outer on; that of outer is whole */
 } row_states_job;
 
-static int centre_is_inside(const row_states_job *job, const int32_t v[3], int32_t level)
-{
-    /* Coarse leaves ask the solid of level outer, at the voxel of their low corner: a leaf has one side. */
-    int32_t const down = level <= job->outer ? job->outer - level : 0;
-    const bvx_grid *const g = &job->solid[level + down];
-    return bvx_grid_get(g, (v[0] << down) - g->low[0], (v[1] << down) - g->low[1],
-                        (v[2] << down) - g->low[2]);
-}
-
 /* The octets of the last level but one, all eight children at once; solids begin at even voxels. */
 static void decide_last(const row_states_job *job, uint64_t octet, const int32_t v[3])
 {
@@ -41,7 +32,12 @@ static void decide_voxel(const row_states_job *job, const bvxi_octets *o, uint64
                          int32_t level)
 {
     if (!bvxi_octets_is_split(o, bit)) {
-        if (!bvxi_bit_of(o->touched, bit) && !centre_is_inside(job, v, level))
+        /* Coarse leaves ask the solid of level outer, at the voxel of their low corner: a leaf has one side. */
+        int32_t const down = level <= job->outer ? job->outer - level : 0;
+        const bvx_grid *const g = &job->solid[level + down];
+        if (!bvxi_bit_of(o->touched, bit) &&
+            !bvx_grid_get(g, (v[0] << down) - g->low[0], (v[1] << down) - g->low[1],
+                          (v[2] << down) - g->low[2]))
             o->outside[bit >> 6] |= UINT64_C(1) << (bit & 63);
         return;
     }
@@ -97,17 +93,6 @@ static uint64_t gather_near(const bvxi_refine_job *job, double *positions)
 
 /* ---- the solids ---- */
 
-/* Window of a level: the children of all voxels of the level above that meet the tree's window. */
-static void window_of_level(const bvxi_refine_job *job, int32_t level, bvx_window *w)
-{
-    int32_t const up = job->tree->levels - level + 1;
-    /* Whole pairs of voxels, so that all children of a split voxel are in it. */
-    for (int a = 0; a < 3; a++) {
-        w->low[a] = 2 * (job->low[a] >> up);
-        w->size[a] = 2 * ((job->last[a] >> up) + 1) - w->low[a];
-    }
-}
-
 static bvx_status make_solids(bvxi_refine_job *job, const bvx_mesh_view *nearby, row_states_job *rows)
 {
     bvx_context *const ctx = job->ctx;
@@ -125,8 +110,12 @@ static bvx_status make_solids(bvxi_refine_job *job, const bvx_mesh_view *nearby,
             BVXI_TRY(
                 bvx_voxelize_solid(ctx, l == job->outer ? job->view : nearby, &lattice, &o, &rows->solid[l]));
 
-        /* The first solid is of the whole lattice; each finer one of its window alone. */
-        if (l < job->tree->levels) window_of_level(job, l + 1, &o.window);
+        /* The first solid is of the whole lattice; each finer one of the children of all voxels that meet the
+         * tree's window, in whole pairs, so that all children of a split voxel are in it. */
+        for (int a = 0; a < 3 && l < job->tree->levels; a++) {
+            o.window.low[a] = 2 * (job->low[a] >> (job->tree->levels - l));
+            o.window.size[a] = 2 * ((job->last[a] >> (job->tree->levels - l)) + 1) - o.window.low[a];
+        }
     }
     return BVX_OK;
 }

@@ -256,19 +256,6 @@ static inline uint64_t octet_below(const states_job *job, int32_t level, uint64_
 
 /* ---- neighbours ---- */
 
-/* The base voxel beyond face d of the base voxel with this linear index; 0 beyond the lattice. */
-static int base_neighbour(const states_job *job, uint32_t linear, int d, uint64_t *bit)
-{
-    int32_t v[3];
-    v[0] = (int32_t)(linear % (uint32_t)job->nx);
-    v[1] = (int32_t)(linear / (uint32_t)job->nx % (uint32_t)job->ny);
-    v[2] = (int32_t)(linear / (uint32_t)job->nx / (uint32_t)job->ny);
-    v[d % 3] += d >= 3 ? 1 : -1;
-    if (v[d % 3] < 0 || v[d % 3] >= job->tree->base[d % 3]) return 0;
-    *bit = bvxi_root_bit(job->tree, v[0], v[1], v[2]);
-    return 1;
-}
-
 static octree_neighbour neighbour_of(const states_job *job, int32_t level, uint64_t octet, int d)
 {
     uint32_t const across = 1u << d % 3, side = d >= 3 ? across : 0;
@@ -280,8 +267,14 @@ static octree_neighbour neighbour_of(const states_job *job, int32_t level, uint6
     for (int over = 0; !over;) {
         uint32_t const up = job->up[at.level][at.octet];
         if (at.level == 0) {
-            at.kind = base_neighbour(job, up, d, &at.bit) ? NEIGHBOUR_BASE : NEIGHBOUR_NONE;
-            if (at.kind == NEIGHBOUR_NONE || !bvxi_octets_is_split(&job->tree->root, at.bit)) return at;
+            /* The base voxel beyond the face, if any, of the one with this linear index. */
+            uint32_t const nx = (uint32_t)job->nx, ny = (uint32_t)job->ny;
+            int32_t v[3] = {(int32_t)(up % nx), (int32_t)(up / nx % ny), (int32_t)(up / nx / ny)};
+            v[d % 3] += d >= 3 ? 1 : -1;
+            at.kind = v[d % 3] < 0 || v[d % 3] >= job->tree->base[d % 3] ? NEIGHBOUR_NONE : NEIGHBOUR_BASE;
+            if (at.kind == NEIGHBOUR_NONE) return at;
+            at.bit = bvxi_root_bit(job->tree, v[0], v[1], v[2]);
+            if (!bvxi_octets_is_split(&job->tree->root, at.bit)) return at;
             at.octet = bvxi_octets_rank(&job->tree->root, at.bit);
             break;
         }
@@ -325,20 +318,16 @@ static void pass_to_octet(states_job *job, int32_t level, uint64_t octet, int d,
             expose_octet(job, level + 1, octet_below(job, level, octet, p), 1u << (d + 3) % 6);
 }
 
-static void expose_base(states_job *job, uint64_t bit)
-{
-    uint64_t *const word = &job->tree->root.outside[bit >> 6];
-    uint64_t const one = UINT64_C(1) << (bit & 63);
-    if ((*word & one) != 0 || bvxi_bit_of(job->tree->root.touched, bit)) return;
-    *word |= one;
-    list_base_row(job, (bit >> 6) / (uint64_t)job->row_words);
-}
-
 static inline void pass_to_leaf(states_job *job, const octree_neighbour *beyond)
 {
     if (beyond->kind == NEIGHBOUR_CHILD)
         expose_children(job, beyond->level, beyond->octet, 1u << beyond->bit);
-    else if (beyond->kind == NEIGHBOUR_BASE) expose_base(job, beyond->bit);
+    if (beyond->kind != NEIGHBOUR_BASE) return;
+    uint64_t *const word = &job->tree->root.outside[beyond->bit >> 6];
+    uint64_t const one = UINT64_C(1) << (beyond->bit & 63);
+    if ((*word & one) != 0 || bvxi_bit_of(job->tree->root.touched, beyond->bit)) return;
+    *word |= one;
+    list_base_row(job, (beyond->bit >> 6) / (uint64_t)job->row_words);
 }
 
 static void work_on_octet(states_job *job, int32_t level, uint64_t octet)
@@ -432,28 +421,24 @@ static bvx_status work_until_done(bvx_context *ctx, states_job *job)
     return BVX_OK;
 }
 
-static uint64_t cube_of_octet(const bvx_octree *tree, int32_t level, uint64_t octet)
-{
-    const bvxi_octets *const o = &tree->octets[level];
-    uint32_t const touched = bvxi_octet_mask(o->touched, octet), split = bvxi_octet_split(o, octet);
-    uint64_t below = split != 0 ? bvxi_octets_rank(o, 8 * octet) : 0, cube = 0;
-    /* A child that is touched but not split is a wall as a whole; one that is split shows its own eight. */
-    for (uint32_t p = 0; p < 8; p++) {
-        uint64_t const child = (split >> p & 1) != 0     ? bvxi_cube_spread(bvxi_octet_mask(
-                                                               tree->octets[level + 1].touched, below++))
-                               : (touched >> p & 1) != 0 ? BVXI_CUBE_CHILD
-                                                         : 0;
-        cube |= child << bvxi_cube_shift(p);
-    }
-    return cube;
-}
-
 static void take_cubes(void *user, uint64_t begin, uint64_t end)
 {
     const states_job *const job = user;
     for (uint64_t n = begin; n < end; n++) {
+        const bvxi_octets *const o = &job->tree->octets[job->bottom];
+        uint32_t const touched = bvxi_octet_mask(o->touched, n), split = bvxi_octet_split(o, n);
+        uint64_t below = split != 0 ? bvxi_octets_rank(o, 8 * n) : 0, cube = 0;
+
+        /* A child that is touched but not split is a wall as a whole; one that is split shows its own eight. */
+        for (uint32_t p = 0; p < 8; p++) {
+            uint64_t child = (touched >> p & 1) != 0 ? BVXI_CUBE_CHILD : 0;
+            if ((split >> p & 1) != 0)
+                child = bvxi_cube_spread(
+                    bvxi_octet_mask(job->tree->octets[job->bottom + 1].touched, below++));
+            cube |= child << bvxi_cube_shift(p);
+        }
         memset(&job->cubes[n], 0, sizeof job->cubes[n]);
-        job->cubes[n].touched = cube_of_octet(job->tree, job->bottom, n);
+        job->cubes[n].touched = cube;
     }
 }
 

@@ -26,16 +26,6 @@ static bvx_status fill_parity_rows(bvx_context *ctx, bvxi_solid_job *job)
     return bvxi_solid_lists(ctx, job, 0.85);
 }
 
-static bvx_status fill_from_lists(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_report *report)
-{
-    bvxi_row_lists lists;
-    BVXI_TRY(bvxi_solid_gather(ctx, job, 0.1, 0.2, &lists));
-    report->crossings += lists.total;
-    bvx_status const status = job->take_lists(ctx, job, &lists, 0.2, 1.0);
-    bvxi_row_lists_free(ctx, &lists);
-    return status;
-}
-
 static bvx_status fill_block(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_report *report)
 {
     uint64_t const rows = (uint64_t)job->block.ny * (uint64_t)job->block.nz;
@@ -51,7 +41,11 @@ static bvx_status fill_block(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_re
         bvxi_snap_cells(ctx, &job->grid->lattice, &job->block, bvxi_solid_progress(job, 0), &job->snapped));
     /* A rule of its own takes the lists; else toggles are the quick way. */
     if (job->take_lists != NULL) {
-        status = fill_from_lists(ctx, job, report);
+        bvxi_row_lists lists;
+        BVXI_TRY(bvxi_solid_gather(ctx, job, 0.1, 0.2, &lists));
+        report->crossings += lists.total;
+        status = job->take_lists(ctx, job, &lists, 0.2, 1.0);
+        bvxi_row_lists_free(ctx, &lists);
     } else if (job->fill == BVX_FILL_BELOW) {
         status = bvxi_solid_rounds(ctx, job, BVXI_HIGHEST, 0.1, 1.0);
     } else {

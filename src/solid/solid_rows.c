@@ -42,15 +42,6 @@ static uint32_t drop_for_parity(const int32_t *c, uint32_t n)
     return drop;
 }
 
-/* Rows are listed under parity when their crossings are odd in number. */
-static uint64_t fill_parity(const bvxi_solid_job *job, uint64_t *row, int32_t *c, uint32_t n)
-{
-    uint32_t const drop = drop_for_parity(c, n), kept = n - 1;
-    for (uint32_t i = drop; i < kept; i++) c[i] = c[i + 1];
-    for (uint32_t i = 0; i < kept; i += 2) fill_span(job, row, crossing_at(c[i]), crossing_at(c[i + 1]));
-    return 1;
-}
-
 /* Drop the unmatched crossings of a row whose signed sum is not zero: leaving
  * ones that no entering one precedes, from the left, or entering ones that no
  * leaving one follows, from the right; as many as the sum requires. */
@@ -124,11 +115,16 @@ static void solve_rows(void *user, int32_t tile)
             if (n == 0) continue;
 
             bvxi_sort_i32(job->lists.crossing + begin, n);
-            uint64_t lost = job->fill == BVX_FILL_PARITY
-                                ? fill_parity(job, words, job->lists.crossing + begin, n)
-                                : fill_nonzero(job, words, job->lists.crossing + begin, n);
+            int32_t *const c = job->lists.crossing + begin;
             crossings += n;
-            unbalanced += lost != 0;
+            if (job->fill != BVX_FILL_PARITY) {
+                unbalanced += fill_nonzero(job, words, c, n) != 0;
+                continue;
+            }
+            /* Rows are listed under parity when their crossings are odd in number. */
+            for (uint32_t i = drop_for_parity(c, n); i + 1 < n; i++) c[i] = c[i + 1];
+            for (uint32_t i = 0; i + 1 < n; i += 2)
+                fill_span(job, words, crossing_at(c[i]), crossing_at(c[i + 1]));
         }
     }
     if (job->fill == BVX_FILL_NONZERO) { /* parity has counted its rows and crossings before */

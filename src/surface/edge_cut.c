@@ -38,19 +38,6 @@ typedef struct unit_cut {
     double a[3], b[3], wb[3];
 } unit_cut;
 
-static unit_cut scale_cut(const bvxi_cut_edge *e)
-{
-    double const scale = 1.0 / e->length;
-    unit_cut u;
-    for (int32_t k = 0; k < 3; k++) {
-        int32_t const axis = e->axis + k < 3 ? e->axis + k : e->axis + k - 3;
-        u.a[k] = e->low[axis] * scale;
-        u.wb[k] = e->high[axis] * scale;
-        u.b[k] = u.wb[k] + (k == 0 ? 1.0 : 0.0);
-    }
-    return u;
-}
-
 /* 1 and the ratio where the line AB gives it, 0 where it runs along the
  * edge or is no number. between: no further than A and B. */
 static int cut_by_line(const unit_cut *u, int between, double *ratio)
@@ -96,18 +83,6 @@ static int cut_by_planes(const unit_cut *u, double *ratio)
 
 #define ON_SURFACE (1.0 / 1048576.0) /* 2^-20: an end this near lies on the surface */
 
-/* One end lies on the surface, and the line AB runs along the edge: a wall whose one side has the end and
- * whose other side the edge goes through, where the other end's closest point is. In walls that were made
- * thicker a vector without length does not mean that. */
-static int cut_beside_end(const bvxi_cut_edge *e, const unit_cut *u, double *ratio)
-{
-    int const low = bvxi_absolute(e->low_distance) <= ON_SURFACE * e->length;
-    int const high = bvxi_absolute(e->high_distance) <= ON_SURFACE * e->length;
-    if (low == high || !(bvxi_vec_dot(low ? u->wb : u->a, low ? u->wb : u->a) > NO_NORMAL2)) return 0;
-    *ratio = low ? u->b[0] : u->a[0];
-    return is_ratio(*ratio);
-}
-
 static int32_t cut_by_distances(const bvxi_cut_edge *e, double *ratio)
 {
     double const t = e->low_distance / (e->low_distance + e->high_distance);
@@ -121,10 +96,28 @@ int32_t bvxi_find_cut(const bvxi_cut_edge *edge, int32_t interpolation, double *
     *ratio = 0.5;
     if (interpolation == BVX_EDGE_MIDDLE) return BVXI_CUT_MIDDLE;
     if (interpolation == BVX_EDGE_SCALAR) return cut_by_distances(edge, ratio);
-    unit_cut u = scale_cut(edge);
+    double const scale = 1.0 / edge->length;
+    unit_cut u;
+    for (int32_t k = 0; k < 3; k++) {
+        int32_t const axis = edge->axis + k < 3 ? edge->axis + k : edge->axis + k - 3;
+        u.a[k] = edge->low[axis] * scale;
+        u.wb[k] = edge->high[axis] * scale;
+        u.b[k] = u.wb[k] + (k == 0 ? 1.0 : 0.0);
+    }
     int told = (interpolation == BVX_EDGE_TANGENT && cut_by_planes(&u, ratio)) ||
                cut_by_line(&u, interpolation == BVX_EDGE_TANGENT, ratio);
-    if (!told && interpolation == BVX_EDGE_TANGENT) told = cut_beside_end(edge, &u, ratio);
+    if (!told && interpolation == BVX_EDGE_TANGENT) {
+        /* One end lies on the surface, and the line AB runs along the edge: a wall whose one side has the end and
+         * whose other side the edge goes through, where the other end's closest point is. In walls that were made
+         * thicker a vector without length does not mean that. */
+        int const low = bvxi_absolute(edge->low_distance) <= ON_SURFACE * edge->length;
+        int const high = bvxi_absolute(edge->high_distance) <= ON_SURFACE * edge->length;
+        const double *const way = low ? u.wb : u.a;
+        if (low != high && bvxi_vec_dot(way, way) > NO_NORMAL2) {
+            *ratio = low ? u.b[0] : u.a[0];
+            told = is_ratio(*ratio);
+        }
+    }
     if (told && is_ratio(*ratio)) return BVXI_CUT_VECTOR;
     if (interpolation != BVX_EDGE_PAPER) return cut_by_distances(edge, ratio);
     /* the nearer end; along the edge V5, the end inside */
@@ -213,12 +206,6 @@ static int pass_triangle(const facet_edge *f, int32_t end, double *ratio)
     return *ratio >= 0.0 && *ratio <= 1.0;
 }
 
-static int pass_plane(const facet_edge *f, int32_t end, double *ratio)
-{
-    *ratio = bvxi_vec_dot(f->normal[end], f->corners[end][0]) / (f->normal[end][f->axis] * f->length);
-    return *ratio >= 0.0 && *ratio <= 1.0;
-}
-
 static double distance2_to_facets(const facet_edge *f, double ratio)
 {
     double p[3], q[3], best = -1.0;
@@ -246,7 +233,9 @@ static double cut_facets(const facet_edge *f, double ratio)
     /* Through neither: a plane's place is taken only where it is nearer to the triangles. */
     best = distance2_to_facets(f, ratio);
     for (int32_t end = 0; end < 2; end++) {
-        if (f->size[end] == 0.0 || !pass_plane(f, end, &place[end])) continue;
+        if (f->size[end] == 0.0) continue;
+        place[end] = bvxi_vec_dot(f->normal[end], f->corners[end][0]) / (f->normal[end][f->axis] * f->length);
+        if (!(place[end] >= 0.0 && place[end] <= 1.0)) continue;
         double const d2 = distance2_to_facets(f, place[end]);
         if (!(d2 < best)) continue;
         best = d2;
@@ -267,17 +256,6 @@ static void put_plane(const double cut[3], const double n[3], double length, con
     plane->offset = (float)offset;
 }
 
-/* Triangles may be turned: the end closest to one decides what is outward or, along the facet, the edge. */
-static double side_of_facet(const facet_edge *f, int32_t end)
-{
-    double const s = bvxi_vec_dot(f->normal[end], f->outward[end]);
-    double const size = f->size[end] * sqrt(bvxi_vec_dot(f->outward[end], f->outward[end]));
-    /* Clearly along the vector, or against it; in between the edge's direction decides. */
-    if (s > 0.5 * size) return 1.0;
-    if (s < -0.5 * size) return -1.0;
-    return f->normal[end][f->axis] * f->along < 0.0 ? -1.0 : 1.0;
-}
-
 static int planes_of_facets(const facet_edge *f, const double cut[3], bvxi_facet_plane planes[2])
 {
     double best = 0.0;
@@ -287,7 +265,12 @@ static int planes_of_facets(const facet_edge *f, const double cut[3], bvxi_facet
         double q[3], d2;
         if (f->size[end] == 0.0) continue;
         d2 = bvxi_closest_on_triangle(cut, (const double(*)[3])f->corners[end], q);
-        put_plane(cut, f->normal[end], side_of_facet(f, end) * f->size[end], q, &planes[found]);
+        /* Triangles may be turned: the end closest to one decides what is outward, clearly along the vector or
+         * against it; in between, along the facet, the edge's direction decides. */
+        double const s = bvxi_vec_dot(f->normal[end], f->outward[end]);
+        double const size = f->size[end] * sqrt(bvxi_vec_dot(f->outward[end], f->outward[end]));
+        int const turned = s > 0.5 * size ? 0 : s < -0.5 * size || f->normal[end][f->axis] * f->along < 0.0;
+        put_plane(cut, f->normal[end], turned ? -f->size[end] : f->size[end], q, &planes[found]);
         if (found != 0 && d2 < best) {
             bvxi_facet_plane const nearer = planes[1];
             planes[1] = planes[0];

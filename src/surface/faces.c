@@ -150,44 +150,41 @@ static uint32_t *put_faces_at(const face_reach *c, const uint64_t face[3], uint6
     return out;
 }
 
-/* last: the row that c is of; the next one shares half of what is about it. */
-static void emit_face_row(const bvxi_faces *f, uint64_t row, face_reach *c, uint64_t *last)
-{
-    uint32_t *out = f->mesh->triangles + 6 * (size_t)f->rows[row].face;
-    int32_t j, k;
-
-    /* No corner is used here. A face's low corner would be one, so there is no face either. */
-    if (f->rows[row].vertex == f->rows[row + 1].vertex) return;
-    corner_row(f, row, &j, &k);
-    double const y = bvxi_corner_along(f, 1, j), z = bvxi_corner_along(f, 2, k);
-    for (int32_t n = 0; n < 4; n++) {
-        uint64_t const at = row + (uint64_t)(n & 1) + (n >> 1 != 0 ? (uint64_t)f->grid->size[1] + 1 : 0);
-        if (j > 0 && *last + 1 == row && (n & 1) == 0) c->voxels[n] = c->voxels[n + 1];
-        else c->voxels[n] = voxels_about(f, j + (n & 1), k + (n >> 1));
-        /* beyond the last rows there are no faces to ask */
-        c->first[n] = at < f->row_count ? f->rows[at].vertex : 0;
-    }
-    *last = row;
-    for (int32_t w = 0; w < f->words; w++) {
-        uint64_t face[3], behind, any;
-
-        /* The used corners of all four rows, so that a corner's number is a popcount away. */
-        for (int32_t n = 0; n < 4; n++) c->used[n] = used_corners(f, &c->voxels[n], w);
-        bvxi_put_corners(f, c->used[0], w, c->first[0], y, z);
-        faces_of_word(f, &c->voxels[0], j, k, w, face, &behind);
-        any = face[0] | face[1] | face[2];
-        for (; any != 0; any &= any - 1) out = put_faces_at(c, face, behind, bvxi_lowest(any), out);
-        for (int32_t n = 0; n < 4; n++) c->first[n] += bvxi_popcount(c->used[n]);
-    }
-}
-
 static void emit_face_piece(void *user, uint64_t begin, uint64_t end)
 {
     const bvxi_faces *const f = user;
     face_reach c;
     uint64_t last = UINT64_MAX - 1;
 
-    for (uint64_t row = begin; row < end; row++) emit_face_row(f, row, &c, &last);
+    /* last: the row that c is of; the next one shares half of what is about it. */
+    for (uint64_t row = begin; row < end; row++) {
+        uint32_t *out = f->mesh->triangles + 6 * (size_t)f->rows[row].face;
+        int32_t j, k;
+
+        /* No corner is used here. A face's low corner would be one, so there is no face either. */
+        if (f->rows[row].vertex == f->rows[row + 1].vertex) continue;
+        corner_row(f, row, &j, &k);
+        double const y = bvxi_corner_along(f, 1, j), z = bvxi_corner_along(f, 2, k);
+        for (int32_t n = 0; n < 4; n++) {
+            uint64_t const at = row + (uint64_t)(n & 1) + (n >> 1 != 0 ? (uint64_t)f->grid->size[1] + 1 : 0);
+            if (j > 0 && last + 1 == row && (n & 1) == 0) c.voxels[n] = c.voxels[n + 1];
+            else c.voxels[n] = voxels_about(f, j + (n & 1), k + (n >> 1));
+            /* beyond the last rows there are no faces to ask */
+            c.first[n] = at < f->row_count ? f->rows[at].vertex : 0;
+        }
+        last = row;
+        for (int32_t w = 0; w < f->words; w++) {
+            uint64_t face[3], behind, any;
+
+            /* The used corners of all four rows, so that a corner's number is a popcount away. */
+            for (int32_t n = 0; n < 4; n++) c.used[n] = used_corners(f, &c.voxels[n], w);
+            bvxi_put_corners(f, c.used[0], w, c.first[0], y, z);
+            faces_of_word(f, &c.voxels[0], j, k, w, face, &behind);
+            any = face[0] | face[1] | face[2];
+            for (; any != 0; any &= any - 1) out = put_faces_at(&c, face, behind, bvxi_lowest(any), out);
+            for (int32_t n = 0; n < 4; n++) c.first[n] += bvxi_popcount(c.used[n]);
+        }
+    }
 }
 
 static bvx_status make_single_faces(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)

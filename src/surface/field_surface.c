@@ -125,14 +125,6 @@ static bvx_status place_cuts(bvx_context *ctx, bvxi_cuts *c, bvx_field_surface_r
     return BVX_OK;
 }
 
-static bvx_status make_plain(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, bvx_mesh *surface,
-                             bvx_field_surface_report *report)
-{
-    int const mine = surface->positions == NULL;
-    BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.3, bvxi_march_fill(ctx, m, surface)));
-    return bvxi_mesh_made(ctx, BVXI_SHARE(ctx, 0.3, 1.0, place_cuts(ctx, c, report)), mine, surface);
-}
-
 /* The surface by cuts becomes scratch. */
 static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, double least_cosine,
                              bvx_mesh *surface, bvx_field_surface_report *report)
@@ -172,8 +164,14 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
                       .values = values,
                       .interpolation = options->placing.interpolation,
                       .unit = bvxi_largest_spacing(&inside->lattice)};
-    BVXI_TRY(sharp ? make_sharp(ctx, &m, &cuts, options->sharp_angle, surface, &report)
-                   : make_plain(ctx, &m, &cuts, surface, &report));
+    if (sharp) {
+        BVXI_TRY(make_sharp(ctx, &m, &cuts, options->sharp_angle, surface, &report));
+    } else {
+        int const mine = surface->positions == NULL;
+        BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.3, bvxi_march_fill(ctx, &m, surface)));
+        BVXI_TRY(
+            bvxi_mesh_made(ctx, BVXI_SHARE(ctx, 0.3, 1.0, place_cuts(ctx, &cuts, &report)), mine, surface));
+    }
     bvxi_march_close(ctx, &m);
     if (options->report != NULL) *options->report = report;
     return BVX_OK;

@@ -87,29 +87,6 @@ static int better_turned(const bvxi_sharp_work *w, uint32_t a, uint32_t b, const
     return turn > 0.0 && turn > keep + LEAST_GAIN;
 }
 
-/* The sides of a loop on the faces towards +x, +y, +z. */
-static uint64_t turn_sides(const bvxi_sharp_work *w, uint64_t slot, const bvxi_cell_walk *c,
-                           bvxi_sharp_loop *s)
-{
-    bvxi_cell_loops loops;
-    const bvxi_cell_loop *const l = &loops.loop[0];
-    uint64_t count = 0;
-
-    bvxi_trace_walked(c, &loops);
-    for (int32_t i = 0; i < l->corners; i++) {
-        int32_t const next = i + 1 < l->corners ? i + 1 : 0;
-        int32_t const face = bvxi_face_of_edges(l->edge[i], l->edge[next]);
-        /* Each face is decided once, by the cell on its negative side. */
-        if ((face & 1) == 0 || bvxi_face_is_cut_twice(c->cell_case, face)) continue;
-        const bvxi_sharp_loop *beside = sharp_beside(w, slot, c->x, face);
-        if (beside == NULL || !better_turned(w, l->vertex[i], l->vertex[next], s->apex, beside->apex))
-            continue;
-        s->turned = (uint8_t)(s->turned | 1u << (face >> 1));
-        count++;
-    }
-    return count;
-}
-
 static void sharp_turn_piece(void *work, int32_t piece, uint64_t begin, uint64_t end)
 {
     bvxi_sharp_work *const w = work;
@@ -119,7 +96,23 @@ static void sharp_turn_piece(void *work, int32_t piece, uint64_t begin, uint64_t
         if (w->first[s + 1] == w->first[s]) continue;
         for (bvxi_start_cells(w->march, s, &c); bvxi_next_cell(&c);) {
             bvxi_sharp_loop *const here = sharp_loop_alone(w, s, c.x);
-            if (here != NULL) count += turn_sides(w, s, &c, here);
+            bvxi_cell_loops loops;
+            const bvxi_cell_loop *const l = &loops.loop[0];
+
+            if (here == NULL) continue;
+            bvxi_trace_walked(&c, &loops);
+            for (int32_t i = 0; i < l->corners; i++) {
+                int32_t const next = i + 1 < l->corners ? i + 1 : 0;
+                int32_t const face = bvxi_face_of_edges(l->edge[i], l->edge[next]);
+                /* Each face is decided once, by the cell on its negative side. */
+                if ((face & 1) == 0 || bvxi_face_is_cut_twice(c.cell_case, face)) continue;
+                const bvxi_sharp_loop *beside = sharp_beside(w, s, c.x, face);
+                if (beside == NULL ||
+                    !better_turned(w, l->vertex[i], l->vertex[next], here->apex, beside->apex))
+                    continue;
+                here->turned = (uint8_t)(here->turned | 1u << (face >> 1));
+                count++;
+            }
         }
     }
     w->counts[piece] = count;

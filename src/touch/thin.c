@@ -77,16 +77,6 @@ static inline int32_t beyond_at(double part, int below)
     return below ? beyond : -beyond;
 }
 
-/* A place after centre w, counted by the tile of the voxel that holds it. */
-static inline void add_beyond(thin_lines *l, int32_t w, double place, int below)
-{
-    double const part = place - (double)w;
-    int32_t const holder = part < 0.5 ? w : w + 1;
-    /* faces through a centre: there, but for rounding */
-    if (!(part > -0.25 && part < 1.25) || holder < l->low[0] || holder > l->high[0]) return;
-    l->tile->job->beyond[l->tile->number][l->axis[0]] += beyond_at(part, below);
-}
-
 /* A line (u, v) that the triangle covers: mark where it crosses. */
 static inline void cross_line(thin_lines *l, int32_t u, int32_t v)
 {
@@ -97,7 +87,14 @@ static inline void cross_line(thin_lines *l, int32_t u, int32_t v)
     /* What the solid shows needs no mark: one of the two centres beside the crossing is in it. */
     if (job->solid != NULL) {
         int const below = is_solid_on_line(l, w, u, v), above = is_solid_on_line(l, w + 1, u, v);
-        if (below != above && l->facing) add_beyond(l, w, place, below);
+        /* A place after centre w, counted by the tile of the voxel that holds it. */
+        if (below != above && l->facing) {
+            double const part = place - (double)w;
+            int32_t const holder = part < 0.5 ? w : w + 1;
+            /* faces through a centre: there, but for rounding */
+            if (part > -0.25 && part < 1.25 && holder >= l->low[0] && holder <= l->high[0])
+                job->beyond[l->tile->number][l->axis[0]] += beyond_at(part, below);
+        }
         if (below | above) return;
 
         /* The voxel that holds the crossing between centres w and w + 1: the crossing again, exactly, of
@@ -113,17 +110,6 @@ static inline void cross_line(thin_lines *l, int32_t u, int32_t v)
     voxel[l->axis[1]] = u;
     voxel[l->axis[2]] = v;
     bvxi_touch_run(job, voxel[1], voxel[2], voxel[0], voxel[0], l->triangle);
-}
-
-static void cut_lines(thin_lines *l)
-{
-    int64_t const step = (int64_t)1 << l->tile->job->fraction_bits, half = step >> 1;
-    for (int32_t v = l->low[2]; v <= l->high[2]; v++) {
-        int64_t first = 0, last = (int64_t)l->high[1] - l->low[1];
-        /* One division for each edge gives the range of lines that are inside. */
-        bvxi_cover_span(&l->t, l->low[1] * step + half, v * step + half, step, &first, &last);
-        for (int64_t n = first; n <= last; n++) cross_line(l, l->low[1] + (int32_t)n, v);
-    }
 }
 
 /* The axis that a triangle's normal is nearest to; of several the first. */
@@ -145,18 +131,6 @@ static int facing_axis(const bvxi_touch_batch *b, uint32_t i)
     return facing;
 }
 
-/* By the first coordinate that differs; no two corners of a triangle with area are equal. */
-static int least_corner(const int32_t q[3][3])
-{
-    int least = 0;
-    for (int c = 1; c < 3; c++) {
-        int a = 0;
-        while (a < 2 && q[c][a] == q[least][a]) a++;
-        if (q[c][a] < q[least][a]) least = c;
-    }
-    return least;
-}
-
 /* Lines that the triangle may cover; alone: it covers the only one. */
 static void mark_thin_lines(thin_lines *l, const bvxi_touch_batch *b, uint32_t i, int axis, int alone)
 {
@@ -169,12 +143,27 @@ static void mark_thin_lines(thin_lines *l, const bvxi_touch_batch *b, uint32_t i
     for (int c = 0; c < 3; c++)
         for (int a = 0; a < 3; a++) q[c][a] = b->p[c][l->axis[a]][i] + (a == 0 ? shift : 0);
     /* Places that are summed have the same bits for any order of corners from the least corner on. */
-    int const first = l->facing ? least_corner((const int32_t(*)[3])q) : 0;
+    int first = 0;
+    for (int c = 1; c < 3 && l->facing; c++) {
+        int a = 0;
+        /* By the first coordinate that differs; no two corners of a triangle with area are equal. */
+        while (a < 2 && q[c][a] == q[first][a]) a++;
+        if (q[c][a] < q[first][a]) first = c;
+    }
     if (!bvxi_triangle_setup(q[first], q[(first + 1) % 3], q[(first + 2) % 3], &l->t)) return;
     bvxi_triangle_walk(&l->t, axis);
     l->ready = 0;
-    if (alone) cross_line(l, l->low[1], l->low[2]);
-    else cut_lines(l);
+    if (alone) {
+        cross_line(l, l->low[1], l->low[2]);
+        return;
+    }
+    int64_t const step = (int64_t)1 << job->fraction_bits, half = step >> 1;
+    for (int32_t v = l->low[2]; v <= l->high[2]; v++) {
+        int64_t begin = 0, last = (int64_t)l->high[1] - l->low[1];
+        /* One division for each edge gives the range of lines that are inside. */
+        bvxi_cover_span(&l->t, l->low[1] * step + half, v * step + half, step, &begin, &last);
+        for (int64_t n = begin; n <= last; n++) cross_line(l, l->low[1] + (int32_t)n, v);
+    }
 }
 
 /* Triangle i of the batch along an axis, which u and v cross; low and high: the voxels of the tile by axis. */

@@ -68,17 +68,6 @@ static inline int tiles_of_triangle(const bvxi_tiles *tiles, uint32_t p, uint32_
     return 1;
 }
 
-static inline void bin_triangle(bin_job *b, uint64_t *next, const int32_t r[4], uint32_t t)
-{
-    for (int32_t u = r[2]; u <= r[3]; u++)
-        for (int32_t v = r[0]; v <= r[1]; v++) {
-            int32_t const tile = u * b->job->tiles.tiles_y + v;
-            /* The same walk counts first and fills then, so both agree on every place. */
-            if (b->fill) b->job->bins.id[next[tile]] = t;
-            next[tile]++;
-        }
-}
-
 static void bin_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     bin_job *const b = user;
@@ -94,9 +83,16 @@ static void bin_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
             b->bad[index] = t;
             return;
         }
-        if (job->tiles.count > 1 &&
-            tiles_of_triangle(&job->tiles, cell[corner[0]], cell[corner[1]], cell[corner[2]], r))
-            bin_triangle(b, next, r, (uint32_t)t);
+        if (job->tiles.count == 1 ||
+            !tiles_of_triangle(&job->tiles, cell[corner[0]], cell[corner[1]], cell[corner[2]], r))
+            continue;
+        /* The same walk counts first and fills then, so both agree on every place. */
+        for (int32_t u = r[2]; u <= r[3]; u++)
+            for (int32_t v = r[0]; v <= r[1]; v++) {
+                int32_t const tile = u * job->tiles.tiles_y + v;
+                if (b->fill) job->bins.id[next[tile]] = (uint32_t)t;
+                next[tile]++;
+            }
     }
 }
 

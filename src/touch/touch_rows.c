@@ -74,27 +74,25 @@ static int cut_to_tile(const bvxi_surface_tile *tile, const int32_t (*corner)[3]
     return 1;
 }
 
-static void add_touched_edge(const touch_triangle *t, int u, int v, int from, int to, int64_t turn,
-                             touch_lines *lines)
-{
-    const int64_t *const p = t->p[from], *const q = t->p[to];
-    /* slopes of the edge function, positive inside */
-    int64_t const du = (p[v] - q[v]) * turn, dv = (q[u] - p[u]) * turn;
-    touch_line *const line = &lines->line[lines->count];
-
-    if (du == 0 && dv == 0) return;
-    line->a = du * t->step;
-    line->b = dv * t->step;
-    /* at the best corner */
-    line->c = (p[u] * q[v] - p[v] * q[u]) * turn + (du > 0 ? line->a : 0) + (dv > 0 ? line->b : 0);
-    lines->count++;
-}
-
 /* The lines of a projection; area is its double, signed. */
 static void make_lines(const touch_triangle *t, int u, int v, int64_t area, touch_lines *lines)
 {
+    int64_t const turn = area < 0 ? -1 : 1;
+
     lines->count = 0;
-    for (int i = 0; i < 3; i++) add_touched_edge(t, u, v, i, (i + 1) % 3, area < 0 ? -1 : 1, lines);
+    for (int i = 0; i < 3; i++) {
+        const int64_t *const p = t->p[i], *const q = t->p[(i + 1) % 3];
+        /* slopes of the edge function, positive inside */
+        int64_t const du = (p[v] - q[v]) * turn, dv = (q[u] - p[u]) * turn;
+        touch_line *const line = &lines->line[lines->count];
+
+        if (du == 0 && dv == 0) continue;
+        line->a = du * t->step;
+        line->b = dv * t->step;
+        /* at the best corner */
+        line->c = (p[u] * q[v] - p[v] * q[u]) * turn + (du > 0 ? line->a : 0) + (dv > 0 ? line->b : 0);
+        lines->count++;
+    }
 }
 
 /* Narrow [*first, *last] to the indices along u that all lines allow at index v. An edge along u bounds the

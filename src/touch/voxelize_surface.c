@@ -71,20 +71,18 @@ struct bvxi_surface_helper {
     int32_t begun;
 };
 
-static bvxi_surface_job *job_of_worker(bvxi_surface_job *job, int32_t worker)
-{
-    if (worker == 0) return job;
-    struct bvxi_surface_helper *const helper = &job->helpers[worker - 1];
-    /* By the worker itself, while its words are about to be needed; who never comes costs nothing. */
-    if (!helper->begun) memset(helper->grid.words, 0, (size_t)bvxi_grid_words(&helper->grid) * 8);
-    helper->begun = 1;
-    return &helper->job;
-}
-
 /* A piece of the triangles into the only tile. */
 static void touch_only_tile(void *user, int32_t piece, int32_t worker)
 {
-    bvxi_surface_job *const job = job_of_worker(user, worker);
+    bvxi_surface_job *job = user;
+
+    if (worker != 0) {
+        struct bvxi_surface_helper *const helper = &job->helpers[worker - 1];
+        /* By the worker itself, while its words are about to be needed; who never comes costs nothing. */
+        if (!helper->begun) memset(helper->grid.words, 0, (size_t)bvxi_grid_words(&helper->grid) * 8);
+        helper->begun = 1;
+        job = &helper->job;
+    }
     bvxi_surface_tile tile = {job, bvxi_tiles_rows(&job->tiles, 0), 0};
     uint64_t begin, end;
     bvxi_piece(job->view->triangle_count, job->pieces, piece, &begin, &end);

@@ -72,17 +72,6 @@ static bvx_status grow_labels(label_table *t)
     return BVX_OK;
 }
 
-/* The number of a value's entry: count, known from now on, where there was none. */
-static uint64_t number_of_label(label_table *t, uint64_t value)
-{
-    /* The entry is written first: where the value is new, it is there already. */
-    t->entries[t->count].value = value;
-    if (t->tree.key != NULL) return bvxi_key_tree_find(&t->tree, t->count);
-    uint64_t const slot = label_slot(t, value);
-    if (t->slots[slot] == 0) t->slots[slot] = (uint32_t)(t->count + 1);
-    return t->slots[slot] - 1;
-}
-
 static bvx_status find_label(label_table *t, uint64_t value, uint64_t *entry)
 {
     if (t->count == t->room) BVXI_TRY(grow_labels(t));
@@ -92,7 +81,15 @@ static bvx_status find_label(label_table *t, uint64_t value, uint64_t *entry)
         BVXI_TRY(bvxi_key_tree_open(t->ctx, &t->tree, label_key, t, t->room));
         for (uint64_t i = 0; i < t->count; i++) bvxi_key_tree_find(&t->tree, i);
     }
-    *entry = number_of_label(t, value);
+    /* The entry is written first: where the value is new, it is there already. */
+    t->entries[t->count].value = value;
+    if (t->tree.key != NULL) {
+        *entry = bvxi_key_tree_find(&t->tree, t->count);
+    } else {
+        uint64_t const slot = label_slot(t, value);
+        if (t->slots[slot] == 0) t->slots[slot] = (uint32_t)(t->count + 1);
+        *entry = t->slots[slot] - 1;
+    }
     if (*entry == t->count) {
         label_entry *const e = &t->entries[t->count++];
         e->voxels = 0;

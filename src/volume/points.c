@@ -40,18 +40,6 @@ static bvx_status open_point_planes(bvx_context *ctx, int32_t minimum, points_wo
     return BVX_OK;
 }
 
-static void count_point(points_work *w, size_t word, uint64_t bit)
-{
-    uint64_t *const set = &w->grid->words[word];
-    if ((*set & bit) != 0) return; /* Full already: no counter is changed any more. */
-    for (int32_t p = 0; p < w->plane_count; p++) {
-        uint64_t *const digit = &w->planes[(size_t)w->words * (size_t)p + word];
-        *digit ^= bit;
-        if ((*digit & bit) != 0) return; /* 0 became 1: nothing to carry */
-    }
-    *set |= bit;
-}
-
 static inline void take_point(points_work *w, const double p[3])
 {
     const bvx_grid *const g = w->grid;
@@ -69,24 +57,16 @@ static inline void take_point(points_work *w, const double p[3])
     w->report.inside += (uint64_t)inside;
     w->report.outside += !inside;
     if (!inside) return;
-    count_point(w,
-                ((size_t)v[2] * (size_t)g->size[1] + (size_t)v[1]) * (size_t)g->words_per_row +
-                    (size_t)(v[0] >> 6),
-                UINT64_C(1) << (v[0] & 63));
-}
-
-static bvx_status take_points(bvx_context *ctx, points_work *w)
-{
-    for (uint64_t i = 0; i < w->view.vertex_count; i++) {
-        double p[3];
-        /* Rarely, so that the question costs nothing. */
-        if (i % POINTS_ASKED == 0)
-            BVXI_TRY(bvxi_progress(ctx, "points", (double)i / (double)w->view.vertex_count));
-        bvxi_view_position(&w->view, i, p);
-        if (!bvxi_view_finite(p)) return bvxi_view_fail_finite(ctx, points_name, &w->view, i);
-        take_point(w, p);
+    size_t const word = ((size_t)v[2] * (size_t)g->size[1] + (size_t)v[1]) * (size_t)g->words_per_row +
+                        (size_t)(v[0] >> 6);
+    uint64_t const bit = UINT64_C(1) << (v[0] & 63);
+    if ((g->words[word] & bit) != 0) return; /* Full already: no counter is changed any more. */
+    for (int32_t d = 0; d < w->plane_count; d++) {
+        uint64_t *const digit = &w->planes[(size_t)w->words * (size_t)d + word];
+        *digit ^= bit;
+        if ((*digit & bit) != 0) return; /* 0 became 1: nothing to carry */
     }
-    return bvx_grid_count(ctx, w->grid, &w->report.occupied);
+    g->words[word] |= bit;
 }
 
 static const bvxi_option points_rows[] = {
@@ -104,7 +84,16 @@ static bvx_status voxelize_cloud(bvx_context *ctx, const bvx_points_options *o, 
     w->plane_count = n;
     memset(w->grid->words, 0, (size_t)w->words * 8);
     if (w->plane_count != 0) BVXI_TRY(open_point_planes(ctx, o->minimum, w));
-    BVXI_TRY(take_points(ctx, w));
+    for (uint64_t i = 0; i < w->view.vertex_count; i++) {
+        double p[3];
+        /* Rarely, so that the question costs nothing. */
+        if (i % POINTS_ASKED == 0)
+            BVXI_TRY(bvxi_progress(ctx, "points", (double)i / (double)w->view.vertex_count));
+        bvxi_view_position(&w->view, i, p);
+        if (!bvxi_view_finite(p)) return bvxi_view_fail_finite(ctx, points_name, &w->view, i);
+        take_point(w, p);
+    }
+    BVXI_TRY(bvx_grid_count(ctx, w->grid, &w->report.occupied));
     if (o->body) {
         uint64_t set = 0;
         BVXI_TRY(bvxi_close_gaps(ctx, points_name, w->grid, o->close_gaps, &w->report.pockets));

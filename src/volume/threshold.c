@@ -27,13 +27,6 @@ enum { COLUMN_BYTES = 64 }; /* of a column at a time: a line of the cache */
 #undef BVXI_SIMD_LEVEL
 #endif
 
-/* NULL where there is nothing better than runs. */
-static bvxi_columns_fn *range_columns_for(const bvx_context *ctx, int32_t type)
-{
-    if (bvxi_type_size(type) != 1) return NULL;
-    return BVXI_PATH(bvxi_cpu(ctx) == BVX_CPU_AVX2, range_columns_base, range_columns_avx2);
-}
-
 /* ---- Runs of samples to words of bits: in range or not, and what there is to count ---- */
 
 /* Compilers make vectors of the loops; samples that lie apart, and those of a row's end, are brought together first. Infinite samples need no comparison
@@ -385,7 +378,9 @@ bvx_status bvxi_threshold(bvxi_call call, const bvx_volume_view *volume, const i
     bvxi_sample_walk walk = {.first = volume->samples};
     memcpy(walk.stride, stride, sizeof walk.stride);
     walk.run = range_run_for(call.ctx, volume->sample_type);
-    walk.columns = report == NULL ? range_columns_for(call.ctx, volume->sample_type) : NULL;
+    /* Bytes have something better than runs. */
+    if (report == NULL && bvxi_type_size(volume->sample_type) == 1)
+        walk.columns = BVXI_PATH(bvxi_cpu(call.ctx) == BVX_CPU_AVX2, range_columns_base, range_columns_avx2);
     walk.rule = range;
     walk.grid = grid;
     bvxi_sample_walk_plan(&walk);

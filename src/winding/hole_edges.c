@@ -276,11 +276,13 @@ static void place_key(const void *user, uint64_t vertex, uint32_t key[BVXI_KEY_W
     memcpy(key, s->xyz + 3 * vertex, 12);
 }
 
-/* The edges that remain by number, by their places. */
-static bvx_status cancel_list(bvx_context *ctx, const bvxi_snapped *s, const uint64_t *list, uint64_t count,
-                              edge_table *t)
+/* By their corners' places the edges of a list, or without one all triangles'. */
+static bvx_status cancel_places(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *s,
+                                const uint64_t *list, uint64_t count, edge_table *t)
 {
+    uint32_t *same = NULL;
     bvxi_key_tree places;
+
     BVXI_TRY(bvxi_key_tree_open(ctx, &places, place_key, s, s->vertex_count));
     /* Edges that did not meet by number may meet by place, where vertices are not welded. */
     for (uint64_t i = 0; i < count; i++) {
@@ -288,23 +290,13 @@ static bvx_status cancel_list(bvx_context *ctx, const bvxi_snapped *s, const uin
         put_hole_edge(t, (uint32_t)from, (uint32_t)bvxi_key_tree_find(&places, (uint32_t)list[i]));
         BVXI_TRY(make_room_for_edges(ctx, t));
     }
-    bvxi_key_tree_close(ctx, &places);
-    return BVX_OK;
-}
-
-/* All triangles, by their corners' places. */
-static bvx_status cancel_places(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *s,
-                                edge_table *t)
-{
-    uint64_t const bytes = s->vertex_count * 4;
-    uint32_t *same = NULL;
-    bvxi_key_tree places;
-    BVXI_TRY(bvxi_key_tree_open(ctx, &places, place_key, s, s->vertex_count));
     /* Every vertex gets the one that stands for its place; then triangles cancel as they do by number. */
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices at one place", &same));
-    for (uint64_t v = 0; v < s->vertex_count; v++) same[v] = (uint32_t)bvxi_key_tree_find(&places, v);
+    if (list == NULL)
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, s->vertex_count * 4, "the vertices at one place", &same));
+    for (uint64_t v = 0; v < s->vertex_count && list == NULL; v++)
+        same[v] = (uint32_t)bvxi_key_tree_find(&places, v);
     bvxi_key_tree_close(ctx, &places);
-    BVXI_TRY(cancel_triangles(ctx, view, same, UINT64_MAX, t));
+    if (list == NULL) BVXI_TRY(cancel_triangles(ctx, view, same, UINT64_MAX, t));
     bvxi_drop(ctx, same);
     return BVX_OK;
 }
@@ -328,7 +320,7 @@ bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bv
     close_edge_table(ctx, &t);
     BVXI_TRY(open_edge_table(ctx, HOLE_TABLE, &t));
     /* Too many were left for numbers to be of use: all of it again, by places. */
-    BVXI_TRY(full ? cancel_places(ctx, view, s, &t) : cancel_list(ctx, s, list, left, &t));
+    BVXI_TRY(cancel_places(ctx, view, s, list, left, &t));
     bvxi_drop(ctx, list);
     BVXI_TRY(list_open_edges(ctx, &t, odd_once, edges, count));
     close_edge_table(ctx, &t);

@@ -40,16 +40,6 @@ typedef struct line_work {
 
 /* ---- lines ---- */
 
-static uint32_t common_divisor(uint32_t a, uint32_t b)
-{
-    while (b != 0) {
-        uint32_t const rest = a % b;
-        a = b;
-        b = rest;
-    }
-    return a;
-}
-
 static void find_line(const bvxi_snapped *s, uint64_t edge, hole_line *l)
 {
     const int32_t *const from = s->xyz + 3 * (edge >> 32);
@@ -61,7 +51,11 @@ static void find_line(const bvxi_snapped *s, uint64_t edge, hole_line *l)
     for (int a = 0; a < 3; a++) {
         /* Divided by what its components share, all edges of a line have one direction. */
         d[a] = (int64_t)to[a] - from[a];
-        divisor = common_divisor((uint32_t)(d[a] < 0 ? -d[a] : d[a]), divisor);
+        for (uint32_t b = (uint32_t)(d[a] < 0 ? -d[a] : d[a]); b != 0;) {
+            uint32_t const rest = divisor % b;
+            divisor = b;
+            b = rest;
+        }
         if (l->along == 0) l->along = (d[a] > 0) - (d[a] < 0);
     }
     /* Turned so that the first component that is not 0 is positive; along keeps which way the edge runs. */
@@ -100,16 +94,6 @@ static int line_before(const void *lines, uint32_t a, uint32_t b)
 {
     const hole_line *const line = lines;
     return compare_lines(&line[a], &line[b]) < 0;
-}
-
-/* Edges with one hash: those of several lines are sorted by line. */
-static void part_lines(const hole_line *line, uint32_t *order, uint64_t n)
-{
-    uint64_t same = 1;
-    /* Nearly always one hash is one line. */
-    while (same < n && compare_lines(&line[order[0]], &line[order[same]]) == 0) same++;
-    if (same == n) return;
-    bvxi_sort_items(order, n, line_before, line);
 }
 
 /* ---- one line ---- */
@@ -161,16 +145,6 @@ static int line_cancels(const line_work *w, uint64_t ends)
     return 0;
 }
 
-/* How many edges should be open if they sum up to `sum` and `have` are open; negative: down. */
-static int64_t edges_wanted(const line_work *w, int64_t sum, int64_t have)
-{
-    if (!w->odd_once) return sum;
-    if ((sum & 1) == 0) return 0;
-    /* odd: keep the open one so that it is not cut in two; else one, along the sum */
-    if (have != 0) return have;
-    return sum > 0 ? 1 : -1;
-}
-
 /* From the lowest end to the highest: each step of the sum begins or ends as many edges. */
 static void sweep_line(line_work *w, uint64_t ends)
 {
@@ -185,7 +159,9 @@ static void sweep_line(line_work *w, uint64_t ends)
                                            : w->line[w->end[next] >> 1].along;
 
         /* How many edges should be open from here on; the difference begins or ends some. */
-        wanted = edges_wanted(w, sum, have);
+        wanted = sum;
+        /* Odd: the open one is kept so that it is not cut in two; else there is one, along the sum. */
+        if (w->odd_once) wanted = (sum & 1) == 0 ? 0 : have != 0 ? have : sum > 0 ? 1 : -1;
         /* First those that are too many end here, then those that are missing begin. */
         for (; have > wanted && have > 0; have--)
             w->kept[w->kept_count++] = (uint64_t)w->open_at[--open] << 32 | here;
@@ -204,8 +180,11 @@ static bvx_status cancel_lines(bvx_context *ctx, line_work *w, uint64_t count)
     /* Sorted by hash, edges of a line come together, save that several lines may share a hash. */
     BVXI_TRY(bvxi_radix_sort(ctx, w->key, w->order, count));
     for (uint64_t i = 0, n; i < count; i += n) {
+        uint64_t same = 1;
         for (n = 1; i + n < count && w->key[i + n] == w->key[i];) n++;
-        part_lines(w->line, w->order + i, n);
+        /* Nearly always one hash is one line; those of several are sorted by line. */
+        while (same < n && compare_lines(&w->line[w->order[i]], &w->line[w->order[i + same]]) == 0) same++;
+        if (same < n) bvxi_sort_items(w->order + i, n, line_before, w->line);
     }
 
     for (uint64_t i = 0, n; i < count; i += n) {

@@ -38,13 +38,6 @@ static double ends_apart(const strip_work *w, uint64_t a, uint64_t b)
     return sum;
 }
 
-/* Do both lie on a crack that is narrow beside their length, one each way? */
-static int is_across(const strip_work *w, uint64_t e, uint64_t f)
-{
-    return ends_apart(w, (uint32_t)e, f >> 32) + ends_apart(w, e >> 32, (uint32_t)f) <=
-           strip_width * ends_apart(w, e >> 32, (uint32_t)e);
-}
-
 /* Pair neighbours along a curve that is moved by `moved`. */
 static bvx_status pair_along(bvx_context *ctx, strip_work *w, uint32_t moved)
 {
@@ -65,7 +58,14 @@ static bvx_status pair_along(bvx_context *ctx, strip_work *w, uint32_t moved)
         uint32_t const e = w->order[i];
         for (uint64_t k = i + 1; k < w->count && k <= i + STRIP_LOOK && w->other[e] == STRIP_NONE; k++) {
             uint32_t const f = w->order[k];
-            if (w->other[f] != STRIP_NONE || !is_across(w, w->edge[e], w->edge[f])) continue;
+            uint64_t const own = w->edge[e], next = w->edge[f];
+            double const apart = ends_apart(w, (uint32_t)own, next >> 32) +
+                                 ends_apart(w, own >> 32, (uint32_t)next);
+
+            /* Both lie on a crack that is narrow beside their length, one each way. */
+            if (w->other[f] != STRIP_NONE ||
+                !(apart <= strip_width * ends_apart(w, own >> 32, (uint32_t)own)))
+                continue;
             w->other[e] = f;
             w->other[f] = e;
             w->pairs++;

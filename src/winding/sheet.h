@@ -79,6 +79,19 @@ static inline double bvxi_sheet_enclose(const bvxi_sheet *s, const uint32_t *cor
     return radius * (1.0 + 1e-12); /* beyond what rounding takes */
 }
 
+/* The ball around two balls touches both at their far sides; one may hold the other. */
+static inline double bvxi_sheet_join_balls(const double a[3], double radius_a, const double b[3],
+                                           double radius_b, double centre[3])
+{
+    double const d = bvxi_sheet_distance(a, b), radius = 0.5 * (radius_a + radius_b + d);
+    double const t = d > 0 ? (radius - radius_a) / d : 0; /* on the way from a to b */
+    double most = radius > radius_a ? radius : radius_a;
+
+    for (int i = 0; i < 3; i++) centre[i] = a[i] + (t < 0 ? 0 : t > 1 ? 1 : t) * (b[i] - a[i]);
+    if (most < radius_b) most = radius_b;
+    return most * (1.0 + 1e-12);
+}
+
 /* What loops order[i] .. order[j - 1] are from far off. */
 static inline const bvxi_sheet_node *bvxi_sheet_group(const bvxi_sheet *s, uint64_t i, uint64_t j)
 {

@@ -86,18 +86,6 @@ static int32_t enter_triangle(const bvxi_near_triangle *t, const double h[3])
     return to > 0 ? 1 : -1;
 }
 
-/* How often that way enters the near triangles, more than leaves; 0: as above. */
-static int count_entered(const bvxi_sheet_look *look, const double h[3], int32_t *times)
-{
-    *times = 0;
-    for (int32_t t = 0; t < look->triangles; t++) {
-        int32_t const added = enter_triangle(&look->triangle[t], h);
-        if (added == 2) return 0;
-        *times += added;
-    }
-    return 1;
-}
-
 /* ---- What a look from the middle of a brick says of its centres ---- */
 
 int bvxi_turns_of_centre(const bvxi_turns_block *block, const bvxi_sheet_look *look, double reach2,
@@ -117,7 +105,12 @@ int bvxi_turns_of_centre(const bvxi_turns_block *block, const bvxi_sheet_look *l
     }
     /* Too many near triangles were met to be listed. */
     if (look->triangles > BVXI_LOOK_TRIANGLES) return 0;
-    if (look->triangles > 0 && !count_entered(look, h, &entered)) return 0;
+    /* How often that way enters the near triangles, more than leaves. */
+    for (int32_t t = 0; t < look->triangles; t++) {
+        int32_t const added = enter_triangle(&look->triangle[t], h);
+        if (added == 2) return 0;
+        entered += added;
+    }
     *whole = (int32_t)n + entered;
     return 1;
 }

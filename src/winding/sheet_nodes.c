@@ -40,27 +40,10 @@ void bvxi_sheet_close(bvx_context *ctx, bvxi_sheet *sheet)
 
 static void join_nodes(const bvxi_sheet_node *a, const bvxi_sheet_node *b, bvxi_sheet_node *both)
 {
-    double const d = bvxi_sheet_distance(a->centre, b->centre), radius = 0.5 * (a->radius + b->radius + d);
-    /* The ball around two balls touches both at their far sides; one may hold the other. */
-    double const t = d > 0 ? (radius - a->radius) / d : 0; /* on the way from a to b */
     memset(both, 0, sizeof *both);
-    for (int i = 0; i < 3; i++) {
-        both->normal[i] = a->normal[i] + b->normal[i];
-        both->centre[i] = a->centre[i] + (t < 0 ? 0 : t > 1 ? 1 : t) * (b->centre[i] - a->centre[i]);
-    }
+    for (int i = 0; i < 3; i++) both->normal[i] = a->normal[i] + b->normal[i];
     both->area = a->area + b->area;
-    both->radius = (radius > a->radius ? radius : a->radius);
-    if (both->radius < b->radius) both->radius = b->radius;
-    both->radius *= 1.0 + 1e-12;
-}
-
-/* The place of a loop's first point on a curve: what is near on it is near in space. */
-static uint64_t loop_place(const bvxi_sheet *s, uint32_t loop)
-{
-    const int32_t *const q = s->xyz + 3 * (uint64_t)s->holes->vertex[bvxi_loop_begin(s->holes, loop)];
-    uint64_t key = 0;
-    for (int a = 0; a < 3; a++) key |= bvxi_curve_spread((uint32_t)(q[a] + (1 << 30)) >> 10) << (2 - a);
-    return key;
+    both->radius = bvxi_sheet_join_balls(a->centre, a->radius, b->centre, b->radius, both->centre);
 }
 
 /* Groups from small to large: a group's halves come after it on the walk, so their list is read backwards. */
@@ -74,7 +57,12 @@ static bvx_status group_loops(bvx_context *ctx, bvxi_sheet *s)
 
     /* Loops that lie near each other become neighbours, so that groups of them are small in space. */
     for (uint32_t l = 0; l < loops; l++) {
-        key[l] = loop_place(s, l);
+        const int32_t *const q = s->xyz + 3 * (uint64_t)s->holes->vertex[bvxi_loop_begin(s->holes, l)];
+
+        /* The place of its first point on a curve: what is near on it is near in space. */
+        key[l] = 0;
+        for (int a = 0; a < 3; a++)
+            key[l] |= bvxi_curve_spread((uint32_t)(q[a] + (1 << 30)) >> 10) << (2 - a);
         s->order[l] = l;
     }
     BVXI_TRY(bvxi_radix_sort(ctx, key, s->order, loops));

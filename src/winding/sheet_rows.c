@@ -68,18 +68,6 @@ static void start_block(const bvxi_turns_job *job, bvxi_turns_block *b, int32_t 
     if (b->want_clear) memset(b->clear, 0, sizeof b->clear);
 }
 
-static void keep_clear(const bvxi_turns_job *job, const bvxi_turns_block *b, int32_t x)
-{
-    for (int32_t k = 0; k < b->size[2]; k++)
-        for (int32_t j = 0; j < b->size[1]; j++) {
-            uint32_t const row = bvxi_turns_row(j, k);
-            /* Two blocks share a word, so bits are or-ed in. */
-            if (b->clear[row] != 0)
-                job->clear[bvxi_turns_word(job, b, j, k) + (uint64_t)(x >> 6)] |= (uint64_t)b->clear[row]
-                                                                                  << (x & 63);
-        }
-}
-
 static void turns_column(void *user, int32_t column, int32_t worker)
 {
     const bvxi_turns_job *const job = user;
@@ -105,7 +93,14 @@ static void turns_column(void *user, int32_t column, int32_t worker)
         done = x + w->block.size[0];
         job->rule(job, &w->block, w->mesh, x, done);
         if (w->block.dirty) memset(w->block.turns, 0, sizeof w->block.turns);
-        if (w->block.want_clear) keep_clear(job, &w->block, x);
+        /* Two blocks share a word, so bits are or-ed in. */
+        for (int32_t k = 0; k < w->block.size[2] && w->block.want_clear; k++)
+            for (int32_t j = 0; j < w->block.size[1]; j++) {
+                uint64_t const clear = w->block.clear[bvxi_turns_row(j, k)];
+                if (clear != 0)
+                    job->clear[bvxi_turns_word(job, &w->block, j, k) + (uint64_t)(x >> 6)] |= clear
+                                                                                              << (x & 63);
+            }
     }
     w->block.dirty = 0;
     if (done < nx) job->rule(job, &w->block, w->mesh, done, nx);

@@ -129,18 +129,6 @@ static const double *sheet_tree_point(const bvxi_sheet *s, const bvxi_sheet_tree
     return bvxi_sheet_point(s, tree->corner[i]);
 }
 
-static void enclose_halves(const bvxi_sheet_cell *a, const bvxi_sheet_cell *b, bvxi_sheet_cell *both)
-{
-    double const d = bvxi_sheet_distance(a->centre, b->centre), radius = 0.5 * (a->radius + b->radius + d);
-    /* As for the nodes of loops: it touches both balls at their far sides. */
-    double const t = d > 0 ? (radius - a->radius) / d : 0;
-    for (int i = 0; i < 3; i++)
-        both->centre[i] = a->centre[i] + (t < 0 ? 0 : t > 1 ? 1 : t) * (b->centre[i] - a->centre[i]);
-    both->radius = radius > a->radius ? radius : a->radius;
-    if (both->radius < b->radius) both->radius = b->radius;
-    both->radius *= 1 + 1e-12;
-}
-
 /* Radon's seven points of triangle t have its moments up to degree 5. */
 static void add_triangle_moments(const bvxi_sheet *s, const bvxi_sheet_tree *tree, uint64_t t,
                                  bvxi_sheet_cell *c)
@@ -182,7 +170,9 @@ static void fill_sheet_cell(const bvxi_sheet *s, const bvxi_sheet_tree *tree, bv
     if (c->end - c->first <= TREE_EXACT)
         c->radius = bvxi_sheet_enclose(s, tree->corner, 3 * (uint64_t)c->first, 3 * (uint64_t)c->end,
                                        c->centre);
-    else enclose_halves(half[0], half[1], c);
+    else
+        c->radius = bvxi_sheet_join_balls(half[0]->centre, half[0]->radius, half[1]->centre, half[1]->radius,
+                                          c->centre);
     if (c->second == 0) {
         for (uint64_t t = c->first; t < c->end; t++) add_triangle_moments(s, tree, t, c);
         return;

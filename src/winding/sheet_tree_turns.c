@@ -169,24 +169,6 @@ static void look_at_pending(const bvxi_turns_block *block, const turns_brick *b,
     v->looked = 1;
 }
 
-/* 1 when the look answers for most of the brick's centres. */
-static int is_near_linear(const tree_view *v)
-{
-    return v->looked && v->look.rest + v->look.bend < tree_doubt && v->look.triangles <= BVXI_LOOK_TRIANGLES;
-}
-
-/* 1 when the tree, opened further and further, gives the whole number at one centre. */
-static int ask_tree(const bvxi_turns_block *block, const int64_t p[3], int32_t *whole, int *clear)
-{
-    for (int i = 0; i < 3; i++) {
-        double error, n, turns = bvxi_sheet_tree_angle(block->sheet, p, tree_ask[i], &error);
-        if (!is_certain(block, turns, error + TREE_ROUNDING, &n, clear)) continue;
-        *whole = (int32_t)n;
-        return 1;
-    }
-    return 0;
-}
-
 /* The whole number at one centre of a brick, by the brick's view and the cells that are pending. */
 static void view_centre(bvxi_turns_block *block, const int32_t at[3], const uint32_t *pending,
                         const tree_view *v)
@@ -212,12 +194,15 @@ static void view_centre(bvxi_turns_block *block, const int32_t at[3], const uint
 
     /* Near cells are summed exactly, so only the polynomial's error is left. */
     if (v->pendings > 0) turns += bvxi_sheet_cells_angle(s, p, pending, v->pendings);
-    if (is_certain(block, turns, v->error, &n, &clear)) whole = (int32_t)n;
-    else if (!ask_tree(block, p, &whole, &clear)) {
-        ask_centre(block, at[0], at[1], at[2]);
-        return;
+    int certain = is_certain(block, turns, v->error, &n, &clear);
+    /* Else the tree, opened further and further. */
+    for (int i = 0; i < 3 && !certain; i++) {
+        double error;
+        turns = bvxi_sheet_tree_angle(s, p, tree_ask[i], &error);
+        certain = is_certain(block, turns, error + TREE_ROUNDING, &n, &clear);
     }
-    set_turns(block, bvxi_turns_row(at[1], at[2]), at[0], whole, block->want_clear && clear);
+    if (!certain) ask_centre(block, at[0], at[1], at[2]);
+    else set_turns(block, bvxi_turns_row(at[1], at[2]), at[0], (int32_t)n, block->want_clear && clear);
 }
 
 /* 1 when the brick is done with. above: what the brick that it is an eighth of has left, or NULL. */
@@ -238,7 +223,12 @@ static int view_brick(bvxi_turns_block *block, const turns_brick *b, const tree_
     else if ((look_at_pending(block, b, pending, v), v->looked) &&
              bvxi_turns_settled(block, b, &v->look, &whole, &clear))
         settle_brick(block, b, whole, block->want_clear && clear);
-    else if (b->side > (is_near_linear(v) ? TREE_PLAIN : TREE_SMALL)) return 0;
+    /* A larger brick where the look answers for most of its centres. */
+    else if (b->side > (v->looked && v->look.rest + v->look.bend < tree_doubt &&
+                                v->look.triangles <= BVXI_LOOK_TRIANGLES
+                            ? TREE_PLAIN
+                            : TREE_SMALL))
+        return 0;
     else {
         int32_t at[3];
         for (at[2] = b->at[2]; at[2] < b->at[2] + b->size[2]; at[2]++)
