@@ -868,7 +868,7 @@ typedef struct bvx_levels_report {
     uint64_t split, parted; /**< vertices, one for each fan now; edges of three triangles and more, by sides */
     uint64_t cut; /**< edges that became borders, since no pairing of their triangles does it */
     double cut_edge[2][3]; /**< ends of the first of them [Units: world] */
-    uint64_t crumbs; /**< solid: small parts that the input does not have, dropped */
+    uint64_t crumbs; /**< solid: those of repair, dropped */
     bvx_repair_report repair; /**< solid: what was found and done */
     int32_t resolution; /**< solid without a lattice: as in the options; else 0 */
     int32_t planned_resolution; /**< more than resolution where the memory limit did not allow it */

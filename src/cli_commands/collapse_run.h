@@ -11,7 +11,6 @@ typedef struct cli_collapse_run {
     bvx_mesh_view view;
     bvx_certificate before;  /* of the input, vertices at equal positions taken as one */
     bvx_certificate surface; /* of what the levels were made from */
-    uint64_t crumbs;         /* small pieces that a measured surface had beyond the input's, dropped */
     int solid;               /* 1: that is a measured surface */
     double diagonal;         /* of the input */
     int usual_count;         /* levels where none are requested; 0: by the input's triangles */

@@ -78,9 +78,6 @@ static int build_levels(cli_run *run, lod_collapse *l)
     c->before = l->report.before;
     c->surface = l->report.solid ? l->report.repair.after : l->report.before;
     c->surface.triangles = l->report.triangles;
-    /* the solid's are not in its surface */
-    c->surface.components -= l->report.crumbs - l->report.repair.crumbs;
-    c->crumbs = l->report.crumbs;
     c->solid = l->report.solid;
     if (l->report.solid) {
         run->report.lattice = l->report.repair.lattice;
@@ -145,9 +142,9 @@ static void tell_lod_head(const cli_run *run, const lod_collapse *l, cli_made *m
                  r->thin_kept ? "kept"
                               : "left as the voxels have them, since keeping them would make handles",
                  r->thin_voxels);
-    if (c->crumbs != 0)
-        cli_tell(made, "dropped: %" PRIu64 " crumb%s that no piece of the input stands for\n", c->crumbs,
-                 c->crumbs == 1 ? "" : "s");
+    if (r->crumbs != 0)
+        cli_tell(made, "dropped: %" PRIu64 " crumb%s that no piece of the input stands for\n", r->crumbs,
+                 r->crumbs == 1 ? "" : "s");
     if (r->parts_dropped != 0) cli_tell(made, "dropped: %" PRIu64 " parts\n", r->parts_dropped);
     if (r->cavities_dropped != 0) cli_tell(made, "filled: %" PRIu64 " cavities\n", r->cavities_dropped);
     cli_tell(made, "\n");

@@ -17,8 +17,6 @@ enum {
     PLAN_LOWEST = 32 /* that a memory limit leaves */
 };
 
-/* A piece that the input has none for, and that is a smaller share of the volume than this, is a crumb. */
-#define CRUMB_SHARE 1e-3
 /* Walls are few whose keeping changes the area by at most this part. */
 #define FEW_WALLS 0.01
 
@@ -110,98 +108,6 @@ static bvx_status plan_resolution(const levels_job *job, int32_t *resolution)
     return BVX_OK;
 }
 
-/* ---- Crumbs ---- */
-
-/* The volume of each piece, at its least vertex; returns the pieces. */
-static uint64_t piece_volumes(const bvx_mesh_view *surface, const uint32_t *piece, double *volume,
-                              double *total)
-{
-    static const double origin[3] = {0, 0, 0};
-    uint64_t pieces = 0;
-
-    for (uint64_t t = 0; t < surface->triangle_count; t++) {
-        uint32_t v[3];
-
-        bvxi_view_triangle(surface, t, v);
-        volume[piece[v[0]]] += bvxi_patches_volume(surface, t, origin) / 6;
-    }
-    *total = 0;
-    for (uint64_t v = 0; v < surface->vertex_count; v++) {
-        if (piece[v] == v) pieces++;
-        /* Inside out pieces count by their size too. */
-        volume[v] = volume[v] < 0 ? -volume[v] : volume[v];
-        *total += volume[v];
-    }
-    return pieces;
-}
-
-/* The surface's pieces, each by its first vertex, and room to order them by volume. One block. */
-typedef struct surface_pieces {
-    uint64_t vertices, count;
-    double *volume, total; /* of a piece at its first vertex; of all */
-    uint64_t *keys;
-    uint32_t *same, *piece, *order;
-} surface_pieces;
-
-/* Mark small pieces, the smallest first, until as many are left as the input has; volume becomes -1 there. */
-static bvx_status mark_crumbs(levels_job *job, const surface_pieces *s)
-{
-    uint64_t const surplus = s->count - job->report.before.components;
-    double const most = CRUMB_SHARE * s->total;
-    uint64_t n = 0;
-
-    /* Bits of positive doubles are in the order of their values. */
-    for (uint64_t v = 0; v < s->vertices; v++) {
-        if (s->piece[v] != v) continue;
-        memcpy(&s->keys[n], &s->volume[v], sizeof s->keys[n]);
-        s->order[n++] = (uint32_t)v;
-    }
-    BVXI_TRY(bvxi_radix_sort(job->ctx, s->keys, s->order, s->count));
-
-    /* The smallest first, as far as there are more than the input has, and each is small. */
-    for (n = 0; n < surplus && s->volume[s->order[n]] < most; n++) s->volume[s->order[n]] = -1;
-    job->report.crumbs = n;
-    return BVX_OK;
-}
-
-/* Take the triangles of marked pieces out; vertices stay, since nobody sees those without triangles. */
-static void drop_pieces(bvx_mesh *surface, const uint32_t *piece, const double *volume)
-{
-    uint64_t kept = 0;
-
-    for (uint64_t t = 0; t < surface->triangle_count; t++) {
-        if (volume[piece[surface->triangles[3 * t]]] < 0) continue;
-        memmove(surface->triangles + 3 * kept++, surface->triangles + 3 * t, 12);
-    }
-    surface->triangle_count = kept;
-}
-
-/* Drop pieces of the measured surface that the input has none for. */
-static bvx_status drop_crumbs(levels_job *job, bvx_mesh *surface)
-{
-    uint64_t const vertices = surface->vertex_count, bytes = vertices * 28;
-    surface_pieces s = {.vertices = vertices};
-    bvx_mesh_view view;
-
-    bvx_mesh_view_of(surface, &view);
-    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, bytes, "the surface's pieces", &s.volume));
-
-    /* One block: from the widest items to the narrowest. */
-    s.keys = (uint64_t *)(void *)(s.volume + vertices);
-    s.same = (uint32_t *)(void *)(s.keys + vertices);
-    s.piece = s.same + vertices;
-    s.order = s.piece + vertices;
-
-    for (uint64_t v = 0; v < vertices; v++) s.same[v] = (uint32_t)v;
-    bvxi_pieces(&view, s.same, s.piece);
-    s.count = piece_volumes(&view, s.piece, s.volume, &s.total);
-    /* Crumbs are pieces beyond those that the input has. */
-    if (s.count > job->report.before.components) BVXI_TRY(mark_crumbs(job, &s));
-    if (job->report.crumbs != 0) drop_pieces(surface, s.piece, s.volume);
-    bvxi_drop(job->ctx, s.volume);
-    return BVX_OK;
-}
-
 /* ---- Levels ---- */
 
 static bvx_repair_options repair_options(levels_job *job, int32_t resolution, int32_t thin)
@@ -290,12 +196,8 @@ static bvx_status simplify_measured_at(levels_job *job, int32_t resolution)
     bvx_mesh_view view;
     bvx_status status = BVXI_SHARE(job->ctx, 0.0, 0.7, measure_surface(job, resolution, &surface));
 
-    /* Of this resolution only: a coarser one may be tried after it. */
-    job->report.crumbs = 0;
-
-    if (status == BVX_OK) status = drop_crumbs(job, &surface);
     if (status == BVX_OK) {
-        job->report.crumbs += job->report.repair.crumbs;
+        job->report.crumbs = job->report.repair.crumbs;
         bvx_mesh_view_of(&surface, &view);
         job->report.triangles = view.triangle_count;
 
@@ -415,8 +317,6 @@ static void warn_of_surface(levels_job *job)
     if (bvxi_has_own_size(&r->repair, &job->facts) &&
         r->repair.parts_dropped + r->repair.cavities_dropped == 0 && (bvxi_warned(job->ctx) & known) == 0)
         from.volume = r->repair.before.volume;
-    /* The solid's crumbs are not in its surface. */
-    from.components -= r->crumbs - r->repair.crumbs;
     bvxi_levels_warn(job->ctx, &job->chain, &from, NULL);
 }
 
