@@ -847,15 +847,14 @@ typedef struct bvx_repair_options {
     double shell; /**< thickness that open sheets get, BVX_NONE: none [Units: largest spacings]
                        [Limit: BVX_NONE, or 0, or 1.5..10^6] [Default: 2] */
     bvx_parts parts;
-    uint64_t target_triangles; /**< at most so many, by the largest resolution that does it; 0: any [Limit: any] */
-    uint64_t samples; /**< points a side for the report's distances; 0: not measured [Limit: 0..2^31-1] */
+    uint64_t reserved0, samples; /**< points a side for the report's distances; 0: not measured [Limit: 0..2^31-1] */
     bvx_repair_report *report;
     int32_t if_needed, reserved; /**< 1: copy a mesh that needs nothing, by its own position_type */
 } bvx_repair_options;
 /** Make a closed, manifold, oriented mesh without crossing triangles from any mesh. Holes get smooth lids, overlapping
  *  parts become one, sheets become shells, and walls too thin for the lattice are kept (thin). Details smaller than a
  *  voxel are lost. The steps, and what counts as a sheet: docs/rules.md.
- *  Returns BVX_ERR_EMPTY (also where nothing remains), BVX_ERR_RANGE (also target_triangles that cannot be met). */
+ *  Returns BVX_ERR_EMPTY (also where nothing remains). */
 BVX_API bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx_repair_options *options,
                               bvx_mesh *repaired);
 
@@ -1050,6 +1049,13 @@ BVX_API bvx_status bvx_closest_cast(bvx_context *context, const bvx_closest *clo
 BVX_API bvx_status bvx_closest_crossings(bvx_context *context, const bvx_closest *closest, const double *rays,
                                          uint64_t count, double t_max, uint64_t *offsets, bvx_mesh_hit *hits,
                                          uint64_t capacity);
+/** Where links from the set voxels of a grid to their neighbours meet the mesh, as lattice Boltzmann methods use them.
+ *  links    6 (faces), 18 (and edges) or 26 (and corners), in order (z, y, x) from -1 to 1
+ *  values   part of the way from the centre to the neighbour's, 0 to 1, at the nearest hit of bvx_closest_cast; -1: none.
+ *           Of set voxel n in order (z, y, x) they begin at n * links [Size: set voxels * links]
+ *  Returns BVX_ERR_ARGUMENT (links is another number), BVX_ERR_RANGE (the grid is 2^200 mesh sizes away). */
+BVX_API bvx_status bvx_closest_links(bvx_context *context, const bvx_closest *closest, const bvx_grid *grid,
+                                     int32_t links, float *values);
 /** Give the vertices of a mesh the colours and texture coordinates of the source's closest points. What the source does
  *  not have stays. The target's arrays are the library's. A triangle over a seam of the texture stretches across it. */
 BVX_API bvx_status bvx_mesh_carry(bvx_context *context, const bvx_mesh *source, bvx_mesh *target);

@@ -84,17 +84,6 @@ static const cli_rule labels_rules[] = {
     {.when = HAS_TWO, .message = "%f: the name has two %s"},
     {0}};
 
-static int check_labels_line(cli_run *run, bvx_window *window)
-{
-    const cli_options *const o = run->options;
-    const char *const place = strstr(o->output, "%s");
-    uint32_t facts = cli_may_be_volume(cli_input_format(run, o->input[0])) ? IS_VOLUME : 0;
-
-    if (place != NULL && strstr(place + 2, "%s") != NULL) facts |= HAS_TWO;
-    CLI_TRY(cli_check_rules(run, labels_rules, facts, cli_way_around(cli_first_name(run), 0)));
-    return cli_window_option(run, window);
-}
-
 /* ---- names and colors ---- */
 
 /* The text after "SegmentN_KEY:=" in an NRRD's head; NULL where there is none. */
@@ -354,7 +343,15 @@ static int make_labels(cli_run *run, void *work, cli_made *made)
     bvx_window window;
 
     made->write = write_label_bodies;
-    CLI_TRY(check_labels_line(run, &window));
+
+    const cli_options *const o = run->options;
+    const char *const place = strstr(o->output, "%s");
+    uint32_t facts = cli_may_be_volume(cli_input_format(run, o->input[0])) ? IS_VOLUME : 0;
+
+    if (place != NULL && strstr(place + 2, "%s") != NULL) facts |= HAS_TWO;
+    CLI_TRY(cli_check_rules(run, labels_rules, facts, cli_way_around(cli_first_name(run), 0)));
+    CLI_TRY(cli_window_option(run, &window));
+
     if (strstr(run->options->output, "%s") == NULL) CLI_TRY(cli_open_output(run, run->options->output));
     CLI_TRY(cli_read_volume(run, run->options->input[0], &window, &j->volume));
     CLI_TRY(take_labels(run, j));

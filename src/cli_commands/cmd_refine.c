@@ -121,8 +121,15 @@ static int refine_mesh(cli_run *run, const bvx_mesh *mesh, cli_tree *t)
     return status == BVX_OK ? cli_take_tree(run, tree, t) : cli_fail_status(run, status, path);
 }
 
-static int make_tree(cli_run *run, int kind, cli_tree *t)
+static int make_refine(cli_run *run, void *work, cli_made *made)
 {
+    cli_tree *const t = work;
+    int kind;
+    made->write = cli_write_tree;
+    made->untitled = 1;
+    CLI_TRY(check_refine_options(run, t, &kind));
+    CLI_TRY(cli_open_tree_output(run, t));
+
     bvx_mesh mesh = {0};
     if (kind == CLI_GRID) {
         const char *const path = run->options->input[0];
@@ -141,17 +148,6 @@ static int make_tree(cli_run *run, int kind, cli_tree *t)
     if (status == CLI_DONE) status = refine_mesh(run, &mesh, t);
     bvx_mesh_free(run->context, &mesh);
     return status;
-}
-
-static int make_refine(cli_run *run, void *work, cli_made *made)
-{
-    cli_tree *const t = work;
-    int kind;
-    made->write = cli_write_tree;
-    made->untitled = 1;
-    CLI_TRY(check_refine_options(run, t, &kind));
-    CLI_TRY(cli_open_tree_output(run, t));
-    return make_tree(run, kind, t);
 }
 
 static void tell_refine(const cli_run *run, const void *work, cli_made *made)

@@ -297,8 +297,12 @@ static int check_kinds(cli_run *run)
                            count);
 }
 
-static int check_render_options(cli_run *run)
+static int make_render(cli_run *run, void *work, cli_made *made)
 {
+    render_job *const job = work;
+    made->write = write_pictures;
+    made->untitled = 1;
+
     const cli_render_options *const own = run->own;
     const cli_options *const o = run->options;
     if (bvx_format_of_name(o->output) != BVX_FORMAT_PNG || cli_is_packed(o->output))
@@ -306,15 +310,8 @@ static int check_render_options(cli_run *run)
                          o->output);
     if (points_nowhere(&own->from)) return cli_usage(run, "--from 0,0,0 points nowhere");
     if (points_nowhere(&own->up)) return cli_usage(run, "--up 0,0,0 points nowhere");
-    return check_kinds(run);
-}
+    CLI_TRY(check_kinds(run));
 
-static int make_render(cli_run *run, void *work, cli_made *made)
-{
-    render_job *const job = work;
-    made->write = write_pictures;
-    made->untitled = 1;
-    CLI_TRY(check_render_options(run));
     return render_sheet(run, &job->scene, &job->sheet);
 }
 

@@ -150,17 +150,6 @@ static void take_repair_options(const cli_run *run, bvx_repair_options *o)
     if (own->measure) o->samples = REPAIR_SAMPLES;
 }
 
-static int check_repair_options(cli_run *run)
-{
-    static const cli_rule rules[] = {{.also = cli_to_mesh_rules},
-                                     {.also = cli_reduction_rules},
-                                     {.also = cli_sharp_rules},
-                                     {.also = cli_mesh_file_rules},
-                                     {0}};
-
-    return cli_check_rules(run, rules, 0, NULL);
-}
-
 static int repair_mesh(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired, bvx_repair_report *report)
 {
     bvx_repair_options o;
@@ -240,7 +229,14 @@ static int make_repair(cli_run *run, void *work, cli_made *made)
     bvx_repair_report *const r = &job->report;
     cli_mesh_entry *const entry = &run->report.mesh[0];
 
-    CLI_TRY(check_repair_options(run));
+    static const cli_rule rules[] = {{.also = cli_to_mesh_rules},
+                                     {.also = cli_reduction_rules},
+                                     {.also = cli_sharp_rules},
+                                     {.also = cli_mesh_file_rules},
+                                     {0}};
+
+    CLI_TRY(cli_check_rules(run, rules, 0, NULL));
+
     /* Opened before the mesh is read: a folder that cannot be written costs no time. */
     CLI_TRY(cli_open_output(run, run->options->output));
     CLI_TRY(cli_read_mesh(run, run->options->input[0], &job->source));

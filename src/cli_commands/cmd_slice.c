@@ -49,17 +49,6 @@ static int slice_surface(cli_run *run, cli_input *in)
                      cli_input_name(in->path));
 }
 
-static int slice_mesh(cli_run *run, const bvx_mesh *mesh, bvx_sections *sections)
-{
-    const slice_options *const own = run->own;
-    int const axis = own->up_axis != 0 ? own->up_axis - 1 : 2;
-    bvx_slice_options s = {.struct_size = sizeof s};
-    for (int k = 0; k < 3; k++) s.normal[k] = k == axis;
-    s.spacing = own->spacing;
-    bvx_mesh_view const view = cli_view(mesh);
-    return CLI_STAGE(run, "slice", bvx_slice_mesh(run->context, &view, &s, sections), cli_first_name(run));
-}
-
 typedef struct slice_job {
     cli_input in;
     bvx_sections sections;
@@ -86,7 +75,15 @@ static int make_slice(cli_run *run, void *work, cli_made *made)
     CLI_TRY(cli_open_output(run, run->options->output));
     CLI_TRY(cli_read_input(run, run->options->input[0], &job->in));
     CLI_TRY(slice_surface(run, &job->in));
-    return slice_mesh(run, &job->in.mesh, &job->sections);
+
+    const slice_options *const own = run->own;
+    int const axis = own->up_axis != 0 ? own->up_axis - 1 : 2;
+    bvx_slice_options s = {.struct_size = sizeof s};
+    for (int k = 0; k < 3; k++) s.normal[k] = k == axis;
+    s.spacing = own->spacing;
+    bvx_mesh_view const view = cli_view(&job->in.mesh);
+    return CLI_STAGE(run, "slice", bvx_slice_mesh(run->context, &view, &s, &job->sections),
+                     cli_first_name(run));
 }
 
 static void tell_slice(const cli_run *run, const void *work, cli_made *made)

@@ -188,17 +188,6 @@ static int find_kind(cli_run *run, uint32_t *kind)
     return CLI_DONE;
 }
 
-static int check_voxelize_options(cli_run *run, bvx_window *window)
-{
-    const cli_voxelize_options *const own = run->own;
-    uint32_t kind;
-
-    CLI_TRY(find_kind(run, &kind));
-    CLI_TRY(cli_check_rules(run, mesh_rules, kind | facts_of_mode(run), cli_mode_names[own->mode]));
-    CLI_TRY(check_second(run));
-    return cli_window_option(run, window);
-}
-
 /* ---- the lattice ---- */
 
 /* The lattice holds both terrains, and goes down to the base. */
@@ -462,10 +451,21 @@ static int make_all(cli_run *run, voxel_job *job, cli_made *made)
     return CLI_DONE;
 }
 
-static int read_meshes(cli_run *run, voxel_job *job)
+static int make_voxelize(cli_run *run, void *work, cli_made *made)
 {
     const cli_voxelize_options *const own = run->own;
     const cli_options *const o = run->options;
+    voxel_job *const job = work;
+    uint32_t kind;
+
+    CLI_TRY(find_kind(run, &kind));
+    CLI_TRY(cli_check_rules(run, mesh_rules, kind | facts_of_mode(run), cli_mode_names[own->mode]));
+    CLI_TRY(check_second(run));
+    CLI_TRY(cli_window_option(run, &job->window));
+
+    if (own->mode == CLI_MODE_FIELD) choose_field_padding(run);
+    else make_room_for_surface(run);
+    CLI_TRY(cli_open_voxels(run));
 
     CLI_TRY(cli_read_mesh_or_cloud(run, o->input[0], &job->mesh, &job->cloud));
     /* Only now it is known whether a .ply file holds a cloud. */
@@ -473,19 +473,7 @@ static int read_meshes(cli_run *run, voxel_job *job)
     if (own->second != NULL) CLI_TRY(cli_read_mesh(run, own->second, &job->second));
     bvx_mesh_view_of(&job->mesh, &job->view);
     bvx_mesh_view_of(&job->second, &job->second_view);
-    return CLI_DONE;
-}
 
-static int make_voxelize(cli_run *run, void *work, cli_made *made)
-{
-    const cli_voxelize_options *const own = run->own;
-    voxel_job *const job = work;
-
-    CLI_TRY(check_voxelize_options(run, &job->window));
-    if (own->mode == CLI_MODE_FIELD) choose_field_padding(run);
-    else make_room_for_surface(run);
-    CLI_TRY(cli_open_voxels(run));
-    CLI_TRY(read_meshes(run, job));
     return make_all(run, job, made);
 }
 

@@ -41,17 +41,6 @@ static const cli_rule solid_rules[] = {
      .message = "%o fills every cavity; %b has no use beside it"},
     {0}};
 
-static int check_solid_options(cli_run *run, int kind)
-{
-    const cli_options *const o = run->options;
-    CLI_TRY(cli_check_rules(run, solid_rules, kind == CLI_GRID ? CLI_OF_GRID : CLI_OF_MESH, NULL));
-    /* The row allows what the other methods take, which is more. */
-    if (o->resolution.count != 0 && o->resolution.value[0] > 1 << 24)
-        return cli_usage(run, "--resolution %" PRId64 " is more than the %d that a surface is measured with",
-                         o->resolution.value[0], 1 << 24);
-    return CLI_DONE;
-}
-
 static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_options *b)
 {
     const cli_lod_options *const own = run->own;
@@ -170,7 +159,14 @@ static int make_collapse(cli_run *run, void *work, cli_made *made)
     made->untitled = 1;
     made->write = cli_write_collapse;
     CLI_TRY(cli_input_kind(run, run->options->input[0], &l->run.kind));
-    CLI_TRY(check_solid_options(run, l->run.kind));
+
+    const cli_options *const o = run->options;
+    CLI_TRY(cli_check_rules(run, solid_rules, l->run.kind == CLI_GRID ? CLI_OF_GRID : CLI_OF_MESH, NULL));
+    /* The row allows what the other methods take, which is more. */
+    if (o->resolution.count != 0 && o->resolution.value[0] > 1 << 24)
+        return cli_usage(run, "--resolution %" PRId64 " is more than the %d that a surface is measured with",
+                         o->resolution.value[0], 1 << 24);
+
     CLI_TRY(cli_check_collapse(run, &l->run));
     CLI_TRY(cli_open_collapse(run, &l->run));
     CLI_TRY(build_levels(run, l));

@@ -245,24 +245,6 @@ static uint64_t ply_least_bytes(const ply_header *h, const ply_element *e)
     return n;
 }
 
-static bvx_status ply_check_sizes(const bvxi_source *s, ply_header *h)
-{
-    /* the last value needs no space */
-    uint64_t left = (uint64_t)(s->end - h->data) + (h->encoding == PLY_ASCII);
-
-    /* Elements share what is there: each takes at least its fewest bytes from the next one's. */
-    for (uint32_t i = 0; i < h->element_count; i++) {
-        ply_element *const e = &h->elements[i];
-        e->least_bytes = ply_least_bytes(h, e);
-        if (e->least_bytes != 0 && e->count > left / e->least_bytes)
-            return BVXI_LINE_FAIL(s, e->name, BVX_ERR_FORMAT,
-                                  "%u rows of at least %u bytes, but the file has only %u bytes for them",
-                                  e->count, e->least_bytes, left - (h->encoding == PLY_ASCII));
-        left -= e->count * e->least_bytes;
-    }
-    return BVX_OK;
-}
-
 static int ply_has_role(const ply_header *h, const ply_element *e, int32_t role)
 {
     for (uint32_t i = e->first; i < e->end; i++)
@@ -369,6 +351,20 @@ bvx_status bvxi_ply_header_read(bvxi_source *source, ply_header *header)
     while (!done && ply_next_line(source, &line)) BVXI_TRY(ply_take_line(source, &line, h, &done));
     if (h->encoding == 0) return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "the header has no line 'format'");
     h->data = line.next;
-    BVXI_TRY(ply_check_sizes(source, h));
+
+    /* the last value needs no space */
+    uint64_t left = (uint64_t)(source->end - h->data) + (h->encoding == PLY_ASCII);
+
+    /* Elements share what is there: each takes at least its fewest bytes from the next one's. */
+    for (uint32_t i = 0; i < h->element_count; i++) {
+        ply_element *const e = &h->elements[i];
+        e->least_bytes = ply_least_bytes(h, e);
+        if (e->least_bytes != 0 && e->count > left / e->least_bytes)
+            return BVXI_LINE_FAIL(source, e->name, BVX_ERR_FORMAT,
+                                  "%u rows of at least %u bytes, but the file has only %u bytes for them",
+                                  e->count, e->least_bytes, left - (h->encoding == PLY_ASCII));
+        left -= e->count * e->least_bytes;
+    }
+
     return ply_check_meaning(source, h);
 }

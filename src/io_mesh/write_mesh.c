@@ -186,20 +186,6 @@ static bvx_status write_checked(bvx_context *ctx, const char *function, const bv
     return BVX_OK;
 }
 
-static bvx_status take_write_options(bvx_context *context, const char *function,
-                                     const bvx_write_options *options, bvx_write_options *o)
-{
-    static const bvxi_option rows[] = {
-        BVXI_SWITCH(bvx_write_options, normals),
-        BVXI_CHOICE(bvx_write_options, rounding, BVX_ROUNDING_REFUSE, BVX_ROUNDING_ALLOW),
-        BVXI_CHOICE(bvx_write_options, turn, BVX_TURN_NONE, BVX_TURN_Y_TO_Z),
-        BVXI_SWITCH(bvx_write_options, quantize),
-    };
-
-    BVXI_TRY(bvxi_take_options(context, function, options, o, sizeof *o));
-    return bvxi_check_options(context, function, o, BVXI_OPTIONS(rows));
-}
-
 /* ---- what a file holds ---- */
 
 /* The positions that readers get, where they are not simply those of the mesh. */
@@ -326,7 +312,16 @@ static bvx_status run_write_mesh(bvx_context *context, const bvx_mesh *levels, u
     static const char *const function = "bvx_write_mesh";
     bvx_write_options o;
 
-    BVXI_TRY(take_write_options(context, function, options, &o));
+    static const bvxi_option rows[] = {
+        BVXI_SWITCH(bvx_write_options, normals),
+        BVXI_CHOICE(bvx_write_options, rounding, BVX_ROUNDING_REFUSE, BVX_ROUNDING_ALLOW),
+        BVXI_CHOICE(bvx_write_options, turn, BVX_TURN_NONE, BVX_TURN_Y_TO_Z),
+        BVXI_SWITCH(bvx_write_options, quantize),
+    };
+
+    BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));
+    BVXI_TRY(bvxi_check_options(context, function, &o, BVXI_OPTIONS(rows)));
+
     int reported = o.reports != NULL;
     if (levels == NULL) return bvxi_fail_null(context, function, "levels");
     if (!reported || file != NULL) BVXI_TRY(bvxi_renew_buffer(context, function, file));

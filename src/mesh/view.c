@@ -129,101 +129,37 @@ static bvx_status check_every_position(bvx_context *ctx, const char *function, c
 
 /* ---- packed floats with packed 32-bit indices ---- */
 
-enum {
-    /* coordinates side by side: x, y, z of 32 vertices, a loop that becomes vectors */
-    VIEW_LANES = 96,
-    VIEW_VERTEX_BLOCK = 512, /* vertices whose bounds are compared at once */
-    VIEW_INDEX_BLOCK = 3072  /* numbers looked through while they are in the nearest cache */
-};
+enum { VIEW_INDEX_BLOCK = 3072 /* numbers looked through while they are in the nearest cache */ };
 
-typedef struct view_extremes {
-    float low[3], high[3];
-    uint64_t low_block[3], high_block[3]; /* first vertex of the block that has the extreme */
-} view_extremes;
-
-/* Take one more row of lanes into account. Comparisons keep the older value on NaN, which x * 0 finds. */
-static void take_lanes(const unsigned char *at, float low[VIEW_LANES], float high[VIEW_LANES],
-                       float zero[VIEW_LANES])
-{
-    float f;
-    for (int k = 0; k < VIEW_LANES; k++) {
-        memcpy(&f, at + 4 * k, sizeof f);
-        low[k] = f < low[k] ? f : low[k];
-        high[k] = f > high[k] ? f : high[k];
-        zero[k] += f * 0.0f;
-    }
-}
-
-/* Bounds of n vertices. Returns 0 when one is not finite. */
-static int bounds_of_block(const unsigned char *at, size_t n, float low[3], float high[3])
-{
-    float lo[VIEW_LANES], hi[VIEW_LANES], zero[VIEW_LANES], f, sum = 0.0f;
-    size_t const lanes = 3 * n < VIEW_LANES ? 3 * n : VIEW_LANES;
-    size_t i = lanes;
-
-    memcpy(lo, at, 4 * lanes);
-    memcpy(hi, at, 4 * lanes);
-    /* x * 0 is 0 for finite numbers and NaN for the others, so a sum shows whether one is among them. */
-    for (size_t k = 0; k < lanes; k++) zero[k] = lo[k] * 0.0f;
-    for (; i + VIEW_LANES <= 3 * n; i += VIEW_LANES) take_lanes(at + 4 * i, lo, hi, zero);
-    /* The rest goes to the first lanes, which are x, y, z in turn as well. */
-    for (int k = 0; i < 3 * n; i++, k++) {
-        memcpy(&f, at + 4 * i, sizeof f);
-        lo[k] = f < lo[k] ? f : lo[k];
-        hi[k] = f > hi[k] ? f : hi[k];
-        zero[k] += f * 0.0f;
-    }
-    /* Lanes become axes: every third one is of the same coordinate. */
-    for (size_t a = 0; a < 3; a++) {
-        float least = lo[a], most = hi[a];
-        for (size_t k = a + 3; k < lanes; k += 3) {
-            least = lo[k] < least ? lo[k] : least;
-            most = hi[k] > most ? hi[k] : most;
-        }
-        low[a] = least;
-        high[a] = most;
-    }
-    for (size_t k = 0; k < lanes; k++) sum += zero[k];
-    return sum == 0.0f;
-}
-
-static int bounds_of_all(const bvx_mesh_view *v, view_extremes *e)
+/* Bounds of all vertices, and one vertex at each side. Returns 0 when one is not finite. */
+static int bounds_of_all(const bvx_mesh_view *v, double low[3], double high[3], uint32_t at[6])
 {
     const unsigned char *const p = v->positions;
-    int finite = 1;
+    float least[3], most[3], f;
 
-    for (uint64_t first = 0; first < v->vertex_count; first += VIEW_VERTEX_BLOCK) {
-        uint64_t const n = v->vertex_count - first < VIEW_VERTEX_BLOCK ? v->vertex_count - first
-                                                                       : VIEW_VERTEX_BLOCK;
-        float low[3], high[3];
-        /* A block keeps the search for the vertex short: only the one with the extreme is searched. */
-        finite &= bounds_of_block(p + 12 * (size_t)first, (size_t)n, low, high);
+    memcpy(least, p, sizeof least);
+    memcpy(most, p, sizeof most);
+    memset(at, 0, 6 * sizeof *at);
+    for (uint64_t i = 0; i < v->vertex_count; i++)
         for (int a = 0; a < 3; a++) {
-            if (first == 0 || low[a] < e->low[a]) {
-                e->low[a] = low[a];
-                e->low_block[a] = first;
-            }
-            if (first == 0 || high[a] > e->high[a]) {
-                e->high[a] = high[a];
-                e->high_block[a] = first;
+            memcpy(&f, p + 12 * (size_t)i + 4 * a, sizeof f);
+            if (!(f >= least[a])) {
+                if (f != f) return 0;
+                least[a] = f;
+                at[2 * a] = (uint32_t)i;
+            } else if (f > most[a]) {
+                most[a] = f;
+                at[2 * a + 1] = (uint32_t)i;
             }
         }
+    for (int a = 0; a < 3; a++) {
+        low[a] = (double)least[a];
+        high[a] = (double)most[a];
     }
-    return finite;
+    return bvxi_view_finite(low) && bvxi_view_finite(high);
 }
 
-/* The first vertex from first on whose coordinate on an axis is value; there is one. */
-static uint32_t vertex_at_extreme(const bvx_mesh_view *v, uint64_t first, int axis, float value)
-{
-    const unsigned char *const p = v->positions;
-    float f;
-    for (;; first++) {
-        memcpy(&f, p + 12 * (size_t)first + 4 * axis, sizeof f);
-        if (f == value) return (uint32_t)first;
-    }
-}
-
-/* Whether one of n packed numbers is value, and whether none is above last. */
+/* Whether one of n packed numbers is value. */
 static int indices_mention(const unsigned char *at, size_t n, uint32_t value)
 {
     uint32_t hit = 0, c;
@@ -261,24 +197,14 @@ static int triangles_mention(const bvx_mesh_view *v, uint32_t want[6], int *with
     return missing == 0;
 }
 
-/* 1 when low and high are now known; 0 when the plain loops must decide. */
+/* 1 when low and high are now known; 0 when the plain loops must decide, and name what is not finite. */
 static int bounds_packed(const bvx_mesh_view *v, double low[3], double high[3])
 {
-    view_extremes e;
     uint32_t want[6];
     int within;
 
-    if (!bvxi_view_packed_f32(v) || !bvxi_view_packed_u32(v) || v->vertex_count == 0) return 0;
-
-    /* Something that is not finite: the plain loops name it. */
-    if (!bounds_of_all(v, &e)) return 0;
-    for (int a = 0; a < 3; a++) {
-        want[2 * a] = vertex_at_extreme(v, e.low_block[a], a, e.low[a]);
-        want[2 * a + 1] = vertex_at_extreme(v, e.high_block[a], a, e.high[a]);
-        low[a] = (double)e.low[a];
-        high[a] = (double)e.high[a];
-    }
-    return triangles_mention(v, want, &within) && within;
+    return bvxi_view_packed_f32(v) && bvxi_view_packed_u32(v) && v->vertex_count != 0 &&
+           bounds_of_all(v, low, high, want) && triangles_mention(v, want, &within) && within;
 }
 
 void bvxi_view_used_bounds(const bvx_mesh_view *v, double low[3], double high[3])

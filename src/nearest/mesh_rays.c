@@ -11,6 +11,8 @@
  * within the triangle's own corners. */
 #include "bits/bits.h"
 #include "core/vec3.h"
+#include "grid/grid.h"
+#include "grid/sparse.h"
 #include "mesh/orient.h"
 #include "mesh/view.h"
 #include "nearest/closest.h"
@@ -276,16 +278,21 @@ typedef struct ray_work {
     int64_t *turns;
 } ray_work;
 
+static void cast_mesh_ray(const bvxi_closest_tree *tree, const double *ray, ray_visit *w)
+{
+    (void)open_ray(tree, ray, &w->line);
+    w->limit = w->t_max / w->line.unit < HUGE_VAL ? w->t_max / w->line.unit * (1.0 + 0x1p-40) : HUGE_VAL;
+    walk_ray(w, 0);
+}
+
 static void cast_mesh_rays(void *user, uint64_t begin, uint64_t end)
 {
     const ray_work *const work = user;
     for (uint64_t i = begin; i < end; i++) {
-        ray_visit w = {.limit = HUGE_VAL, .t_max = work->t_max, .nearest = work->offsets == NULL};
-        (void)open_ray(&work->closest->tree, work->rays + 6 * i, &w.line);
+        ray_visit w = {.t_max = work->t_max, .nearest = work->offsets == NULL};
         if (w.nearest) memset(&work->hits[i], 0, sizeof work->hits[i]);
         if (work->hits != NULL) w.hits = work->hits + (w.nearest ? i : work->offsets[i]);
-        if (work->t_max / w.line.unit < HUGE_VAL) w.limit = work->t_max / w.line.unit * (1.0 + 0x1p-40);
-        walk_ray(&w, 0);
+        cast_mesh_ray(&work->closest->tree, work->rays + 6 * i, &w);
         if (work->offsets != NULL && work->hits == NULL) work->offsets[i + 1] = w.count;
     }
 }
@@ -378,4 +385,84 @@ bvx_status bvx_closest_winding(bvx_context *context, const bvx_closest *closest,
                                uint64_t count, int64_t *turns)
 {
     return BVXI_CALL(context, run_closest_winding(context, closest, points, count, turns));
+}
+
+/* ---- From voxels to their neighbours ---- */
+
+typedef struct mesh_links {
+    const bvx_closest *closest;
+    const bvx_grid *grid;
+    uint64_t *first; /* number of each row's first set voxel [Size: rows + 1] */
+    int32_t links;
+    float *values;
+} mesh_links;
+
+static void link_start(const bvx_grid *g, uint64_t row, int32_t x, double at[3])
+{
+    int32_t const voxel[3] = {x, (int32_t)(row % (uint64_t)g->size[1]),
+                              (int32_t)(row / (uint64_t)g->size[1])};
+    for (int a = 0; a < 3; a++)
+        at[a] = g->lattice.origin[a] + ((double)(g->low[a] + voxel[a]) + 0.5) * g->lattice.spacing[a];
+}
+
+static void cast_link_rows(void *user, uint64_t begin, uint64_t end)
+{
+    const mesh_links *const work = user;
+    const bvx_grid *const g = work->grid;
+    /* Squares of the ways' lengths: to faces 1, edges 2, corners 3. */
+    int const farthest = work->links == 6 ? 1 : work->links == 18 ? 2 : 3;
+
+    for (uint64_t row = begin; row < end; row++) {
+        float *to = work->values + work->first[row] * (uint64_t)work->links;
+        for (int32_t x = 0; x < g->size[0] && work->first[row] < work->first[row + 1]; x++) {
+            const uint64_t *const words = g->words + row * (uint64_t)g->words_per_row;
+            if ((words[x >> 6] >> (x & 63) & 1) == 0) continue;
+            double ray[6];
+            link_start(g, row, x, ray);
+            for (int n = 0; n < 27; n++) {
+                int const way[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+                int const length = way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
+                bvx_mesh_hit hit = {.t = -1.0};
+                ray_visit w = {.t_max = 1.0, .hits = &hit, .nearest = 1};
+                if (length == 0 || length > farthest) continue;
+                for (int a = 0; a < 3; a++) ray[3 + a] = way[a] * g->lattice.spacing[a];
+                cast_mesh_ray(&work->closest->tree, ray, &w);
+                *to++ = (float)hit.t;
+            }
+        }
+    }
+}
+
+static bvx_status run_closest_links(bvx_context *context, const bvx_closest *closest, const bvx_grid *grid,
+                                    int32_t links, float *values)
+{
+    static const char *const function = "bvx_closest_links";
+    mesh_links w = {.closest = closest, .grid = grid, .links = links, .values = values};
+    mesh_ray r;
+    double ray[6] = {0.0, 0.0, 0.0, 1.0, 0.0, 0.0};
+
+    if (closest == NULL) return bvxi_fail_null(context, function, "closest");
+    BVXI_TRY(bvxi_grid_check(context, function, grid));
+    BVXI_TRY(bvxi_grid_check_past(context, function, grid));
+    if (links != 6 && links != 18 && links != 26)
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                             "%s: a voxel has 6, 18 or 26 links, not %d", function, links);
+    uint64_t const rows = bvxi_grid_rows(grid);
+    for (int end = 0; end < 2 && rows != 0; end++) {
+        link_start(grid, end == 0 ? 0 : rows - 1, end == 0 ? 0 : grid->size[0] - 1, ray);
+        if (!open_ray(&closest->tree, ray, &r))
+            return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_RANGE,
+                                 "%s: the grid lies 2^200 times the mesh's size away from the origin",
+                                 function);
+    }
+    BVXI_TRY(BVXI_ARRAY(context, rows + 1, "the rows' numbers", w.first));
+    if (bvxi_sparse_number(grid, w.first) != 0 && values == NULL)
+        return bvxi_fail_null(context, function, "values");
+    return bvxi_for(context, "links", rows, 1, cast_link_rows, &w);
+}
+
+bvx_status bvx_closest_links(bvx_context *context, const bvx_closest *closest, const bvx_grid *grid,
+                             int32_t links, float *values)
+{
+    return BVXI_CALL(context, run_closest_links(context, closest, grid, links, values));
 }

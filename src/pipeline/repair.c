@@ -8,87 +8,18 @@
  * Guarantee: that of marching cubes on bits (march.c), whatever the input. */
 #include "pipeline/repair.h"
 
-#include <math.h>
-
 static const bvxi_option repair_rows[] = {
     BVXI_AMONG(bvx_repair_options, sign, BVX_FILLS_OF_REPAIR),
     BVXI_RESERVED(bvx_repair_options, fit.reserved),
     BVXI_PLACING(bvx_repair_options),
     BVXI_PARTS(bvx_repair_options),
     BVXI_COUNT(bvx_repair_options, samples, 0, INT32_MAX),
+    BVXI_RESERVED(bvx_repair_options, reserved0),
     BVXI_RESERVED(bvx_repair_options, reserved),
     BVXI_OR(bvx_repair_options, shell, ZERO_OR, 2.0, 1.5, 1e6),
     BVXI_SWITCH(bvx_repair_options, if_needed),
     BVXI_CHOICE(bvx_repair_options, thin, BVX_THIN_KEEP, BVX_THIN_SHELL),
 };
-
-/* ---- The resolution for a triangle count ---- */
-
-static bvx_status fill_at(bvxi_repair_job *job, int32_t resolution)
-{
-    BVXI_TRY(bvxi_repair_lattice(job, resolution));
-    return bvxi_repair_inside(job);
-}
-
-static bvx_status count_at(bvxi_repair_job *job, int32_t resolution, uint64_t *triangles)
-{
-    /* Doubles, so that counting never fails for coordinates that only the final type would refuse. */
-    bvx_extract_options const o = {
-        .struct_size = sizeof o, .face_rule = job->options->placing.face_rule, .position_type = BVX_F64};
-    uint64_t vertices;
-
-    BVXI_TRY(fill_at(job, resolution));
-    return bvx_extract_count(job->ctx, &job->inside, &o, &vertices, triangles);
-}
-
-enum { SQUARE_TRIES = 5 }; /* then by bisection */
-
-/* Triangles grow as the square of the resolution; from the middle when that has stopped helping. */
-static int32_t next_guess(int32_t low, int32_t high, uint64_t high_count, uint64_t target, uint64_t tries)
-{
-    int32_t guess = low + (high - low) / 2;
-    if (tries < SQUARE_TRIES && high_count != 0)
-        guess = (int32_t)((double)high * sqrt((double)target / (double)high_count));
-    return guess <= low ? low + 1 : guess >= high ? high - 1 : guess;
-}
-
-/* The largest resolution that a bisection finds to keep the target; job is then left at another one. */
-static bvx_status search_repair(bvxi_repair_job *job, int32_t *resolution)
-{
-    uint64_t const target = job->options->target_triangles;
-    int32_t low = 0, high = job->options->fit.resolution;
-    uint64_t high_count, low_count = 0;
-    double at = 0.3; /* of the bar; each try takes half of what is left */
-
-    /* The largest resolution first: most targets allow it, and then the search is over. */
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, at, count_at(job, high, &high_count)));
-    if (high_count <= target) {
-        *resolution = high;
-        return BVX_OK;
-    }
-    for (uint64_t tries = 0; high - low > 1; tries++) {
-        int32_t const guess = next_guess(low, high, high_count, target, tries);
-        double const from = at;
-        uint64_t count;
-
-        at = 0.5 + 0.5 * from;
-        BVXI_TRY(BVXI_SHARE(job->ctx, from, at, count_at(job, guess, &count)));
-        if (count <= target) {
-            low = guess;
-            low_count = count;
-        } else {
-            high = guess;
-            high_count = count;
-        }
-    }
-    if (low_count == 0)
-        return bvxi_fail_for(
-            job->ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
-            "%s: at most %u triangles are requested; resolution %d has %u, and those below keep nothing",
-            bvxi_repair_name, target, (int64_t)high, high_count);
-    *resolution = low;
-    return BVX_OK;
-}
 
 static bvx_status flatten_repaired(const bvxi_repair_job *job, bvx_mesh *repaired)
 {
@@ -102,7 +33,6 @@ static bvx_status flatten_repaired(const bvxi_repair_job *job, bvx_mesh *repaire
 
 static bvx_status make_repaired(bvxi_repair_job *job, bvx_mesh *repaired)
 {
-    int32_t resolution = job->options->fit.resolution;
     uint64_t voxels;
 
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.1, bvxi_repair_take(job)));
@@ -112,9 +42,8 @@ static bvx_status make_repaired(bvxi_repair_job *job, bvx_mesh *repaired)
     if (job->options->if_needed && job->report.needs == BVX_NEEDS_NOTHING)
         return BVXI_SHARE(job->ctx, 0.2, 1.0, bvxi_repair_copy(job, repaired));
 
-    if (job->options->target_triangles != 0)
-        BVXI_TRY(BVXI_SHARE(job->ctx, 0.2, 0.3, search_repair(job, &resolution)));
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.3, 0.55, fill_at(job, resolution)));
+    BVXI_TRY(bvxi_repair_lattice(job, job->options->fit.resolution));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.2, 0.55, bvxi_repair_inside(job)));
 
     /* An empty result would look like success. */
     BVXI_TRY(bvx_grid_count(job->ctx, &job->inside, &voxels));
@@ -172,13 +101,6 @@ bvx_status bvxi_repair_known(bvx_context *context, const bvx_mesh_view *mesh, co
     BVXI_TRY(bvxi_view_check(context, bvxi_repair_name, mesh));
     BVXI_TRY(bvxi_view_apart(context, bvxi_repair_name, mesh, repaired));
     BVXI_TRY(bvxi_check_options(context, bvxi_repair_name, &o, BVXI_OPTIONS(repair_rows)));
-
-    /* A lattice has its resolution: nothing is left to look for. */
-    if (o.fit.lattice != NULL && o.target_triangles != 0)
-        return bvxi_fail_for(
-            context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-            "%s: target_triangles looks for a resolution, lattice gives one; take one of the two",
-            bvxi_repair_name);
     BVXI_TRY(bvxi_check_fit(context, bvxi_repair_name, &o.fit));
 
     job.ctx = context;

@@ -38,7 +38,7 @@ typedef struct bvxi_repair_job {
     bvxi_patches patches; /* of mesh, where edges were looked at; until its pieces are known */
     bvx_lattice lattice;
     int32_t resolution;  /* that it was fitted by, where none was given */
-    bvx_grid solid;      /* what body encloses; without words before the first, as inside */
+    bvx_grid solid;      /* what body encloses */
     bvx_grid inside;     /* the result: solid and shells, less small parts and cavities */
     uint64_t grid_bytes; /* of the words of each */
     bvxi_thin thin;
@@ -65,7 +65,7 @@ void bvxi_repair_view(const bvxi_repair_job *job, const uint32_t *corner, uint64
 /* repair_input.c: the lattice of a resolution, or the one that was given. */
 bvx_status bvxi_repair_lattice(bvxi_repair_job *job, int32_t resolution);
 
-/* repair_inside.c: solid and inside on job->lattice; grids of an earlier call are replaced. */
+/* repair_inside.c: solid and inside on job->lattice. */
 bvx_status bvxi_repair_inside(bvxi_repair_job *job);
 
 /* repair_sheets.c: of the triangles of job->mesh that are ASKED, those that job->body encloses become

@@ -27,11 +27,6 @@ static bvx_status fill_solid(bvxi_repair_job *job, const bvx_mesh_view *mesh)
 
 bvx_status bvxi_repair_inside(bvxi_repair_job *job)
 {
-    bvxi_thin_close(job->ctx, &job->thin);
-    bvxi_drop(job->ctx, job->inside.words);
-    bvxi_drop(job->ctx, job->solid.words);
-    memset(&job->inside, 0, sizeof job->inside);
-    memset(&job->solid, 0, sizeof job->solid);
     job->grid_bytes = bvx_grid_bound(&job->lattice, NULL) * 8;
     BVXI_TRY(open_scratch_grid(job, &job->solid));
     BVXI_TRY(open_scratch_grid(job, &job->inside));

@@ -430,8 +430,6 @@ bvx_status bvxi_repair_part(bvxi_repair_job *job)
     all_sums sums;
 
     job->body = job->mesh;
-    memset(&job->sheets, 0, sizeof job->sheets);
-    job->facts.thin_shelled = 0;
     if (job->options->shell == 0) return BVX_OK;
     BVXI_TRY(open_sums(job, &sums));
 

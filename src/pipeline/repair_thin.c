@@ -54,10 +54,6 @@ bvx_status bvxi_repair_thicken(bvxi_repair_job *job)
 {
     repair_walls t = {0};
 
-    bvxi_thin_close(job->ctx, &job->thin);
-    job->report.thin_voxels = 0;
-    job->report.crossing_volume = 0;
-    job->report.thin_resolution = job->report.thin_kept = 0;
     if (job->body.triangle_count == 0) return BVX_OK;
     /* nobody asks what is lost */
     if (job->options->thin != BVX_THIN_KEEP && job->options->report == NULL) return BVX_OK;

@@ -222,13 +222,6 @@ bvx_status bvxi_thicken(bvxi_walls *walls, bvx_grid *inside, bvxi_thin *thin)
     return BVX_OK;
 }
 
-void bvxi_thin_close(bvx_context *ctx, bvxi_thin *thin)
-{
-    bvxi_drop(ctx, thin->corner);
-    bvxi_sparse_close(ctx, &thin->near);
-    memset(thin, 0, sizeof *thin);
-}
-
 /* ---- The surface of thickened walls ---- */
 
 void bvxi_thin_value(double thick, double vector[3], double *distance)

@@ -18,9 +18,8 @@ typedef struct bvxi_thin {
 
 /* thicken.c: put centres to inside until the walls hold that bvxi_walls_ask
  * has found and listed there; walls->solid is inside. thin, all zero, takes
- * over what the surface needs. bvxi_thin_close frees it, also after a failure. */
+ * over what the surface needs. */
 bvx_status bvxi_thicken(bvxi_walls *walls, bvx_grid *inside, bvxi_thin *thin);
-void bvxi_thin_close(bvx_context *ctx, bvxi_thin *thin);
 
 /* Closest points that were measured, vectors and distances in doubles, become those of the thickened surface.
  * Nothing where no wall is thin. */

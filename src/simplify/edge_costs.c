@@ -10,11 +10,6 @@ enum { COSTS_GRAIN = 4096 }; /* vertices of a task */
 
 /* ---- Cost ---- */
 
-static void offset_between(const bvxi_collapse *c, uint32_t u, uint32_t v, double offset[3])
-{
-    for (int k = 0; k < 3; k++) offset[k] = (c->mesh.at[v].p[k] - c->mesh.at[u].p[k]) * c->scale;
-}
-
 int bvxi_collapse_is_feature(const bvxi_collapse *c, int32_t edge)
 {
     return bvxi_corner_is_ghost(&c->mesh, edge) ||
@@ -76,7 +71,9 @@ static int plan_ends(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *pl
 /* Everything is about u, near the edge: the same sums about the origin would cancel most of their digits. */
 static void join_ends(const bvxi_collapse *c, bvxi_edge_planned *plan)
 {
-    offset_between(c, plan->u, plan->v, plan->offset);
+    for (int k = 0; k < 3; k++)
+        plan->offset[k] = (c->mesh.at[plan->v].p[k] - c->mesh.at[plan->u].p[k]) * c->scale;
+
     bvxi_quadrics_join(&c->mesh.at[plan->u].q, &c->mesh.at[plan->v].q, plan->offset, &plan->q);
     plan->all = plan->q;
     if (c->attributes.channels > 0 && c->options.given.attribute_weight > 0)

@@ -20,29 +20,6 @@ enum { LEAVING_GRAIN = 256 }; /* triangles of a task */
 
 /* ---- The mesh ---- */
 
-/* Corners of all triangles in an order of space, three vertices each. */
-static bvx_status open_tree_of_corners(bvx_context *ctx, bvxi_enclosed *e)
-{
-    const bvxi_closest_tree *const from = &e->closest.tree;
-    uint64_t const n = from->triangle_count;
-    double *at, t[3][3];
-    uint32_t *vertex;
-
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 72, "the corners of what is enclosed", &at));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, "the triangles of what is enclosed", &vertex));
-    for (uint64_t i = 0; i < n; i++) {
-        bvxi_closest_corners(from, i, t);
-        for (uint64_t k = 0; k < 9; k++) at[9 * i + k] = t[k / 3][k % 3] / from->scale;
-        for (uint64_t k = 0; k < 3; k++) vertex[3 * i + k] = (uint32_t)(3 * i + k);
-    }
-    e->tree.at = at;
-    e->tree.vertex = vertex;
-    e->tree.at_step = e->tree.vertex_step = 3;
-    e->tree.triangles = n;
-    e->tree.slanted = e->tree.touching = 1;
-    return bvxi_crossing_tree_open(ctx, &e->tree);
-}
-
 /* A vertex of each piece that triangles join. */
 static bvx_status list_pieces(bvx_context *ctx, const bvx_mesh_view *mesh, bvxi_enclosed *e)
 {
@@ -81,7 +58,27 @@ bvx_status bvxi_enclosed_open(bvx_context *ctx, const char *function, const bvx_
         if (high[a] - e->tree.low[a] > size) size = high[a] - e->tree.low[a];
     e->tree.scale = size > 0 ? 1 / size : 1;
     BVXI_TRY(bvxi_closest_open(bvxi_call_of(ctx, function, "search tree", 0.0, 0.5), mesh, &e->closest));
-    BVXI_TRY(open_tree_of_corners(ctx, e));
+
+    /* Corners of all triangles in an order of space, three vertices each. */
+    const bvxi_closest_tree *const from = &e->closest.tree;
+    uint64_t const n = from->triangle_count;
+    double *at, t[3][3];
+    uint32_t *vertex;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 72, "the corners of what is enclosed", &at));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, "the triangles of what is enclosed", &vertex));
+    for (uint64_t i = 0; i < n; i++) {
+        bvxi_closest_corners(from, i, t);
+        for (uint64_t k = 0; k < 9; k++) at[9 * i + k] = t[k / 3][k % 3] / from->scale;
+        for (uint64_t k = 0; k < 3; k++) vertex[3 * i + k] = (uint32_t)(3 * i + k);
+    }
+    e->tree.at = at;
+    e->tree.vertex = vertex;
+    e->tree.at_step = e->tree.vertex_step = 3;
+    e->tree.triangles = n;
+    e->tree.slanted = e->tree.touching = 1;
+    BVXI_TRY(bvxi_crossing_tree_open(ctx, &e->tree));
+
     return list_pieces(ctx, mesh, e);
 }
 

@@ -1,7 +1,10 @@
 """calls.py [BATCHES] - what a call of the Python package costs by itself: the smallest of each kind, on a tetrahedron and four voxels a side.
 
-Prints Markdown: microseconds a call, the least of so many batches [200]. bench_calls.c has the same calls in C."""
+Prints Markdown: microseconds a call, the least of so many batches [200]. bench_calls.c has the same calls in C. Then one ray a call at
+the dragon of MESHES, beside Embree through trimesh, where these are there."""
 
+import importlib.util
+import os
 import sys
 import time
 
@@ -45,4 +48,37 @@ def main():
         print(f"| {name} | {least / 1000:.1f} |")
 
 
+def one_ray_a_call(path, count=2000):
+    import numpy as np
+    import trimesh
+    from trimesh.ray.ray_pyembree import RayMeshIntersector
+
+    mesh = bitvox.Mesh.of(path)
+    vertices, faces = np.asarray(mesh.vertices, float), np.asarray(mesh.faces)
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    draw = np.random.default_rng(1)
+    way = draw.normal(size=(count, 3))
+    start = low + (high - low) * draw.random((count, 3)) - 2 * np.linalg.norm(high - low) * way / np.linalg.norm(way, axis=1)[:, None]
+    rays, ours, theirs = np.hstack([start, way]), bitvox.Closest(mesh), RayMeshIntersector(trimesh.Trimesh(vertices, faces, process=False))
+    both = {
+        "`Closest.cast`": lambda i: ours.cast(rays[i : i + 1], threads=1)["triangle"],
+        "Embree, `intersects_first`": lambda i: theirs.intersects_first(start[i : i + 1], way[i : i + 1]),
+        "Embree, `intersects_location`": lambda i: theirs.intersects_location(start[i : i + 1], way[i : i + 1], multiple_hits=False),
+    }
+    print(f"\n| one ray a call at {len(faces)} triangles | µs |\n|---|--:|")
+    for name, cast in both.items():
+        least = float("inf")
+        for _ in range(3):
+            begin = time.process_time_ns()
+            for i in range(count):
+                cast(i)
+            least = min(least, (time.process_time_ns() - begin) / count)
+        print(f"| {name} | {least / 1000:.1f} |")
+
+
 main()
+dragon = os.path.join(os.environ.get("MESHES", "../shared/meshes"), "dragon_vrip_871414.ply.gz")
+if os.path.exists(dragon) and all(importlib.util.find_spec(name) for name in ("trimesh", "embreex")):
+    one_ray_a_call(dragon)
+else:
+    print("\nmissing: one ray a call at the dragon, which needs MESHES, trimesh and embreex")

@@ -11,7 +11,7 @@ enum { QUERIES = 600 };
 static maker_mesh star;
 static bvx_mesh_view star_view;
 static bvx_mesh source; /* with colours and texture coordinates */
-static bvx_grid solid, other;
+static bvx_grid solid, other, slice;
 static double points[3 * QUERIES], rays[6 * QUERIES];
 static bvx_context *maker; /* what made them */
 
@@ -36,6 +36,8 @@ static int make_inputs(void **state)
                 bvx_grid_set(&solid, x, y, z, maker_below(&seed, 20) == 0);
                 bvx_grid_set(&other, x, y, z, maker_below(&seed, 20) == 0);
             }
+    bvx_window const one = {{0, 0, 30}, {lattice.dims[0], lattice.dims[1], 1}};
+    assert_int_equal(bvx_grid_crop(maker, &solid, &one, &slice), BVX_OK);
     for (int i = 0; i < 3 * QUERIES; i++) points[i] = maker_between(&seed, 0, 32, 1000);
     for (int i = 0; i < 6 * QUERIES; i++)
         rays[i] = maker_between(&seed, -5, 35, 1000) - (i % 6 > 2 ? 15.0005 : 0.0);
@@ -58,6 +60,7 @@ static int free_inputs(void **state)
     bvx_mesh_free(maker, &source);
     bvx_grid_free(maker, &solid);
     bvx_grid_free(maker, &other);
+    bvx_grid_free(maker, &slice);
     assert_int_equal(bvx_memory_used(maker), 0);
     bvx_context_destroy(maker);
     maker_free(&star);
@@ -85,6 +88,22 @@ static bvx_status find(void *user, bvx_context *ctx)
     if (status == BVX_OK)
         status = bvx_closest_crossings(ctx, closest, rays, QUERIES, 1e9, offsets, hits, 8 * QUERIES);
     if (status == BVX_OK) mark = bvx_hash(found, sizeof found, bvx_hash(turns, sizeof turns, 0));
+    bvx_closest_free(ctx, closest);
+    return status;
+}
+
+static bvx_status links(void *user, bvx_context *ctx)
+{
+    static float values[4096 * 18];
+    bvx_closest *closest = NULL;
+    uint64_t count;
+
+    (void)user;
+    bvx_status status = bvx_grid_count(ctx, &slice, &count);
+    assert_true(status != BVX_OK || count <= 4096);
+    if (status == BVX_OK) status = bvx_closest_create(ctx, &star_view, &closest);
+    if (status == BVX_OK) status = bvx_closest_links(ctx, closest, &slice, 18, values);
+    if (status == BVX_OK) mark = bvx_hash(values, count * 18 * sizeof *values, 0);
     bvx_closest_free(ctx, closest);
     return status;
 }
@@ -179,7 +198,7 @@ static bvx_status compare(void *user, bvx_context *ctx)
 static fault_row queries[] = {
     {"find", find, 1, 1, 0},           {"carry", carry, 1, 1, 0}, {"cast", cast, 1, 1, 0},
     {"rays", cast_by_handle, 1, 1, 0}, {"label", label, 1, 1, 0}, {"sample", sample, 0, 1, 0},
-    {"compare", compare, 1, 1, 0},
+    {"compare", compare, 1, 1, 0},     {"links", links, 1, 1, 0},
 };
 
 /* ---- Tests ---- */

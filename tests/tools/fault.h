@@ -274,7 +274,7 @@ static inline const char *fault_allocation(fault_operation_fn *operation, void *
  * apart. */
 static inline uint64_t fault_next(const fault_places *places, uint64_t n)
 {
-    n += 1 + (getenv("BVX_QUICK") != NULL ? n / 4 : 0);
+    n += 1 + (getenv("BVX_QUICK") != NULL ? n / 2 : 0);
     while (!fault_is_due(places, n)) n++;
     return n;
 }

@@ -196,16 +196,18 @@ list_fuzz() { # as run_fuzz
     shift 2
     for source in tests/fuzz/fuzz_*.c; do
         if [ ! -f "$source" ]; then continue; fi
-        inputs=$*
+        inputs=$* every=1
         case $source in
         */fuzz_algebra.c | */fuzz_levels.c) inputs=${dear_inputs:-$*} ;;
         */fuzz_volumes.c) if [ -n "${dear_inputs:-}" ]; then inputs=100; fi ;;
         */fuzz_contours.c) if [ -n "${dear_inputs:-}" ]; then inputs=5000; fi ;;
+        */fuzz_fields.c) if [ -n "${dear_inputs:-}" ]; then every=3; fi ;;
         esac
         list_command "$fuzz_row/fuzz/$(basename "$source" .c)" $runner "$folder/${source%.c}" $inputs
         for target in $(fuzz_targets "$source"); do
             if [ "fuzz_$target" = "$(basename "$source" .c)" ]; then format=; else format=$target; fi
-            list_command "$fuzz_row/corpus/$target" $runner "$folder/${source%.c}" $format "fixtures/fuzz/$target"/*
+            list_command "$fuzz_row/corpus/$target" $runner "$folder/${source%.c}" $format \
+                $(find "fixtures/fuzz/$target" -type f | sort | awk "NR % $every == 0")
         done
     done
 }
@@ -608,7 +610,7 @@ other)
     {
         folder=$san
         if [ -n "$fault" ]; then list_kind san fault ''; fi
-        dear_inputs=30 # of 300 where each runs whole chains of stages, 100 of volumes, 5,000 of 20,000 contours; make san runs all
+        dear_inputs=30 # of 300 where each runs whole chains of stages, 100 of volumes, 5,000 of 20,000 contours, a third of the fields' corpus; make san runs all
         list_fuzz san ''
         list_machines
         list_other_compilers

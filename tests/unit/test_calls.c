@@ -672,6 +672,12 @@ static void test_sizes_beyond_memory_and_none(void)
                        "bvx_closest_crossings");
     }
     expect_refused(ctx, bvx_closest_winding(ctx, closest, NULL, 1, (int64_t *)&out), "bvx_closest_winding");
+    expect_refused(ctx, bvx_closest_links(ctx, closest, &solid, 6, NULL), "bvx_closest_links");
+    expect_refused(ctx, bvx_closest_links(ctx, NULL, &solid, 6, (float *)&out), "bvx_closest_links");
+    for (int32_t n = -1; n < 30; n++)
+        if (n != 6 && n != 18 && n != 26)
+            expect_refused(ctx, bvx_closest_links(ctx, closest, &solid, n, (float *)&out),
+                           "bvx_closest_links");
     expect_refused(ctx, bvx_rays_update(ctx, caster, NULL, NULL), "bvx_rays_update");
     expect_refused(ctx, bvx_rays_update(ctx, NULL, &solid, NULL), "bvx_rays_update");
     for (int i = 0; i < 2; i++) {

@@ -5,6 +5,7 @@
 #include "suite.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 static maker_mesh m;
 static uint64_t seed;
@@ -252,6 +253,90 @@ static void test_turns_are_counted(void)
     TEST_ASSERT_EQUAL_INT64(0, turns[2]);
 }
 
+/* ---- Links ---- */
+
+enum { LINKED = 16 * 16 * 16 };
+
+/* Those of voxels outside a star, one by one; a neighbour inside is behind the surface. */
+static void test_links_are_the_hits_of_rays_to_neighbours(void)
+{
+    static const double centre[3] = {8, 8, 8}, radius[3] = {6, 5, 6}, origin[3] = {0, 0, 0},
+                        spacing[3] = {1, 1, 0.5};
+    static const int32_t dims[3] = {16, 16, 32};
+    bvx_window const window = {{1, 0, 8}, {15, 16, 16}};
+    static float values[LINKED * 26];
+    bvx_voxelize_options o = {.struct_size = sizeof o, .window = window};
+    bvx_lattice lattice;
+    bvx_grid solid = {0}, grid = {0};
+
+    maker_star(&m, &seed, centre, radius, 0.3, 7, 10, 2);
+    open_mesh();
+    bvx_mesh_view const v = maker_view(&m);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &lattice));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_solid(ctx, &v, &lattice, &o, &solid));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_complement(ctx, &solid, &grid));
+    for (int farthest = 1; farthest <= 3; farthest++) {
+        int const links = farthest == 1 ? 6 : farthest == 2 ? 18 : 26;
+        const float *value = values;
+        int behind = 0, met = 0;
+
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_links(ctx, closest, &grid, links, values));
+        for (int i = 0; i < 15 * 16 * 16; i++) {
+            int const at[3] = {i % 15, i / 15 % 16, i / 240};
+            if (!bvx_grid_get(&grid, at[0], at[1], at[2])) continue;
+            for (int n = 0; n < 27; n++) {
+                int const way[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+                double const ray[6] = {at[0] + 1.5, at[1] + 0.5, (at[2] + 8.5) * 0.5,
+                                       way[0],      way[1],      way[2] * 0.5};
+                int const to[3] = {at[0] + way[0], at[1] + way[1], at[2] + way[2]};
+                bvx_mesh_hit hit;
+
+                if (n == 13 || abs(way[0]) + abs(way[1]) + abs(way[2]) > farthest) continue;
+                TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_cast(ctx, closest, ray, 1, 1, &hit));
+                TEST_ASSERT_TRUE(*value == (hit.side != 0 ? (float)hit.t : -1.0F));
+                met += hit.side != 0;
+                if (to[0] >= 0 && to[0] < 15 && to[1] >= 0 && to[1] < 16 && to[2] >= 0 && to[2] < 16 &&
+                    bvx_grid_get(&solid, to[0], to[1], to[2])) {
+                    TEST_ASSERT_TRUE(*value >= 0.0F && *value <= 1.0F);
+                    behind++;
+                }
+                value++;
+            }
+        }
+        TEST_ASSERT_TRUE(behind > 100 * farthest && met >= behind);
+    }
+    bvx_grid_free(ctx, &solid);
+    bvx_grid_free(ctx, &grid);
+}
+
+static void test_links_that_are_none_are_refused(void)
+{
+    static const double low[3] = {0, 0, 0}, high[3] = {1.75, 2, 2}, spacing[3] = {1, 1, 1},
+                        far[3] = {1e290, 0, 0};
+    static const int32_t dims[3] = {3, 2, 2};
+    float values[6];
+    bvx_lattice lattice;
+    bvx_grid grid = {0};
+
+    maker_box(&m, low, high);
+    open_mesh();
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, low, spacing, dims, &lattice));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &lattice, NULL, &grid));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_links(ctx, closest, &grid, 6, NULL));
+    bvx_grid_set(&grid, 2, 0, 0, 1);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_links(ctx, closest, &grid, 6, values));
+    for (int n = 0; n < 6; n++) TEST_ASSERT_TRUE(values[n] == (n == 2 ? 0.75F : -1.0F));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_closest_links(ctx, closest, &grid, 7, values));
+    TEST_ASSERT_EQUAL_STRING("bvx_closest_links: a voxel has 6, 18 or 26 links, not 7",
+                             bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_closest_links(ctx, closest, &grid, 6, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_closest_links(ctx, NULL, &grid, 6, values));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_closest_links(ctx, closest, NULL, 6, values));
+    for (int a = 0; a < 3; a++) grid.lattice.origin[a] = far[a];
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_closest_links(ctx, closest, &grid, 6, values));
+    bvx_grid_free(ctx, &grid);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -260,5 +345,7 @@ int main(void)
     RUN_TEST(test_rays_that_are_none_are_refused);
     RUN_TEST(test_winding_numbers_are_the_voxels_of_the_solid);
     RUN_TEST(test_turns_are_counted);
+    RUN_TEST(test_links_are_the_hits_of_rays_to_neighbours);
+    RUN_TEST(test_links_that_are_none_are_refused);
     return UNITY_END();
 }

@@ -599,24 +599,6 @@ static void test_threads_and_code_paths_do_not_show(void)
 
 /* ---- Options ---- */
 
-static void test_target_triangles(void)
-{
-    static const uint64_t target[] = {200, 1000, 5000};
-    double const at[3] = {0, 0, 0};
-
-    make_ball(at, 2);
-    for (int i = 0; i < 3; i++) {
-        bvx_repair_options o = defaults(128);
-        bvx_mesh_view const view = maker_view(&mesh);
-        bvx_mesh out;
-        o.target_triangles = target[i];
-        out = repaired_by(ctx, &view, &o);
-        assert_certified(&out);
-        TEST_ASSERT_TRUE(out.triangle_count <= target[i] && 2 * out.triangle_count > target[i]);
-        bvx_mesh_free(ctx, &out);
-    }
-}
-
 static void test_measured_distances(void)
 {
     double const at[3] = {1e3, 0, 0};
@@ -650,7 +632,6 @@ static void assert_refused(const bvx_repair_options *o, bvx_status status, const
 static void test_bad_options(void)
 {
     double const at[3] = {0, 0, 0};
-    bvx_lattice const l = lattice_of(8, 8, 8);
     bvx_repair_options o = defaults(16);
 
     make_ball(at, 2);
@@ -665,10 +646,8 @@ static void test_bad_options(void)
     o.samples = UINT64_C(1) << 31, assert_refused(&o, BVX_ERR_ARGUMENT, "samples"), o = defaults(16);
     o.fit.reserved = 1, assert_refused(&o, BVX_ERR_ARGUMENT, "reserved"), o = defaults(16);
     o.thin = 3, assert_refused(&o, BVX_ERR_ARGUMENT, "thin"), o = defaults(16);
-    o.fit.lattice = &l, o.target_triangles = 10, assert_refused(&o, BVX_ERR_ARGUMENT, "lattice"),
-    o = defaults(16);
-    o.parts.least_part = 1000000, assert_refused(&o, BVX_ERR_EMPTY, "least_part"), o = defaults(16);
-    o.target_triangles = 2, assert_refused(&o, BVX_ERR_RANGE, "at most 2");
+    o.reserved0 = 1, assert_refused(&o, BVX_ERR_ARGUMENT, "reserved"), o = defaults(16);
+    o.parts.least_part = 1000000, assert_refused(&o, BVX_ERR_EMPTY, "least_part");
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_repair(ctx, NULL, NULL, NULL));
 }
 
@@ -740,7 +719,6 @@ int main(void)
     RUN_TEST(test_lid_beside_its_pot_is_a_sheet);
     RUN_TEST(test_anything_is_closed);
     RUN_TEST(test_threads_and_code_paths_do_not_show);
-    RUN_TEST(test_target_triangles);
     RUN_TEST(test_measured_distances);
     RUN_TEST(test_bad_options);
     RUN_TEST(test_meshes_without_area);

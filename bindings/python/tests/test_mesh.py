@@ -460,6 +460,25 @@ def test_a_mesh_contains_the_centers_of_its_solid(knot):
     assert ((distance < 0) == inside).all() and np.array_equal(np.abs(distance), asked.find(points)["distance"])
 
 
+@pytest.mark.parametrize("links", [6, 18, 26])
+def test_links_end_where_rays_meet_the_mesh(knot, links):
+    knot = Mesh.of(knot)
+    solid = bitvox.voxelize(knot, resolution=24)
+    beside = ~solid & solid.dilate(connectivity=links)
+    asked = bitvox.Closest(knot)
+    values = asked.links(beside, links)
+    assert values.shape == (beside.count, links) and values.dtype == np.float32
+    ways = np.array([way[::-1] for way in np.ndindex(3, 3, 3)]) - 1
+    ways = ways[np.isin(np.abs(ways).sum(axis=1), range(1, {6: 2, 18: 3, 26: 4}[links]))]
+    centers = np.asarray(solid.lattice.corner) + (beside.voxels() + 0.5) * np.asarray(solid.spacing)
+    rays = np.concatenate([np.repeat(centers, links, axis=0), np.tile(ways * np.asarray(solid.spacing), (len(centers), 1))], axis=1)
+    hits = asked.cast(rays, t_max=1)
+    assert np.array_equal(values.ravel(), np.where(hits["side"] == 0, -1, hits["t"]).astype(np.float32))
+    assert (values >= 0).any(axis=1).mean() > 0.999  # the mesh is snapped to the lattice in voxelize
+    with pytest.raises(bitvox.ArgumentError, match="6, 18 or 26 links, not 7"):
+        asked.links(beside, 7)
+
+
 def test_smooth_keeps_faces_attributes_and_volume():
     stairs = bitvox.faces(bitvox.Grid.from_numpy(ball_grid(24)))
     colored = bitvox.Mesh(stairs.vertices, stairs.faces, colors=np.full((stairs.n_vertices, 4), 200, np.uint8), normals=np.ones((stairs.n_vertices, 3)), frame=(1, 2, 3))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import warnings
-from typing import TYPE_CHECKING, Any, ClassVar, Iterable, NamedTuple, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Iterable, Literal, NamedTuple, Sequence
 
 from . import _arrays as arrays
 from ._calls import call, entered
@@ -845,6 +845,36 @@ class Closest:
         [False]
         """
         return self.winding(points, threads=threads, progress=progress) != 0
+
+    def links(self, grid: Grid, links: Literal[6, 18, 26] = 18, *, threads: int | None = None, progress: Progress = None) -> Array:
+        """Where links from the set voxels of a grid to their neighbors meet the mesh, as lattice Boltzmann methods use them.
+
+        Parameters
+        ----------
+        grid
+            the voxels that are asked about: of a fluid those with a neighbor that is none.
+        links
+            how many neighbors: those across faces, edges too, or corners too, in order (z, y, x) from -1 to 1.
+
+        Returns
+        -------
+        Array
+            (count, links) float32, in the order of `Grid.voxels`: the part of the way to the neighbor's center at the first hit
+            of `cast`, 0 to 1; -1: none.
+
+        Examples
+        --------
+        >>> solid = bitvox.voxelize('knot.ply', resolution=32)
+        >>> fluid = ~solid
+        >>> beside = fluid & solid.dilate(connectivity=26)
+        >>> bitvox.Closest('knot.ply').links(beside, 26).shape == (beside.count, 26)
+        True
+        """
+        np = arrays.numpy("links")
+        values = np.empty((grid.count, links), np.float32)
+        with Run(threads, None, progress) as run:
+            run.check(lib.bvx_closest_links(run.context, self._c, grid._c, links, ffi.cast("float *", values.ctypes.data)))
+        return values
 
 
 class Rays:
