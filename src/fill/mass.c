@@ -52,38 +52,32 @@ static void add_compensated(double *sum, double *lost, double term)
     *sum = s;
 }
 
-/* The tetrahedron of a triangle and the centre: its moments are six times its volume times these polynomials. */
-static void add_tetrahedron(const double centre[3], double p[3][3], triangle_sums *s)
-{
-    double n[3], sum[3], six;
-    double const u = sqrt(bvxi_vec_distance2(p[0], p[1])), v = sqrt(bvxi_vec_distance2(p[0], p[2]));
-
-    s->area += bvxi_facet_normal((const double(*)[3])p, n) * 0.5;
-    s->spread += u * v;
-    for (int a = 0; a < 3; a++) {
-        for (int k = 0; k < 3; k++) p[k][a] -= centre[a];
-        sum[a] = p[0][a] + p[1][a] + p[2][a];
-    }
-    six = bvxi_vec_dot(p[0], n);
-
-    add_compensated(&s->sum[0], &s->lost[0], six / 6.0);
-    for (int a = 0; a < 3; a++) add_compensated(&s->sum[1 + a], &s->lost[1 + a], six * sum[a] / 24.0);
-    for (int i = 0; i < 6; i++) {
-        int32_t const a = moment_axes[i][0], b = moment_axes[i][1];
-        double const at = p[0][a] * p[0][b] + p[1][a] * p[1][b] + p[2][a] * p[2][b];
-        add_compensated(&s->sum[4 + i], &s->lost[4 + i], six * (at + sum[a] * sum[b]) / 120.0);
-    }
-}
-
 static void sum_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     const measure_work *const w = user;
     triangle_sums s = {{0}, {0}, 0, 0};
 
     for (uint64_t t = begin; t < end; t++) {
-        double p[3][3];
+        double p[3][3], n[3], sum[3], six;
+
+        /* The tetrahedron of a triangle and the centre: its moments are six times its volume times these
+         * polynomials. */
         bvxi_view_scaled(w->view, t, w->scale, p);
-        add_tetrahedron(w->centre, p, &s);
+        s.spread += sqrt(bvxi_vec_distance2(p[0], p[1])) * sqrt(bvxi_vec_distance2(p[0], p[2]));
+        s.area += bvxi_facet_normal((const double(*)[3])p, n) * 0.5;
+        for (int a = 0; a < 3; a++) {
+            for (int k = 0; k < 3; k++) p[k][a] -= w->centre[a];
+            sum[a] = p[0][a] + p[1][a] + p[2][a];
+        }
+        six = bvxi_vec_dot(p[0], n);
+
+        add_compensated(&s.sum[0], &s.lost[0], six / 6.0);
+        for (int a = 0; a < 3; a++) add_compensated(&s.sum[1 + a], &s.lost[1 + a], six * sum[a] / 24.0);
+        for (int i = 0; i < 6; i++) {
+            int32_t const a = moment_axes[i][0], b = moment_axes[i][1];
+            double const at = p[0][a] * p[0][b] + p[1][a] * p[1][b] + p[2][a] * p[2][b];
+            add_compensated(&s.sum[4 + i], &s.lost[4 + i], six * (at + sum[a] * sum[b]) / 120.0);
+        }
     }
     w->pieces[piece] = s;
 }

@@ -282,41 +282,6 @@ static int vertex_on(int bit, int way, int *beyond)
     return n;
 }
 
-static void plain_positions(const bvxi_oblique *o, uint32_t known)
-{
-    uint32_t plane[BVXI_OBLIQUE_PLANES], heard[BVXI_OBLIQUE_PLANES], planes, heard_count, beside[8];
-    int32_t first[3];
-
-    bvxi_oblique_block_place(o, o->known[known], first);
-    planes = bvxi_oblique_near_planes(o, first, plane);
-    heard_count = bvxi_oblique_heard_planes(o, first, heard);
-    blocks_beside(o, known, beside);
-    for (int way = 1; way < 8; way++) {
-        uint32_t number = o->crossed[known].first[way - 1];
-        for (uint64_t left = o->crossed[known].edges[way - 1]; left != 0; left &= left - 1, number++) {
-            int const bit = bvxi_lowest(left);
-            double end[2][3], value[2], at[3];
-
-            for (int e = 0; e < 2; e++) {
-                int32_t place[3];
-                int beyond, n = vertex_on(bit, e == 1 ? way : 0, &beyond);
-                bvxi_oblique_in_block(first, n, place);
-                for (int k = 0; k < 3; k++) place[k] += BVXI_BLOCK_SIDE * (beyond >> k & 1);
-                bvxi_oblique_place_among(o, place, plane, planes, end[e]);
-                value[e] = o->value[(uint64_t)beside[beyond] * BVXI_BLOCK_SIZE + (uint64_t)n];
-            }
-            /* From inside outwards, as tetrahedra do: the place must not depend on who computes it. */
-            int const in = value[0] > 0.0 ? 0 : 1;
-            bvxi_oblique_cross_edge(end[in], bvxi_absolute(value[in]), end[!in], bvxi_absolute(value[!in]),
-                                    at);
-            bvxi_oblique_cross_again(end[in], bvxi_absolute(value[in]), end[!in], bvxi_absolute(value[!in]),
-                                     bvxi_oblique_number_among(o, at, heard, heard_count), at);
-            for (uint64_t k = 0; k < 3; k++)
-                o->position[3 * (uint64_t)number + k] = o->origin[k] + o->step * at[k];
-        }
-    }
-}
-
 static void plain_triangles(const plain_job *job, uint32_t known)
 {
     const bvxi_oblique *const o = job->o;
@@ -342,9 +307,39 @@ static void plain_triangles(const plain_job *job, uint32_t known)
 static void plain_surface_piece(void *user, uint64_t begin, uint64_t end)
 {
     const plain_job *const job = user;
+    const bvxi_oblique *const o = job->o;
     for (uint64_t i = begin; i < end; i++) {
-        plain_positions(job->o, (uint32_t)i);
-        if (job->o->active[i] != 0) plain_triangles(job, (uint32_t)i);
+        const bvxi_oblique_crossed *const crossed = &o->crossed[i];
+        uint32_t plane[BVXI_OBLIQUE_PLANES], heard[BVXI_OBLIQUE_PLANES], planes, heard_count, beside[8];
+        int32_t first[3];
+
+        bvxi_oblique_block_place(o, o->known[i], first);
+        planes = bvxi_oblique_near_planes(o, first, plane);
+        heard_count = bvxi_oblique_heard_planes(o, first, heard);
+        blocks_beside(o, (uint32_t)i, beside);
+        for (int way = 1; way < 8; way++) {
+            double *position = o->position + 3 * (uint64_t)crossed->first[way - 1];
+            for (uint64_t left = crossed->edges[way - 1]; left != 0; left &= left - 1, position += 3) {
+                double ends[2][3], value[2], at[3];
+
+                for (int e = 0; e < 2; e++) {
+                    int32_t place[3];
+                    int beyond, n = vertex_on(bvxi_lowest(left), e == 1 ? way : 0, &beyond);
+                    bvxi_oblique_in_block(first, n, place);
+                    for (int k = 0; k < 3; k++) place[k] += BVXI_BLOCK_SIDE * (beyond >> k & 1);
+                    bvxi_oblique_place_among(o, place, plane, planes, ends[e]);
+                    value[e] = o->value[(uint64_t)beside[beyond] * BVXI_BLOCK_SIZE + (uint64_t)n];
+                }
+                /* From inside outwards, as tetrahedra do: the place must not depend on who computes it. */
+                int const in = value[0] > 0.0 ? 0 : 1;
+                double const rise = bvxi_absolute(value[in]), fall = bvxi_absolute(value[!in]);
+                bvxi_oblique_cross_edge(ends[in], rise, ends[!in], fall, at);
+                bvxi_oblique_cross_again(ends[in], rise, ends[!in], fall,
+                                         bvxi_oblique_number_among(o, at, heard, heard_count), at);
+                for (int k = 0; k < 3; k++) position[k] = o->origin[k] + o->step * at[k];
+            }
+        }
+        if (o->active[i] != 0) plain_triangles(job, (uint32_t)i);
     }
 }
 

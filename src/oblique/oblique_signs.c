@@ -62,44 +62,41 @@ void bvxi_oblique_middle(const bvxi_oblique *o, const uint32_t *v, int n, double
     }
 }
 
-/* Of several bodies only what lies on planes is split: a region would be joined to its like beyond an edge by that
- * edge alone. Its new vertices get their kinds later. */
-static bvx_status part_tetrahedron(bvxi_oblique *o, uint32_t t)
-{
-    int const signs = o->body_count == 0;
-    if (bvxi_on_contours(o, &o->tetra[t]) < 2) return BVX_OK;
-    for (int a = 0; a < 4; a++)
-        for (int b = a + 1; b < 4; b++) {
-            uint32_t const v[2] = {o->tetra[t].v[a], o->tetra[t].v[b]};
-            double at[3];
-            uint32_t m;
-            if (o->vertex[v[0]].sign != 0 || o->vertex[v[1]].sign != 0) continue;
-            if (!signs && !bvxi_share_plane(o, v, 2)) continue;
-            if (bvxi_edge_find(&o->contour_edge, v[0], v[1]) != BVXI_NONE) continue;
-            bvxi_oblique_middle(o, v, 2, at);
-            BVXI_TRY(bvxi_tetra_split_edge(o, t, v[0], v[1], at, &m));
-            if (signs) give_sign(o, &o->vertex[m], bvxi_first_plane(o, m));
-        }
-
-    /* Then faces, as the edges that were split above may have left none between three. */
-    for (int k = 0; k < 4; k++) {
-        uint32_t v[3], m;
-        double at[3];
-        int n = 0;
-        for (int j = 0; j < 4; j++)
-            if (j != k && o->vertex[o->tetra[t].v[j]].sign == 0) v[n++] = o->tetra[t].v[j];
-        if (n < 3 || (!signs && !bvxi_share_plane(o, v, 3))) continue;
-        bvxi_oblique_middle(o, v, 3, at);
-        BVXI_TRY(bvxi_tetra_split_face(o, t, k, at, &m));
-        if (signs) give_sign(o, &o->vertex[m], bvxi_first_plane(o, m));
-    }
-    return BVX_OK;
-}
-
 bvx_status bvxi_oblique_part_contours(bvxi_oblique *o)
 {
+    /* Of several bodies only what lies on planes is split: a region would be joined to its like beyond an edge by
+     * that edge alone. Its new vertices get their kinds later. */
+    int const signs = o->body_count == 0;
+
     /* Those that splitting adds come last, and their turn comes too. */
-    for (uint64_t t = 0; t < o->tetra_count; t++) BVXI_TRY(part_tetrahedron(o, (uint32_t)t));
+    for (uint32_t t = 0; t < o->tetra_count; t++) {
+        if (bvxi_on_contours(o, &o->tetra[t]) < 2) continue;
+        for (int a = 0; a < 4; a++)
+            for (int b = a + 1; b < 4; b++) {
+                uint32_t const v[2] = {o->tetra[t].v[a], o->tetra[t].v[b]};
+                double at[3];
+                uint32_t m;
+                if (o->vertex[v[0]].sign != 0 || o->vertex[v[1]].sign != 0) continue;
+                if (!signs && !bvxi_share_plane(o, v, 2)) continue;
+                if (bvxi_edge_find(&o->contour_edge, v[0], v[1]) != BVXI_NONE) continue;
+                bvxi_oblique_middle(o, v, 2, at);
+                BVXI_TRY(bvxi_tetra_split_edge(o, t, v[0], v[1], at, &m));
+                if (signs) give_sign(o, &o->vertex[m], bvxi_first_plane(o, m));
+            }
+
+        /* Then faces, as the edges that were split above may have left none between three. */
+        for (int k = 0; k < 4; k++) {
+            uint32_t v[3], m;
+            double at[3];
+            int n = 0;
+            for (int j = 0; j < 4; j++)
+                if (j != k && o->vertex[o->tetra[t].v[j]].sign == 0) v[n++] = o->tetra[t].v[j];
+            if (n < 3 || (!signs && !bvxi_share_plane(o, v, 3))) continue;
+            bvxi_oblique_middle(o, v, 3, at);
+            BVXI_TRY(bvxi_tetra_split_face(o, t, k, at, &m));
+            if (signs) give_sign(o, &o->vertex[m], bvxi_first_plane(o, m));
+        }
+    }
     return BVXI_RESERVE(o, o->mark, o->tetra_count, o->mark_room, "the marks of tetrahedra");
 }
 

@@ -46,8 +46,8 @@ int bvxi_refine_is_flat(const bvxi_refine_job *job, const uint32_t *list, const 
         if (hits != NULL && (hits[i] >> bit & 1) == 0) continue;
         flat_corners(job, list[i], origin, p);
 
-        /* A plane at all corners within the tolerance has all points of the triangles within it. */
-        /* Without a plane they are near the origin. */
+        /* A plane at all corners within the tolerance has all points of the triangles within it. Without a plane
+         * they are near the origin. */
         for (int c = 0; c < 3; c++) {
             double const d = bvxi_vec_dot(p[c], n), off2 = length2 > 0 ? d * d : bvxi_vec_dot(p[c], p[c]);
             double const most2 = job->tolerance * job->tolerance;

@@ -286,40 +286,37 @@ static uint64_t *key_bits(const bvxi_march *m, uint64_t mask, int32_t w, int32_t
     return out;
 }
 
-static void key_slot(const bvxi_march *m, uint64_t slot)
-{
-    const uint8_t *const triangles = bvxi_cell_triangle_count[m->options.face_rule];
-    const bvxi_slot *const s = &m->slots[slot];
-    uint64_t *out[3], *triangle = m->mesh->triangle_keys + s->triangle;
-    const uint64_t *row[4];
-    int32_t j, k;
-
-    bvxi_slot_row(m, slot, &j, &k);
-    bvxi_cell_rows(m, j, k, row);
-    for (int32_t a = 0; a < 3; a++) out[a] = m->mesh->vertex_keys + s->edge[a];
-
-    for (int32_t w = 0; w < m->edge_words; w++) {
-        uint64_t const visited = bvxi_visited(m, w);
-        bvxi_cell_words c;
-        bvxi_load_cells(row, w, m->grid->words_per_row, &c);
-        if (bvxi_slot_has(m, 0, j, k))
-            out[0] = key_bits(m, (c.low[0] ^ c.high[0]) & visited, w, j, k, 0, out[0]);
-        if (bvxi_slot_has(m, 1, j, k)) out[1] = key_bits(m, c.high[0] ^ c.high[1], w, j, k, 1, out[1]);
-        if (bvxi_slot_has(m, 2, j, k)) out[2] = key_bits(m, c.high[0] ^ c.high[2], w, j, k, 2, out[2]);
-        if (!bvxi_slot_has(m, 3, j, k)) continue;
-        for (uint64_t active = bvxi_active_cells(&c) & visited; active != 0; active &= active - 1) {
-            int32_t const i = bvxi_lowest(active);
-            /* A cell's triangles have one key: a stable sort keeps their order. */
-            for (uint8_t n = triangles[bvxi_cell_case(&c, i)]; n > 0; n--)
-                *triangle++ = make_key(m, w * 64 + i - 1, j, k, 0);
-        }
-    }
-}
-
 static void key_slots(void *march, uint64_t begin, uint64_t end)
 {
     const bvxi_march *const m = march;
-    for (uint64_t s = begin; s < end; s++) key_slot(m, s);
+    const uint8_t *const triangles = bvxi_cell_triangle_count[m->options.face_rule];
+
+    for (uint64_t slot = begin; slot < end; slot++) {
+        const bvxi_slot *const s = &m->slots[slot];
+        uint64_t *out[3], *triangle = m->mesh->triangle_keys + s->triangle;
+        const uint64_t *row[4];
+        int32_t j, k;
+
+        bvxi_slot_row(m, slot, &j, &k);
+        bvxi_cell_rows(m, j, k, row);
+        for (int32_t a = 0; a < 3; a++) out[a] = m->mesh->vertex_keys + s->edge[a];
+        for (int32_t w = 0; w < m->edge_words; w++) {
+            uint64_t const visited = bvxi_visited(m, w);
+            bvxi_cell_words c;
+            bvxi_load_cells(row, w, m->grid->words_per_row, &c);
+            if (bvxi_slot_has(m, 0, j, k))
+                out[0] = key_bits(m, (c.low[0] ^ c.high[0]) & visited, w, j, k, 0, out[0]);
+            if (bvxi_slot_has(m, 1, j, k)) out[1] = key_bits(m, c.high[0] ^ c.high[1], w, j, k, 1, out[1]);
+            if (bvxi_slot_has(m, 2, j, k)) out[2] = key_bits(m, c.high[0] ^ c.high[2], w, j, k, 2, out[2]);
+            if (!bvxi_slot_has(m, 3, j, k)) continue;
+            for (uint64_t active = bvxi_active_cells(&c) & visited; active != 0; active &= active - 1) {
+                int32_t const i = bvxi_lowest(active);
+                /* A cell's triangles have one key: a stable sort keeps their order. */
+                for (uint8_t n = triangles[bvxi_cell_case(&c, i)]; n > 0; n--)
+                    *triangle++ = make_key(m, w * 64 + i - 1, j, k, 0);
+            }
+        }
+    }
 }
 
 /* ---- the call ---- */
