@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-enum { FUZZ_HITS = 64 };
+enum { FUZZ_HITS = 64, FUZZ_LINKED = 4000 };
 
 static void fuzz_values_equal(const bvx_field *part, const bvx_field *whole)
 {
@@ -46,6 +46,31 @@ static void fuzz_rays(bvx_context *ctx, const bvx_closest *closest, const double
     fuzz_require(hits[0].t == 0 || sum == turns, "another winding number than along the ray");
 }
 
+/* A link meets what a ray to the neighbour meets. */
+static void fuzz_links(bvx_context *ctx, const bvx_closest *closest, const bvx_grid *grid, uint64_t count)
+{
+    static float values[FUZZ_LINKED * 18];
+    const bvx_lattice *const l = &grid->lattice;
+    const float *value = values;
+
+    if (count > FUZZ_LINKED) return;
+    fuzz_must(ctx, bvx_closest_links(ctx, closest, grid, 18, values));
+    for (int32_t z = 0; z < grid->size[2]; z++)
+        for (int32_t y = 0; y < grid->size[1]; y++)
+            for (int32_t x = 0; x < grid->size[0]; x++) {
+                int32_t const voxel[3] = {x, y, z};
+                double ray[6] = {0, 0, 0, 0, 0, -l->spacing[2]};
+                bvx_mesh_hit hit;
+                if (!bvx_grid_get(grid, x, y, z)) continue;
+                for (int a = 0; a < 3; a++)
+                    ray[a] = l->origin[a] + (grid->low[a] + voxel[a] + 0.5) * l->spacing[a];
+                fuzz_must(ctx, bvx_closest_cast(ctx, closest, ray, 1, 1, &hit));
+                fuzz_require(value[2] == (hit.side != 0 ? (float)hit.t : -1.0F),
+                             "another link than the ray down");
+                value += 18;
+            }
+}
+
 /* Its values are the distances to the nearest points by the other engine, up to rounding. */
 static void fuzz_nearest(bvx_context *ctx, const fuzz_mesh *m, const bvx_lattice *lattice,
                          const bvx_field *field)
@@ -69,6 +94,7 @@ static void fuzz_nearest(bvx_context *ctx, const fuzz_mesh *m, const bvx_lattice
                              "a distance that is not the nearest point's");
                 if (n % 8 == 0) fuzz_rays(ctx, closest, p);
             }
+    fuzz_links(ctx, closest, &field->band, field->value_count);
     bvx_closest_free(ctx, closest);
 }
 

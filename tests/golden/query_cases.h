@@ -198,6 +198,31 @@ static void golden_labels(golden *g, const bvx_mesh *surface, const bvx_grid *gr
     bvx_buffer_free(g->context, &back);
 }
 
+/* Of one slice. */
+static void golden_links(golden *g, const bvx_mesh_view *view, const bvx_grid *grid)
+{
+    static float values[2000 * 18];
+    bvx_window const one = {{grid->low[0], grid->low[1], grid->low[2] + grid->size[2] / 2},
+                            {grid->size[0], grid->size[1], 1}};
+    bvx_closest *closest = NULL;
+    bvx_grid slice = {0};
+    uint64_t count = 0;
+
+    if (golden_good(g, bvx_closest_create(g->context, view, &closest)) &&
+        golden_good(g, bvx_grid_crop(g->context, grid, &one, &slice)) &&
+        golden_good(g, bvx_grid_count(g->context, &slice, &count)) && count <= 2000 &&
+        golden_good(g, bvx_closest_links(g->context, closest, &slice, 18, values))) {
+        uint64_t h = 0;
+        for (uint64_t i = 0; i < count * 18; i++) {
+            double const value = (double)values[i];
+            h = mixed_doubles(h, &value, 1);
+        }
+        golden_hex(g, "links", h);
+    }
+    bvx_closest_free(g->context, closest);
+    bvx_grid_free(g->context, &slice);
+}
+
 static void question_cases(golden *g)
 {
     bvx_mesh_view view;
@@ -222,6 +247,7 @@ static void question_cases(golden *g)
         if (golden_good(g, bvx_extract_faces(g->context, &parity, NULL, &faces)))
             golden_u64(g, "faces", faces.triangle_count);
         golden_labels(g, &surface, &parity);
+        golden_links(g, &view, &conservative);
         if (golden_good(g, bvx_find_seed(g->context, &conservative, &view, 0, &seed)))
             golden_hex(g, "seed", mixed_integers(0, seed.voxel, 3));
         if (golden_good(g, bvx_find_pockets(g->context, &conservative, &view, pocket, 1, &pockets)) &&
