@@ -475,8 +475,9 @@ def test_links_end_where_rays_meet_the_mesh(knot, links):
     hits = asked.cast(rays, t_max=1)
     assert np.array_equal(values.ravel(), np.where(hits["side"] == 0, -1, hits["t"]).astype(np.float32))
     assert (values >= 0).any(axis=1).mean() > 0.999  # the mesh is snapped to the lattice in voxelize
-    with pytest.raises(bitvox.ArgumentError, match="6, 18 or 26 links, not 7"):
-        asked.links(beside, 7)
+    for wrong in (7, -1, 2**30):
+        with pytest.raises(bitvox.ArgumentError, match=f"6, 18 or 26 links, not {wrong}"):
+            asked.links(beside, wrong)
 
 
 def test_smooth_keeps_faces_attributes_and_volume():
