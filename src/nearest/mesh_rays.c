@@ -446,7 +446,7 @@ static bvx_status run_closest_links(bvx_context *context, const bvx_closest *clo
     BVXI_TRY(bvxi_grid_check_past(context, function, grid));
     if (links != 6 && links != 18 && links != 26)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
-                             "%s: a voxel has 6, 18 or 26 links, not %d", function, links);
+                             "%s: a voxel has 6, 18 or 26 links, not %d", function, (int64_t)links);
     uint64_t const rows = bvxi_grid_rows(grid);
     for (int end = 0; end < 2 && rows != 0; end++) {
         link_start(grid, end == 0 ? 0 : rows - 1, end == 0 ? 0 : grid->size[0] - 1, ray);

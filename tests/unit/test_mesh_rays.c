@@ -326,8 +326,8 @@ static void test_links_that_are_none_are_refused(void)
     bvx_grid_set(&grid, 2, 0, 0, 1);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_links(ctx, closest, &grid, 6, values));
     for (int n = 0; n < 6; n++) TEST_ASSERT_TRUE(values[n] == (n == 2 ? 0.75F : -1.0F));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_closest_links(ctx, closest, &grid, 7, values));
-    TEST_ASSERT_EQUAL_STRING("bvx_closest_links: a voxel has 6, 18 or 26 links, not 7",
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_closest_links(ctx, closest, &grid, -7, values));
+    TEST_ASSERT_EQUAL_STRING("bvx_closest_links: a voxel has 6, 18 or 26 links, not -7",
                              bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_closest_links(ctx, closest, &grid, 6, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_closest_links(ctx, NULL, &grid, 6, values));
