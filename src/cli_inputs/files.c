@@ -399,13 +399,16 @@ static void warn_of_losses(cli_run *run, const char *path, uint32_t lost)
     char text[160] = "";
     size_t n = 0;
 
-    /* Most files name some, and only a mesh could have them. */
-    if (!CLI_HOLDS(run, CLI_TO_MESH)) lost &= ~(uint32_t)BVX_LOST_MATERIALS;
+    /* Most files name some, and only a mesh or coloured voxels could have them. */
+    if (!CLI_HOLDS(run, CLI_TO_MESH) && bvx_format_of_name(run->options->output) != BVX_FORMAT_VOX)
+        lost &= ~(uint32_t)BVX_LOST_MATERIALS;
 
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
         if ((lost & known[i].bit) != 0)
             n += (size_t)snprintf(text + n, sizeof text - n, "%s%s", n > 0 ? ", " : "", known[i].text);
-    if (n > 0) cli_warn(run, BVX_WARN_READ, "%s: not read: %s", cli_input_name(path), text);
+    if (n > 0)
+        cli_warn(run, BVX_WARN_READ, "%s: not read: %s%s", cli_input_name(path), text,
+                 (lost & BVX_LOST_MATERIALS) != 0 ? "; exported as .glb a model has them" : "");
 }
 
 uint32_t cli_attributes_of(const bvx_mesh *mesh)

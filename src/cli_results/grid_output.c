@@ -70,6 +70,7 @@ int cli_write_segments(cli_run *run, const bvx_grid *grid, const bvx_mesh *mesh)
     if (labels == NULL) return cli_fail(run, "no memory for the labels of the voxels");
     int result = CLI_STAGE(run, "labels", bvx_label_voxels(run->context, mesh, grid, labels, palette),
                            cli_first_name(run));
+    cli_take_warnings(run, (const char *const[]){NULL, NULL, NULL});
     if (result == CLI_DONE) {
         cli_stage_begin(run, "write");
         result = finish_voxels(run,

@@ -356,6 +356,9 @@ static const char *const warning_texts[BVX_WARN_COUNT] = {
     [BVX_WARN_LIDS] =
         "lids over %d hole%s are about %g %% of the surface, the longest rim is %g, in %b: nothing in the "
         "input says how the body went on there; close such holes first where that matters",
+    [BVX_WARN_LOST] =
+        "textures of %d material%s are not looked up: voxels have base colours alone; colours that "
+        "are baked to vertices count",
     [BVX_WARN_OPEN_PARTS] =
         "parts that end towards another one with no plane between: %d, one at %b; whether they are one the "
         "contours leave open, and a section there, or more cells, decides it",

@@ -214,12 +214,14 @@ static void gltf_lay_out(const bvxi_gltf *f, bvx_assets *assets, bvxi_asset_imag
     /* What each material is coloured, without its texture: white where nothing is said. */
     const uint8_t *const to = (const uint8_t *)gltf_put_place(out);
 
+    assets->textured = 0;
     for (uint32_t i = 0; i < f->list_count[BVXI_GLTF_MATERIAL]; i++) {
         uint32_t const look = bvxi_json_member(&f->json, f->list[BVXI_GLTF_MATERIAL][i],
                                                "pbrMetallicRoughness");
         uint32_t const base = bvxi_json_member(&f->json, look, "baseColorFactor");
         uint8_t colour[4] = {255, 255, 255, 255};
 
+        assets->textured += bvxi_json_member(&f->json, look, "baseColorTexture") != BVXI_JSON_NONE;
         for (uint32_t k = 0, at = base + 1; k < 4 && k < bvxi_json_count(&f->json, base); k++) {
             double const light = bvxi_json_number(&f->json, at);
             colour[k] = k < 3 ? glb_colour_byte(light) : bvxi_colour_byte(light);

@@ -258,7 +258,11 @@ refuses 1 'take NPY, NRRD, VTI or, of distances, VDB or NVDB' voxelize "$knot" -
 # ---- OBJ: materials are not read, which is told where a mesh is written ----
 
 printf 'usemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >red.obj
-warns 'red.obj: not read: materials [BVX_WARN_READ]' convert red.obj -o red.glb
+warns 'red.obj: not read: materials; exported as .glb a model has them [BVX_WARN_READ]' convert red.obj -o red.glb
+printf 'usemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\nf 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n' >box.obj
+warns 'box.obj: not read: materials; exported as .glb a model has them [BVX_WARN_READ]' voxelize box.obj -o box.vox --resolution 4
+silent=$("$program" voxelize box.obj -o box.bvx --resolution 4 2>&1 >out)
+holds 'voxels without colours have none of it' test -z "$silent"
 silent=$("$program" info red.obj 2>&1 >out)
 holds 'info has none of it' test -z "$silent"
 

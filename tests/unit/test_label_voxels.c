@@ -72,6 +72,15 @@ static void test_label_voxels_by_the_nearest_material(void)
     TEST_ASSERT_EQUAL_MEMORY("\0\0\0\0", palette, 4);
     TEST_ASSERT_EQUAL_MEMORY(base, palette + 4, 8);
 
+    /* What textures show is lost, and said. */
+    TEST_ASSERT_NULL(bvx_next_warning(ctx));
+    assets.textured = 1;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_label_voxels(ctx, &cubes, &solid, labels, palette));
+    const bvx_warning *const lost = bvx_next_warning(ctx);
+    TEST_ASSERT_NOT_NULL(lost);
+    TEST_ASSERT_EQUAL_INT32(BVX_WARN_LOST, lost->code);
+    TEST_ASSERT_EQUAL_INT32(0, strncmp(lost->text, "textures of 1 material are not looked up", 40));
+
     /* A material that is not among them is one more, white. */
     for (int t = 12; t < 24; t++) material[t] = 7;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_label_voxels(ctx, &cubes, &solid, labels, palette));

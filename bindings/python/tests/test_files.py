@@ -179,6 +179,9 @@ def test_labels_keep_materials_and_colors(tmp_path):
     grid = bitvox.Grid.from_numpy(np.arange(24).reshape(2, 3, 4) % 3 > 0, spacing=0.5)
     labels, palette = bitvox.label_voxels(path, grid)
     assert np.array_equal(labels, grid.to_numpy().astype(np.uint8)) and palette[1].tolist() == [255, 0, 0, 255]
+    path.write_text(path.read_text().replace('"baseColorFactor"', '"baseColorTexture": {"index": 0}, "baseColorFactor"'))
+    with pytest.warns(bitvox.ResultWarning, match="textures of 1 material are not looked up"):
+        assert np.array_equal(bitvox.label_voxels(path, grid)[0], labels)
     ramp = bitvox.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], colors=[[0, 0, 0], [255, 0, 0], [0, 255, 0]])
     labels, palette = bitvox.label_voxels(ramp, bitvox.Grid.from_numpy(np.ones((30, 30, 1)), spacing=1 / 30))
     assert labels.min() == 1 and labels.max() > 60 and abs(palette[labels[14, 3, 0]].astype(int) - [123, 30, 0, 255]).max() < 40
