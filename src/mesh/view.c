@@ -1,12 +1,14 @@
 /* view.c - is a caller's mesh well formed, and where does it lie.
  *
- * Bounds are those of the vertices that triangles use. Gathering three vertices a triangle is slow, so packed
- * floats with packed 32-bit indices go another way: bounds of all vertices, in the order of memory, and with
+ * Bounds are those of the vertices that triangles use. Gathering three vertices a triangle is slow, so meshes
+ * with packed 32-bit indices go another way: bounds of all vertices, in the order of memory, and with
  * them the number of one vertex that touches each of the six sides. When the indices mention all six, these
  * are the bounds of the used vertices too. When one is missing (unused vertices stick out) the plain loop,
  * which is the specification, decides. */
 #include "core/hash.h"
 #include "mesh/view.h"
+
+#include <math.h>
 
 bvx_status bvxi_view_fail_index(bvx_context *ctx, const char *function, const bvx_mesh_view *view, uint64_t t)
 {
@@ -168,12 +170,30 @@ static int bounds_of_some(const unsigned char *at, size_t n, float side[2][3])
     return !bad;
 }
 
+/* The same of all vertices, of any type. */
+static int bounds_of_doubles(const bvx_mesh_view *v, double low[3], double high[3], uint32_t at[6])
+{
+    double p[3];
+
+    for (int a = 0; a < 3; a++) low[a] = HUGE_VAL, high[a] = -HUGE_VAL;
+    for (uint64_t i = 0; i < v->vertex_count; i++) {
+        bvxi_view_position(v, i, p);
+        for (int a = 0; a < 3; a++) {
+            if (p[a] != p[a]) return 0;
+            if (p[a] < low[a]) low[a] = p[a] + 0.0, at[2 * a] = (uint32_t)i;
+            if (p[a] > high[a]) high[a] = p[a] + 0.0, at[2 * a + 1] = (uint32_t)i;
+        }
+    }
+    return bvxi_view_finite(low) && bvxi_view_finite(high);
+}
+
 int bvxi_view_outer_bounds(const bvx_mesh_view *v, double low[3], double high[3], uint32_t at[6])
 {
     const unsigned char *const p = v->positions;
     float side[2][3], f;
 
-    if (!bvxi_view_packed_f32(v) || v->vertex_count == 0) return 0;
+    if (v->vertex_count == 0) return 0;
+    if (!bvxi_view_packed_f32(v)) return bounds_of_doubles(v, low, high, at);
     memcpy(side[0], p, sizeof side[0]);
     memcpy(side[1], p, sizeof side[1]);
     memset(at, 0, 6 * sizeof *at);
