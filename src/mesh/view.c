@@ -129,7 +129,7 @@ static bvx_status check_every_position(bvx_context *ctx, const char *function, c
     return BVX_OK;
 }
 
-/* ---- packed floats with packed 32-bit indices ---- */
+/* ---- all vertices in the order of memory, and packed 32-bit indices ---- */
 
 enum {
     VIEW_INDEX_BLOCK = 3072, /* numbers looked through while they are in the nearest cache */
