@@ -156,8 +156,9 @@ void bvxi_closest_shut(bvx_context *ctx, bvx_closest *closest);
 void bvxi_closest_ask(const bvx_closest *closest, const double point[3], uint32_t *hint,
                       bvx_closest_point *found);
 
-/* How far a point is from the triangle of a hint that an answer left: a bound above the nearest's distance. */
-double bvxi_closest_bound(const bvx_closest *closest, const double point[3], uint32_t hint);
+/* How far three points, and with them all between, are from the triangle of a hint that an answer left: a bound above
+ * their distances from the mesh. */
+double bvxi_closest_bound(const bvx_closest *closest, const double *const point[3], uint32_t hint);
 
 /* carry.c: refuse the fields of a mesh that no view of it shows. */
 bvx_status bvxi_check_carried_mesh(bvx_context *ctx, const char *function, const bvx_mesh *mesh);

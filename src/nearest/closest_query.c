@@ -128,13 +128,19 @@ void bvxi_closest_ask(const bvx_closest *closest, const double point[3], uint32_
     *hint = nearest.place;
 }
 
-double bvxi_closest_bound(const bvx_closest *closest, const double point[3], uint32_t hint)
+double bvxi_closest_bound(const bvx_closest *closest, const double *const point[3], uint32_t hint)
 {
-    double const s = query_scale(&closest->tree, point), p[3] = {point[0] * s, point[1] * s, point[2] * s};
-    double t[3][3], q[3];
+    double t[3][3], q[3], bound = 0.0;
 
     bvxi_closest_corners(&closest->tree, hint, t);
-    return sqrt(bvxi_closest_on_triangle(p, (const double(*)[3])t, q)) / s;
+    /* The distance from what is convex is largest at a corner. */
+    for (int k = 0; k < 3; k++) {
+        double const s = query_scale(&closest->tree, point[k]);
+        double const p[3] = {point[k][0] * s, point[k][1] * s, point[k][2] * s};
+        double const d = sqrt(bvxi_closest_on_triangle(p, (const double(*)[3])t, q)) / s;
+        bound = d > bound ? d : bound;
+    }
+    return bound;
 }
 
 /* ---- Made ready and released ---- */

@@ -234,7 +234,7 @@ int bvxi_collapse_fan_leaves(const bvxi_collapse *c, const uint32_t *link, int32
 /* Mark those with a fresh vertex that do [Size: triangles]; at: of progress. */
 bvx_status bvxi_collapse_mark_leaving(const bvxi_collapse *c, double at, uint8_t **leaves);
 /* Pieces that the level does not go around once. */
-bvx_status bvxi_collapse_escaped(const bvxi_collapse *c, uint64_t *escaped);
+bvx_status bvxi_collapse_escaped(bvxi_collapse *c, uint64_t *escaped);
 
 /* judge.c: undo collapses until no two triangles cross but beside those of the mesh that do; *undone counts
  * them. From then on collapses are looked at one by one, until the end is called. */

@@ -84,39 +84,34 @@ bvx_status bvxi_enclosed_open(bvx_context *ctx, const char *function, const bvx_
 
 /* ---- Triangles of the level ---- */
 
-/* 1: no point of the triangle is too far from one of the mesh: of its distances those of its corners are the largest,
- * as the other one is convex. */
-static int is_near_one(const bvxi_enclosed *e, const double *const p[3], uint32_t place)
-{
-    for (int k = 0; k < 3; k++)
-        if (bvxi_closest_bound(&e->closest, p[k], place) > e->farthest) return 0;
-    return 1;
-}
-
-static int is_far(const bvxi_enclosed *e, const double *const p[3], uint32_t *hint)
+/* asked: what is closest to its middle has been looked for, and is the hint's or near to it. */
+static int is_far(const bvxi_enclosed *e, const double *const p[3], int asked, uint32_t *hint)
 {
     double middle[3], reach = 0, half[3][3];
+    const double *const inner[3] = {half[0], half[1], half[2]};
     bvx_closest_point found;
 
     /* Most are near to what the one before was near to, and need no search. */
-    if (is_near_one(e, p, *hint)) return 0;
+    if (bvxi_closest_bound(&e->closest, p, *hint) <= e->farthest) return 0;
     for (int a = 0; a < 3; a++) middle[a] = (p[0][a] + p[1][a] + p[2][a]) / 3;
-    bvxi_closest_ask(&e->closest, middle, hint, &found);
-    if (is_near_one(e, p, *hint)) return 0;
+    if (!asked) {
+        bvxi_closest_ask(&e->closest, middle, hint, &found);
+        if (bvxi_closest_bound(&e->closest, p, *hint) <= e->farthest) return 0;
+        if (found.distance > e->farthest) return 1;
+    }
     for (int k = 0; k < 3; k++) {
         double const way = bvxi_vec_distance2(p[k], middle);
 
         reach = way > reach ? way : reach;
         for (int a = 0; a < 3; a++) half[k][a] = 0.5 * (p[k][a] + p[(k + 1) % 3][a]);
     }
-    if (found.distance > e->farthest || sqrt(reach) < ENCLOSED_FINEST * e->farthest) return 1;
+    if (sqrt(reach) < ENCLOSED_FINEST * e->farthest || is_far(e, inner, 1, hint)) return 1;
     for (int k = 0; k < 3; k++) {
         const double *const corner[3] = {p[k], half[k], half[(k + 2) % 3]};
 
-        if (is_far(e, corner, hint)) return 1;
+        if (is_far(e, corner, 0, hint)) return 1;
     }
-    const double *const inner[3] = {half[0], half[1], half[2]};
-    return is_far(e, inner, hint);
+    return 0;
 }
 
 static int meets(const bvxi_enclosed *e, const double *const p[3])
@@ -130,7 +125,7 @@ int bvxi_collapse_leaves(const bvxi_collapse *c, uint32_t t, uint32_t *hint)
     const uint32_t *const v = c->mesh.triangle[t].vertex;
     const double *const p[3] = {c->mesh.at[v[0]].p, c->mesh.at[v[1]].p, c->mesh.at[v[2]].p};
 
-    return e != NULL && (meets(e, p) || is_far(e, p, hint));
+    return e != NULL && (meets(e, p) || is_far(e, p, 0, hint));
 }
 
 /* Corners of the triangle from p to an edge of a link; 0: there is none. */
@@ -156,7 +151,7 @@ int bvxi_collapse_fan_leaves(const bvxi_collapse *c, const uint32_t *link, int32
     for (int32_t i = 0; i < count; i++)
         if (corners_at(c, p, link + i, corner) && meets(e, corner)) return 1;
     for (int32_t i = 0; i < count; i++)
-        if (corners_at(c, p, link + i, corner) && is_far(e, corner, &hint)) return 1;
+        if (corners_at(c, p, link + i, corner) && is_far(e, corner, 0, &hint)) return 1;
     return 0;
 }
 
@@ -191,39 +186,22 @@ bvx_status bvxi_collapse_mark_leaving(const bvxi_collapse *c, double at, uint8_t
 
 /* ---- Pieces of the mesh ---- */
 
-/* The level's triangles as a mesh. */
-static bvx_status view_of_level(const bvxi_collapse *c, bvx_mesh_view *view)
-{
-    uint32_t *indices;
-    uint64_t n = 0;
-
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.left * 12, "the level's triangles", &indices));
-    for (uint64_t t = 0; t < c->mesh.triangles; t++)
-        if (!bvxi_triangle_gone(&c->mesh.triangle[t]))
-            memcpy(indices + 3 * n++, c->mesh.triangle[t].vertex, 12);
-    *view = (bvx_mesh_view){.positions = c->mesh.at[0].p,
-                            .position_type = BVX_F64,
-                            .position_stride = sizeof *c->mesh.at,
-                            .vertex_count = c->mesh.vertices,
-                            .indices = indices,
-                            .index_type = BVX_U32,
-                            .triangle_count = n};
-    return BVX_OK;
-}
-
-bvx_status bvxi_collapse_escaped(const bvxi_collapse *c, uint64_t *escaped)
+bvx_status bvxi_collapse_escaped(bvxi_collapse *c, uint64_t *escaped)
 {
     const bvxi_enclosed *const e = c->options.enclosed;
+    bvx_mesh level = {0};
     bvx_mesh_view view;
-    bvx_closest *level = NULL;
+    bvx_closest *closest = NULL;
     int64_t *turns;
 
     *escaped = 0;
-    BVXI_TRY(view_of_level(c, &view));
     BVXI_TRY(BVXI_ARRAY(c->ctx, e->pieces, "how often the level goes around pieces", turns));
-    BVXI_TRY(bvx_closest_create(c->ctx, &view, &level));
-    bvx_status const status = bvx_closest_winding(c->ctx, level, e->point, e->pieces, turns);
-    bvx_closest_free(c->ctx, level);
+    bvx_status status = bvxi_collapse_give_plain(c, &level);
+    bvx_mesh_view_of(&level, &view);
+    if (status == BVX_OK) status = bvx_closest_create(c->ctx, &view, &closest);
+    if (status == BVX_OK) status = bvx_closest_winding(c->ctx, closest, e->point, e->pieces, turns);
     for (uint64_t i = 0; i < e->pieces && status == BVX_OK; i++) *escaped += turns[i] != 1;
+    bvx_closest_free(c->ctx, closest);
+    bvx_mesh_free(c->ctx, &level);
     return status;
 }

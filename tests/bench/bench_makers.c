@@ -4,14 +4,20 @@
  *
  * Double walls are made as generators make them: both surfaces one voxel from a mesh, by its unsigned distances; the
  * outer one, by signed distances, is the truth. Hulls take all threads and the time of day, since people wait for
- * them; the rest one thread and processor time. One run each. */
+ * them; the rest one thread and processor time. One run each, of levels that enclose the least of three. */
 #include "bench_models.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { DOUBLE_RESOLUTION = 512, DOUBLE_MARGIN = 4, SAMPLES = 200000, SPOILT_PARTS = 5 };
+enum {
+    DOUBLE_RESOLUTION = 512,
+    DOUBLE_MARGIN = 4,
+    SAMPLES = 200000,
+    SPOILT_PARTS = 5,
+    ENCLOSURES = 3 /* runs */
+};
 
 static double diagonal(bvx_context *ctx, const bvx_mesh_view *mesh)
 {
@@ -83,28 +89,43 @@ static void one_hull(bvx_context *all, const bench_model *m)
     bvx_mesh_free(all, &outer);
 }
 
-static void one_enclosure(bvx_context *ctx, const bench_model *m)
+/* At most percent of the diagonal away. */
+static void one_enclosure(bvx_context *ctx, const bench_model *m, double percent, uint64_t triangles)
 {
-    uint64_t const wanted[1] = {1000};
+    uint64_t const wanted[1] = {triangles};
     double const size = diagonal(ctx, &m->view);
     bvx_mesh level = {0};
-    bvx_hull_options o = {.struct_size = sizeof o, .targets = {.triangles = wanted}, .enclose = 0.01 * size};
+    bvx_hull_options o = {
+        .struct_size = sizeof o, .targets = {.triangles = wanted}, .enclose = 0.01 * percent * size};
     bvx_mesh_view view;
     bvx_distance_report d;
     bvx_certificate c;
     bvx_measure_report inside;
 
-    double const start = bench_clock(1);
-    bench_try(ctx, bvx_hull(ctx, &m->view, &o, 1, &level), m->name);
-    double const ms = bench_clock(1) - start;
+    double ms = HUGE_VAL;
+
+    for (int i = 0; i < ENCLOSURES; i++) {
+        double const start = bench_clock(1);
+
+        bvx_mesh_free(ctx, &level);
+        bench_try(ctx, bvx_hull(ctx, &m->view, &o, 1, &level), m->name);
+        if (bench_clock(1) - start < ms) ms = bench_clock(1) - start;
+    }
     bvx_mesh_view_of(&level, &view);
     bench_try(ctx, bvx_mesh_distance(ctx, &view, &m->view, SAMPLES, 1, &d), "distance");
     bench_try(ctx, bvx_mesh_check(ctx, &view, 0, &c), "check");
     bench_try(ctx, bvx_measure(ctx, &m->view, NULL, &inside), "mass");
-    printf("| %s | %llu | %llu | %.0f | %.2f | %.2f |\n", m->name, (unsigned long long)m->view.triangle_count,
-           (unsigned long long)level.triangle_count, ms, 100 * d.max_a_to_b / size,
-           100 * (c.volume / inside.volume - 1));
+    printf("| %s | %llu | %g | %llu | %.0f | %.2f | %.2f |\n", m->name,
+           (unsigned long long)m->view.triangle_count, percent, (unsigned long long)level.triangle_count, ms,
+           100 * d.max_a_to_b / size, 100 * (c.volume / inside.volume - 1));
     bvx_mesh_free(ctx, &level);
+}
+
+static void all_enclosures(bvx_context *ctx, const bench_model *m)
+{
+    one_enclosure(ctx, m, 1, 1000);
+    one_enclosure(ctx, m, 4, 5000);
+    one_enclosure(ctx, m, 8, 1000);
 }
 
 /* The mesh with each fifth triangle turned, or without it. */
@@ -176,8 +197,7 @@ static void all_masses(bvx_context *ctx, const bench_model *m)
 int main(int argc, char **argv)
 {
     static const char *const large[] = {"dragon_vrip_871414.ply.gz"};
-    static const char *const small[] = {"rocker-arm.obj.gz", "fandisk.obj.gz", "cow.obj.gz",
-                                        "chair_model.obj.gz"};
+    static const char *const small[] = {"rocker-arm.obj.gz", "fandisk.obj.gz", "cow.obj.gz"};
     static const char *const closed[] = {"rocker-arm.obj.gz", "fandisk.obj.gz", "nefertiti_100k.obj.gz"};
     static const char *const checked[] = {"rocker-arm.obj.gz", "dragon_100k.obj.gz"};
     bvx_context *const one = bench_context(1, BVX_CPU_BEST, NULL), *const all = bench_context(0, BVX_CPU_BEST,
@@ -189,10 +209,10 @@ int main(int argc, char **argv)
         "| model | triangles in | out | time of day [ms] | hull to outer wall | wall to hull | closed, manifold |\n"
         "|---|--:|--:|--:|--:|--:|---|\n");
     for_each(all, argv[1], large, 1, one_hull);
-    printf("\nLevels that enclose, to 1 %% of the diagonal.\n\n"
-           "| model | triangles in | out | ms | farthest [%% of the diagonal] | added volume [%%] |\n"
-           "|---|--:|--:|--:|--:|--:|\n");
-    for_each(one, argv[1], small, 3, one_enclosure);
+    printf("\nLevels that enclose: at most so far from the mesh, and the farthest, in %% of the diagonal.\n\n"
+           "| model | triangles in | at most | out | ms | farthest | added volume [%%] |\n"
+           "|---|--:|--:|--:|--:|--:|--:|\n");
+    for_each(one, argv[1], small, 3, all_enclosures);
     printf("\nVolume of what is spoilt, one triangle in five, in %% of that of the mesh as it is.\n\n"
            "| model | | ms | error | bound |\n|---|---|--:|--:|--:|\n");
     for_each(one, argv[1], closed, 3, all_masses);

@@ -232,6 +232,7 @@ tables = (
     ("volumes.md", "Scalar volumes"),
     ("labels.md", "Surfaces of labels"),
     ("makers.md", "Hulls, levels that enclose, mass, what can be made"),
+    ("peers_makers.md", "Levels that enclose by others"),
     ("components.md", "Parts of grids"),
     ("peers_components.md", "Parts of grids by others"),
     ("peers_morph.md", "Morphology by others"),

@@ -15,7 +15,7 @@ cd "$(dirname "$0")/../.." || exit 1
 : "${BENCHES:?}" "${BUILD:=build}" "${MESHES:=../shared/meshes}" "${BENCH_RUNS:=25}" "${BENCH_PEERS:=1}" "${BENCH_PYTHON:=}" "${BENCH_ONLY:=}"
 out=$BUILD/bench
 mesh=$MESHES/dragon_vrip_871414.ply.gz
-packages="numpy vtk pyvista scikit-image meshoptimizer fast-simplification open3d trimesh libigl meshlib mesh2sdf pymeshfix manifold3d scipy edt connected-components-3d zmesh itk-morphologicalcontourinterpolation"
+packages="numpy vtk pyvista scikit-image meshoptimizer fast-simplification open3d trimesh libigl meshlib mesh2sdf pymeshfix manifold3d scipy edt connected-components-3d zmesh itk-morphologicalcontourinterpolation pymeshlab"
 
 load() { cut -d ' ' -f 1 /proc/loadavg 2>/dev/null || echo unknown; }
 
@@ -109,6 +109,7 @@ measure_labels() {
 measure_makers() {
     echo "== hulls, levels that enclose, mass, what can be made"
     "$BENCHES/bench_makers" "$MESHES" >"$out/makers.md" && cat "$out/makers.md"
+    if [ -n "$python" ]; then peer tests/bench/peers_makers.py "$out" "$MESHES"; fi
 }
 
 measure_components() {
