@@ -324,21 +324,10 @@ bvx_status bvxi_view_take_points(bvx_context *ctx, const char *function, const b
 bvx_status bvxi_view_point_bounds(bvx_context *ctx, const char *function, const bvx_mesh_view *view,
                                   double low[3], double high[3])
 {
-    double p[3], lo[3], hi[3];
+    uint32_t at[6];
 
     if (view->vertex_count == 0) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: there are no points", function);
-    BVXI_TRY(check_every_position(ctx, function, view));
-    bvxi_view_position(view, 0, lo);
-    memcpy(hi, lo, sizeof hi);
-    for (uint64_t i = 1; i < view->vertex_count; i++) {
-        bvxi_view_position(view, i, p);
-        bvxi_widen(lo, hi, p, 3);
-    }
-    for (int a = 0; a < 3; a++) {
-        low[a] = lo[a] + 0.0;
-        high[a] = hi[a] + 0.0;
-    }
-    return BVX_OK;
+    return bvxi_view_outer_bounds(view, low, high, at) ? BVX_OK : check_every_position(ctx, function, view);
 }
 
 /* Bytes from an array's first number to behind its last one. */

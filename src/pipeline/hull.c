@@ -303,36 +303,30 @@ static bvx_status simplify_hull(hull_job *job, const bvx_mesh *surface, bvxi_lev
     return BVX_OK;
 }
 
-/* Levels that go around all of the mesh. */
-static bvx_status enclose_steps(hull_job *job, bvxi_level_chain *chain)
+/* Of what can be reached from outside, or around all of the mesh. */
+static bvx_status make_hull_levels(hull_job *job, bvxi_level_chain *chain)
 {
     bvx_context *const ctx = job->repair.ctx;
     const bvx_mesh_view *const mesh = &job->repair.mesh;
     double const farthest = job->options->enclose;
     bvxi_enclosed enclosed = {.farthest = farthest};
     bvx_mesh surface = {0};
-    bvx_status status = BVXI_SHARE(
-        ctx, 0.0, 0.4,
-        BVXI_SCOPE(ctx, bvxi_enclose(ctx, hull_name, mesh, farthest, &job->report.lattice, &surface)));
+    bvx_status status = farthest > 0
+                            ? BVXI_SHARE(ctx, 0.0, 0.4,
+                                         BVXI_SCOPE(ctx, bvxi_enclose(ctx, hull_name, mesh, farthest,
+                                                                      &job->report.lattice, &surface)))
+                            : BVXI_SHARE(ctx, 0.0, 0.7, measure_hull(job, &surface));
 
-    job->report.triangles = surface.triangle_count;
-    job->report.outer_triangles = mesh->triangle_count;
+    if (farthest > 0) {
+        job->report.triangles = surface.triangle_count;
+        job->report.outer_triangles = mesh->triangle_count;
+        chain->collapse.enclosed = &enclosed;
+        if (status == BVX_OK)
+            status = BVXI_SHARE(ctx, 0.4, 0.5, bvxi_enclosed_open(ctx, hull_name, mesh, farthest, &enclosed));
+    }
     if (status == BVX_OK)
-        status = BVXI_SHARE(ctx, 0.4, 0.5, bvxi_enclosed_open(ctx, hull_name, mesh, farthest, &enclosed));
-    chain->collapse.enclosed = &enclosed;
-    if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.5, 1.0, simplify_hull(job, &surface, chain));
+        status = BVXI_SHARE(ctx, farthest > 0 ? 0.5 : 0.7, 1.0, simplify_hull(job, &surface, chain));
     bvxi_closest_shut(ctx, &enclosed.closest);
-    bvx_mesh_free(ctx, &surface);
-    return status;
-}
-
-static bvx_status hull_steps(hull_job *job, bvxi_level_chain *chain)
-{
-    bvx_context *const ctx = job->repair.ctx;
-    bvx_mesh surface = {0};
-    bvx_status status = BVXI_SHARE(ctx, 0.0, 0.7, measure_hull(job, &surface));
-
-    if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.7, 1.0, simplify_hull(job, &surface, chain));
     bvx_mesh_free(ctx, &surface);
     return status;
 }
@@ -392,7 +386,7 @@ static bvx_status run_hull(bvx_context *context, const bvx_mesh_view *mesh, cons
     job.repair.given = mesh;
     job.repair.mesh = *mesh;
     job.repair.fill = BVX_FILL_PARITY; /* lids over openings are cut in the middle */
-    bvx_status status = o.enclose > 0 ? enclose_steps(&job, &chain) : hull_steps(&job, &chain);
+    bvx_status status = make_hull_levels(&job, &chain);
     if (status != BVX_OK) bvxi_levels_drop(context, levels, level_count);
     if (status != BVX_OK || o.report == NULL) return status;
     warn_of_hull(&job, &chain);

@@ -36,9 +36,9 @@ static bvx_status list_pieces(bvx_context *ctx, const bvx_mesh_view *mesh, bvxi_
         uint32_t v[3];
 
         bvxi_view_triangle(mesh, t, v);
+        e->pieces += !used[piece[v[0]]];
         used[piece[v[0]]] = 1;
     }
-    for (uint64_t v = 0; v < mesh->vertex_count; v++) e->pieces += used[v];
     BVXI_TRY(BVXI_ARRAY(ctx, 3 * e->pieces, "a point of each piece", e->point));
     e->pieces = 0;
     for (uint64_t v = 0; v < mesh->vertex_count; v++)
