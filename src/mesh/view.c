@@ -272,20 +272,14 @@ static int bounds_packed(const bvx_mesh_view *v, double low[3], double high[3])
 
 void bvxi_view_used_bounds(const bvx_mesh_view *v, double low[3], double high[3])
 {
-    uint32_t c[3];
-    double p[3];
+    double p[3][3];
 
     if (bounds_packed(v, low, high)) return;
     /* The first corner's vertex starts both bounds; there is a triangle, as the caller has checked. */
-    bvxi_view_triangle(v, 0, c);
-    bvxi_view_position(v, c[0], low);
-    bvxi_view_position(v, c[0], high);
     for (uint64_t t = 0; t < v->triangle_count; t++) {
-        bvxi_view_triangle(v, t, c);
-        for (int k = 0; k < 3; k++) {
-            bvxi_view_position(v, c[k], p);
-            bvxi_widen(low, high, p, 3);
-        }
+        bvxi_view_corners(v, t, p);
+        for (int k = 0; k < 3 && t == 0; k++) low[k] = high[k] = p[0][k];
+        for (int k = 0; k < 3; k++) bvxi_widen(low, high, p[k], 3);
     }
 }
 

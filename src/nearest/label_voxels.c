@@ -171,11 +171,8 @@ static bvx_status run_label_voxels(bvx_context *ctx, const bvx_mesh *mesh, const
     BVXI_TRY(bvxi_grid_check_past(ctx, function, grid));
     uint64_t const materials = mesh->assets != NULL ? mesh->assets->material_count : 0;
     if (mesh->colours == NULL && (mesh->materials == NULL || materials == 0))
-        return bvxi_fail_for(
-            ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
-            "%s: the mesh has neither colours of its vertices nor materials, as .glb and .3mf "
-            "have them",
-            function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
+                             "%s: the mesh has neither colours of its vertices nor materials", function);
     if (mesh->materials != NULL && materials != 0 && mesh->assets->textured != 0)
         BVXI_WARN(ctx, BVX_WARN_LOST, (double)mesh->assets->textured);
     w.by_material = mesh->colours == NULL && materials < LABEL_MOST;
