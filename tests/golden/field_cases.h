@@ -133,6 +133,19 @@ static void hull_values(golden *g, const char *name, const bvx_mesh_view *view, 
     golden_end(g);
 }
 
+/* Around every triangle, at a tenth of the torus's radius. */
+static void enclosed_values(golden *g, const char *name, const bvx_mesh_view *view)
+{
+    uint64_t const target = 600;
+    bvx_hull_options o = {.struct_size = sizeof o, .targets = {.triangles = &target}, .enclose = 0.1};
+    bvx_mesh mesh = {0};
+
+    if (golden_skips(g, name)) return;
+    golden_begin(g, name);
+    mesh_value(g, "level", bvx_hull(g->context, view, &o, 1, &mesh), &mesh);
+    golden_end(g);
+}
+
 static void repair_cases(golden *g)
 {
     bvx_mesh_view view;
@@ -145,6 +158,7 @@ static void repair_cases(golden *g)
     repair_values_of(g, "torus_48_open_shell", &view, 48, BVX_FILL_AUTO, BVX_THIN_SHELL);
     hull_values(g, "torus_48_open_hull", &view, 0);
     hull_values(g, "torus_48_closed_hull", &view, 9);
+    enclosed_values(g, "torus_enclosed", &view);
     shape_ball(&golden_shape, 24);
     for (uint32_t v = 0; v < golden_shape.vertices; v++) golden_shape.v[v][2] *= 0.01;
     shape_view(&golden_shape, &view);

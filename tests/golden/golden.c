@@ -132,6 +132,7 @@ static int golden_skips(golden *g, const char *name)
                                         "soup_65_nonzero",
                                         "soup_65",
                                         "torus_48_closed_hull",
+                                        "torus_enclosed",
                                         "torus_48_open",
                                         "torus_40_shell",
                                         "soup"};
