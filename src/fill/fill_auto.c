@@ -167,16 +167,41 @@ static int has_more_rows(const bvx_lattice *lattice)
     return (int64_t)lattice->dims[1] * lattice->dims[2] > ROWS_TO_LOOK_AT;
 }
 
+/* How many voxels stick out of the lattice's low and high side along an axis; 0 or less: none. */
+static void measure_beyond(const bvx_lattice *l, int a, const double low[3], const double high[3],
+                           double beyond[2])
+{
+    double const first = l->origin[a] / l->spacing[a];
+
+    beyond[0] = first - low[a] / l->spacing[a];
+    beyond[1] = high[a] / l->spacing[a] - first - l->dims[a];
+}
+
+/* Where no vertex lies beyond, none of a triangle does. */
+static int is_around_all(const auto_work *w, const bvx_lattice *l)
+{
+    double low[3], high[3], beyond[2];
+    uint32_t at[6];
+    int within = bvxi_view_outer_bounds(&w->choice.view, low, high, at);
+
+    for (int a = 0; a < 3 && within; a++) {
+        measure_beyond(l, a, low, high, beyond);
+        within = beyond[0] <= 0.0 && beyond[1] <= 0.0;
+    }
+    return within;
+}
+
 /* Voxels of l put around it, so that no triangle lies beyond. Returns 1 where there are some. */
 static int reach_around(const auto_work *w, bvx_lattice *l)
 {
-    double low[3], high[3];
+    double low[3], high[3], out[2];
     int beyond = 0;
 
+    if (is_around_all(w, l)) return 0;
     bvxi_view_used_bounds(&w->choice.view, low, high);
     for (int a = 0; a < 3; a++) {
-        double const first = l->origin[a] / l->spacing[a], before = first - low[a] / l->spacing[a];
-        double const after = high[a] / l->spacing[a] - first - l->dims[a];
+        measure_beyond(l, a, low, high, out);
+        double const before = out[0], after = out[1];
         /* Where that many would not do, nothing is put around; nor at the ends of doubles. */
         if (!(before <= BVXI_MAX_SIDE && after <= BVXI_MAX_SIDE)) continue;
         int32_t const added = before > 0.0 ? (int32_t)before + (before > (double)(int32_t)before) : 0;

@@ -1,12 +1,14 @@
 /* view.c - is a caller's mesh well formed, and where does it lie.
  *
- * Bounds are those of the vertices that triangles use. Gathering three vertices a triangle is slow, so packed
- * floats with packed 32-bit indices go another way: bounds of all vertices, in the order of memory, and with
+ * Bounds are those of the vertices that triangles use. Gathering three vertices a triangle is slow, so meshes
+ * with packed 32-bit indices go another way: bounds of all vertices, in the order of memory, and with
  * them the number of one vertex that touches each of the six sides. When the indices mention all six, these
  * are the bounds of the used vertices too. When one is missing (unused vertices stick out) the plain loop,
  * which is the specification, decides. */
 #include "core/hash.h"
 #include "mesh/view.h"
+
+#include <math.h>
 
 bvx_status bvxi_view_fail_index(bvx_context *ctx, const char *function, const bvx_mesh_view *view, uint64_t t)
 {
@@ -127,34 +129,95 @@ static bvx_status check_every_position(bvx_context *ctx, const char *function, c
     return BVX_OK;
 }
 
-/* ---- packed floats with packed 32-bit indices ---- */
+/* ---- all vertices in the order of memory, and packed 32-bit indices ---- */
 
-enum { VIEW_INDEX_BLOCK = 3072 /* numbers looked through while they are in the nearest cache */ };
+enum {
+    VIEW_INDEX_BLOCK = 3072, /* numbers looked through while they are in the nearest cache */
+    VIEW_VERTEX_BLOCK = 1024,
+    VIEW_LANES = 24
+};
 
-/* Bounds of all vertices, and one vertex at each side. Returns 0 when one is not finite. */
-static int bounds_of_all(const bvx_mesh_view *v, double low[3], double high[3], uint32_t at[6])
+/* Each number in a lane of its own, so that compilers make vectors of them. Returns 1 when one is not a number. */
+BVXI_VECTOR_INLINE int32_t widen_lanes(const unsigned char *at, int lanes, float low[VIEW_LANES],
+                                       float high[VIEW_LANES])
+{
+    int32_t bad = 0;
+
+    for (int j = 0; j < lanes; j++) {
+        float f;
+        memcpy(&f, at + 4 * j, sizeof f);
+        bad |= f != f;
+        low[j] = f < low[j] ? f : low[j];
+        high[j] = f > high[j] ? f : high[j];
+    }
+    return bad;
+}
+
+/* Bounds of n vertices and of what side holds, the low and the high one. Returns 0 when one is not a number. */
+static int bounds_of_some(const unsigned char *at, size_t n, float side[2][3])
+{
+    float low[VIEW_LANES], high[VIEW_LANES];
+    size_t i = 0;
+    int32_t bad = 0;
+
+    for (int j = 0; j < VIEW_LANES; j++) low[j] = side[0][j % 3], high[j] = side[1][j % 3];
+    for (; i + VIEW_LANES <= 3 * n; i += VIEW_LANES) bad |= widen_lanes(at + 4 * i, VIEW_LANES, low, high);
+    bad |= widen_lanes(at + 4 * i, (int)(3 * n - i), low, high);
+    for (int j = 0; j < VIEW_LANES; j++) {
+        side[0][j % 3] = low[j] < side[0][j % 3] ? low[j] : side[0][j % 3];
+        side[1][j % 3] = high[j] > side[1][j % 3] ? high[j] : side[1][j % 3];
+    }
+    return !bad;
+}
+
+/* The same of all vertices, of any type. */
+static int bounds_of_doubles(const bvx_mesh_view *v, double low[3], double high[3], uint32_t at[6])
+{
+    double p[3];
+
+    for (int a = 0; a < 3; a++) low[a] = HUGE_VAL, high[a] = -HUGE_VAL;
+    for (uint64_t i = 0; i < v->vertex_count; i++) {
+        bvxi_view_position(v, i, p);
+        for (int a = 0; a < 3; a++) {
+            if (p[a] != p[a]) return 0;
+            if (p[a] < low[a]) low[a] = p[a] + 0.0, at[2 * a] = (uint32_t)i;
+            if (p[a] > high[a]) high[a] = p[a] + 0.0, at[2 * a + 1] = (uint32_t)i;
+        }
+    }
+    return bvxi_view_finite(low) && bvxi_view_finite(high);
+}
+
+int bvxi_view_outer_bounds(const bvx_mesh_view *v, double low[3], double high[3], uint32_t at[6])
 {
     const unsigned char *const p = v->positions;
-    float least[3], most[3], f;
+    float side[2][3], f;
 
-    memcpy(least, p, sizeof least);
-    memcpy(most, p, sizeof most);
+    if (v->vertex_count == 0) return 0;
+    if (!bvxi_view_packed_f32(v)) return bounds_of_doubles(v, low, high, at);
+    memcpy(side[0], p, sizeof side[0]);
+    memcpy(side[1], p, sizeof side[1]);
     memset(at, 0, 6 * sizeof *at);
-    for (uint64_t i = 0; i < v->vertex_count; i++)
-        for (int a = 0; a < 3; a++) {
-            memcpy(&f, p + 12 * (size_t)i + 4 * a, sizeof f);
-            if (!(f >= least[a])) {
-                if (f != f) return 0;
-                least[a] = f;
-                at[2 * a] = (uint32_t)i;
-            } else if (f > most[a]) {
-                most[a] = f;
-                at[2 * a + 1] = (uint32_t)i;
-            }
+    for (uint64_t i = 0; i < v->vertex_count; i += VIEW_VERTEX_BLOCK) {
+        uint64_t const left = v->vertex_count - i;
+        float now[2][3];
+
+        memcpy(now, side, sizeof now);
+        if (!bounds_of_some(p + 12 * (size_t)i, left < VIEW_VERTEX_BLOCK ? (size_t)left : VIEW_VERTEX_BLOCK,
+                            now))
+            return 0;
+        for (int k = 0; k < 6; k++)
+            if (now[k & 1][k / 2] != side[k & 1][k / 2]) at[k] = (uint32_t)i;
+        memcpy(side, now, sizeof side);
+    }
+    /* From the block that has it to the vertex. */
+    for (int k = 0; k < 6; k++)
+        for (;; at[k]++) {
+            memcpy(&f, p + 12 * (size_t)at[k] + 4 * (size_t)(k / 2), sizeof f);
+            if (f == side[k & 1][k / 2]) break;
         }
     for (int a = 0; a < 3; a++) {
-        low[a] = (double)least[a];
-        high[a] = (double)most[a];
+        low[a] = (double)side[0][a] + 0.0;
+        high[a] = (double)side[1][a] + 0.0;
     }
     return bvxi_view_finite(low) && bvxi_view_finite(high);
 }
@@ -203,8 +266,8 @@ static int bounds_packed(const bvx_mesh_view *v, double low[3], double high[3])
     uint32_t want[6];
     int within;
 
-    return bvxi_view_packed_f32(v) && bvxi_view_packed_u32(v) && v->vertex_count != 0 &&
-           bounds_of_all(v, low, high, want) && triangles_mention(v, want, &within) && within;
+    return bvxi_view_packed_u32(v) && bvxi_view_outer_bounds(v, low, high, want) &&
+           triangles_mention(v, want, &within) && within;
 }
 
 void bvxi_view_used_bounds(const bvx_mesh_view *v, double low[3], double high[3])

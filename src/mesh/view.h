@@ -27,6 +27,9 @@ uint64_t bvxi_corners_hash(const double corner[3][3], double scale);
 double bvxi_view_area(const bvx_mesh_view *view);
 /* Bounds of the vertices that triangles use, of a view with triangles. Trusts the indices. */
 void bvxi_view_used_bounds(const bvx_mesh_view *view, double low[3], double high[3]);
+/* Bounds of all vertices, used or not, and the first one at each side (low x, high x, low y ...). Returns 0 when there
+ * is none, or one is not finite. */
+int bvxi_view_outer_bounds(const bvx_mesh_view *view, double low[3], double high[3], uint32_t at[6]);
 
 /* Refuse a result whose positions or triangles lie in the arrays of a
  * checked view: the view is read after the result is begun. */

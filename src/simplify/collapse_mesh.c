@@ -18,7 +18,9 @@ enum {
     COLLAPSE_AHEAD = 16,      /* vertices or triangles */
     COLLAPSE_IDLE = 8,        /* sweeps without a collapse until all edges are looked at anew */
     COLLAPSE_JUDGED = 4,      /* crossings are looked for after so many triangles have become one, */
-    COLLAPSE_MANY = 1 << 16,  /* and in closed meshes of so many, where few cross, after twice as many */
+    COLLAPSE_MANY = 1 << 16,  /* and in closed meshes of so many, where few cross, after twice as many, as in
+                                 levels that enclose, whose tests cost more */
+    COLLAPSE_SETTLED = 2,     /* times, of levels that enclose */
 };
 
 /* Mean edges that a vertex may lie from the planes that it stands for: up to 0.1 in levels that look like their
@@ -140,13 +142,28 @@ static bvx_status keep_enclosed(bvxi_collapse *c, uint32_t order, double at)
 }
 
 /* All vertices that settled go back where one of the steps let a piece out. */
-static bvx_status keep_settled(bvxi_collapse *c)
+static bvx_status keep_settled(bvxi_collapse *c, uint64_t *escaped)
 {
-    uint64_t escaped;
-
-    BVXI_TRY(BVXI_SCOPE(c->ctx, bvxi_collapse_escaped(c, &escaped)));
-    for (uint32_t v = 0; v < c->mesh.vertices && escaped != 0; v++)
+    BVXI_TRY(BVXI_SCOPE(c->ctx, bvxi_collapse_escaped(c, escaped)));
+    for (uint32_t v = 0; v < c->mesh.vertices && *escaped != 0; v++)
         if (!bvxi_collapse_is_gone(c, v)) bvxi_collapse_move_quadric(c, v, c->undo[v].p);
+    return BVX_OK;
+}
+
+/* No edge comes apart after this: what crosses goes back, and has another try where the rest has moved. */
+static bvx_status settle(bvxi_collapse *c, double at)
+{
+    uint64_t undone, escaped = 0;
+
+    c->judged = !bvxi_any_marked(c->fresh, c->mesh.vertices);
+    for (int left = c->options.enclosed != NULL ? COLLAPSE_SETTLED : 1; left > 0 && escaped == 0; left--) {
+        memset(c->fresh, 0, (size_t)c->mesh.vertices);
+        BVXI_TRY(bvxi_collapse_pack(c));
+        BVXI_TRY(bvxi_collapse_settle(c));
+        if (bvxi_any_marked(c->settled, c->mesh.vertices)) BVXI_TRY(bvxi_collapse_judge(c, at, at, &undone));
+        bvxi_collapse_end_careful(c);
+        if (c->options.enclosed != NULL) BVXI_TRY(keep_settled(c, &escaped));
+    }
     return BVX_OK;
 }
 
@@ -168,22 +185,13 @@ static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, d
     bvxi_collapse_end_careful(c);
 
     if (c->options.enclosed != NULL) BVXI_TRY(keep_enclosed(c, order, to));
-    if (!last) return BVX_OK;
-
-    /* No edge comes apart after this: what crosses goes back. */
-    c->judged = !bvxi_any_marked(c->fresh, c->mesh.vertices);
-    memset(c->fresh, 0, (size_t)c->mesh.vertices);
-    BVXI_TRY(bvxi_collapse_pack(c));
-    BVXI_TRY(bvxi_collapse_settle(c));
-    if (bvxi_any_marked(c->settled, c->mesh.vertices)) BVXI_TRY(bvxi_collapse_judge(c, to, to, &undone));
-    bvxi_collapse_end_careful(c);
-    return c->options.enclosed != NULL ? keep_settled(c) : BVX_OK;
+    return last ? settle(c, to) : BVX_OK;
 }
 
 /* Where crossings are looked for next on the way to the last level. */
 static uint64_t judged_next(const bvxi_collapse *c, uint64_t triangles, uint64_t last)
 {
-    int const seldom = triangles >= COLLAPSE_MANY && c->mesh.ghosts == 0;
+    int const seldom = c->options.enclosed != NULL || (triangles >= COLLAPSE_MANY && c->mesh.ghosts == 0);
     uint64_t const next = triangles / (seldom ? 2 * COLLAPSE_JUDGED : COLLAPSE_JUDGED);
 
     return next > (seldom ? 2 * last : last) ? next : last;

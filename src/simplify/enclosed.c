@@ -2,8 +2,8 @@
  * the mesh gets out.
  *
  * What meets the mesh is found by exact signs, touching included. How far a triangle lies is bounded from above:
- * no point of it is further from the mesh than its middle's distance and the way from there to a corner; where that says
- * too little, its quarters are asked. As nothing meets, a piece is inside with all of it or with nothing. */
+ * no point of it is further from a triangle of the mesh than one of its corners is; where none is near to all three,
+ * its quarters are asked. As nothing meets, a piece is inside with all of it or with nothing. */
 #include "nearest/closest.h"
 #include "core/vec3.h"
 #include "mesh/mesh.h"
@@ -84,23 +84,32 @@ bvx_status bvxi_enclosed_open(bvx_context *ctx, const char *function, const bvx_
 
 /* ---- Triangles of the level ---- */
 
+/* 1: no point of the triangle is too far from one of the mesh: of its distances those of its corners are the largest,
+ * as the other one is convex. */
+static int is_near_one(const bvxi_enclosed *e, const double *const p[3], uint32_t place)
+{
+    for (int k = 0; k < 3; k++)
+        if (bvxi_closest_bound(&e->closest, p[k], place) > e->farthest) return 0;
+    return 1;
+}
+
 static int is_far(const bvxi_enclosed *e, const double *const p[3], uint32_t *hint)
 {
     double middle[3], reach = 0, half[3][3];
     bvx_closest_point found;
 
+    /* Most are near to what the one before was near to, and need no search. */
+    if (is_near_one(e, p, *hint)) return 0;
     for (int a = 0; a < 3; a++) middle[a] = (p[0][a] + p[1][a] + p[2][a]) / 3;
+    bvxi_closest_ask(&e->closest, middle, hint, &found);
+    if (is_near_one(e, p, *hint)) return 0;
     for (int k = 0; k < 3; k++) {
-        double const way = sqrt(bvxi_vec_distance2(p[k], middle));
+        double const way = bvxi_vec_distance2(p[k], middle);
 
         reach = way > reach ? way : reach;
         for (int a = 0; a < 3; a++) half[k][a] = 0.5 * (p[k][a] + p[(k + 1) % 3][a]);
     }
-    /* Most are near to what the one before was near to, and need no search. */
-    if (bvxi_closest_bound(&e->closest, middle, *hint) + reach <= e->farthest) return 0;
-    bvxi_closest_ask(&e->closest, middle, hint, &found);
-    if (found.distance + reach <= e->farthest) return 0;
-    if (found.distance > e->farthest || reach < ENCLOSED_FINEST * e->farthest) return 1;
+    if (found.distance > e->farthest || sqrt(reach) < ENCLOSED_FINEST * e->farthest) return 1;
     for (int k = 0; k < 3; k++) {
         const double *const corner[3] = {p[k], half[k], half[(k + 2) % 3]};
 

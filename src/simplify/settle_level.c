@@ -13,6 +13,8 @@
 
 /* Of the way to what is enclosed. */
 #define SETTLE_INWARD 0.8
+/* Cosine's square: all that is round goes to one edge there, and may turn to that. */
+#define SETTLE_UPRIGHT 0.01
 /* Of a vertex's sum of squares along all axes: how it is held where no distance asks for a step. */
 #define SETTLE_HELD 0.03
 
@@ -196,7 +198,7 @@ static int is_turned(const bvxi_collapse *c, const uint32_t *v)
     bvxi_area_normal(before[0], before[1], before[2], n_before);
     cosine = bvxi_vec_dot(n, n_before);
     squares = bvxi_vec_dot(n, n) * bvxi_vec_dot(n_before, n_before);
-    return !(cosine > 0 && 2 * cosine * cosine > squares);
+    return !(cosine > 0 && cosine * cosine > (c->options.enclosed != NULL ? SETTLE_UPRIGHT : 0.5) * squares);
 }
 
 /* Each vertex where its part of what is asked says. */

@@ -165,9 +165,8 @@ static inline uint32_t clamp_side(int32_t v, int32_t side)
     return (uint32_t)(v < 0 ? 0 : v > side ? side : v);
 }
 
-static void cell_piece(void *user, uint64_t begin, uint64_t end)
+BVXI_VECTOR_INLINE void cell_range(const snap_job *job, uint64_t begin, uint64_t end)
 {
-    const snap_job *const job = user;
     bvxi_row_block const block = job->block;
     int32_t const f = job->fraction_bits;
     const int32_t *const xyz = job->out->xyz;
@@ -181,10 +180,19 @@ static void cell_piece(void *user, uint64_t begin, uint64_t end)
     }
 }
 
+BVXI_AVX2_COPY(cell_range_avx2, (const snap_job *job, uint64_t begin, uint64_t end),
+               cell_range(job, begin, end))
+
+static void cell_piece(void *user, uint64_t begin, uint64_t end)
+{
+    const snap_job *const job = user;
+    BVXI_PATH(job->cpu == BVX_CPU_AVX2, cell_range(job, begin, end), cell_range_avx2(job, begin, end));
+}
+
 bvx_status bvxi_snap_cells(bvx_context *ctx, const bvx_lattice *lattice, const bvxi_row_block *block,
                            double progress, bvxi_snapped *s)
 {
-    snap_job job = {.out = s, .block = *block, .fraction_bits = lattice->fraction_bits};
+    snap_job job = {.cpu = bvxi_cpu(ctx), .out = s, .block = *block, .fraction_bits = lattice->fraction_bits};
     return BVXI_SHARE(ctx, progress, progress,
                       bvxi_for(ctx, "solid", s->vertex_count, SNAP_GRAIN, cell_piece, &job));
 }

@@ -1,6 +1,7 @@
-"""big.py [SIDE [CHUNK [WORKERS [labels]]]] - surfaces larger than memory: SIDE^3 voxels [512] in chunks of CHUNK [256] on WORKERS processes [2].
+"""big.py [SIDE [CHUNK [WORKERS [labels [small]]]]] - surfaces larger than memory: SIDE^3 voxels [512] in chunks of CHUNK [256] on WORKERS processes [2].
 
-The body is a formula, tubes and cells of known volume, so that nothing is read; with labels each of them is a body of its own. Prints Markdown: what each stage took of all processes
+The body is a formula, tubes and cells of known volume, so that nothing is read; with labels each of them is a body of its own, and small ones are an
+eighth as large: 256^3 in chunks of 32 has as many bodies, chunks and files as 2048^3 in chunks of 256, for what this process holds. Prints Markdown: what each stage took of all processes
 together (processor seconds; voxels a second of them), bytes written, and the most memory that a worker and this process ever held. Then
 levels are joined where they fit: closed, without crossings, and their volume against the formula's.
 """
@@ -14,11 +15,13 @@ import time
 import dask.array
 import distributed
 import numpy as np
+import zarr
 
 from bitvox import big
 
 # Radii of as many voxels as their volume says, to 0.03 %: what levels lose is not covered by what voxels do.
-PERIOD, CELL, TUBE = 64, 15.3, 9.9  # voxels; centers of cells lie at 20, 20, 20 of each period, axes of tubes at 48, 48
+PERIOD, CELL, TUBE = (8, 1.91, 1.24) if "small" in sys.argv else (64, 15.3, 9.9)  # voxels
+AT, AXIS = PERIOD * 5 / 16, PERIOD * 3 / 4  # of each period: where the center of a cell lies on each axis, and the axis of a tube
 
 
 def bodies(block_info=None):
@@ -26,10 +29,10 @@ def bodies(block_info=None):
     (x, y, z), end = (np.arange(*place) for place in block_info[None]["array-location"]), block_info[None]["shape"][0]
     made = np.empty((len(x), len(y), len(z)), bool)
     wave = [((at + 0.5) % PERIOD).astype("f4") for at in (x, y, z)]
-    tube = ((wave[1] - 48) ** 2)[:, None] + (wave[2] - 48) ** 2 < TUBE**2
-    cell = ((wave[1] - 20) ** 2)[:, None] + (wave[2] - 20) ** 2
+    tube = ((wave[1] - AXIS) ** 2)[:, None] + (wave[2] - AXIS) ** 2 < TUBE**2
+    cell = ((wave[1] - AT) ** 2)[:, None] + (wave[2] - AT) ** 2
     for i, at in enumerate(x):
-        made[i] = cell < CELL**2 - (wave[0][i] - 20) ** 2
+        made[i] = cell < CELL**2 - (wave[0][i] - AT) ** 2
         if 2 <= at < end - 2:
             made[i] |= tube
     return made
@@ -40,7 +43,7 @@ def numbers(block_info=None):
     (x, y, z), end = (np.arange(*place) // PERIOD for place in block_info[None]["array-location"]), block_info[None]["shape"][0] // PERIOD
     tube = 1 + y[:, None] * end + z
     wave = (np.arange(*block_info[None]["array-location"][1]) + 0.5) % PERIOD, (np.arange(*block_info[None]["array-location"][2]) + 0.5) % PERIOD
-    cell = ((wave[0] - 20) ** 2)[:, None] + (wave[1] - 20) ** 2 < (CELL + 1) ** 2
+    cell = ((wave[0] - AT) ** 2)[:, None] + (wave[1] - AT) ** 2 < (CELL + PERIOD / 64) ** 2
     made = bodies(block_info).astype("u8")
     for i, at in enumerate(x):
         made[i] *= np.where(cell, (at + 1) * (end * end) + tube, tube).astype("u8")
@@ -51,7 +54,8 @@ def label_stages(stage, folder, formula):
     """Labels in Zarr to pieces, levels and a shard; then a few bodies are joined."""
     at = [os.path.join(folder, name) for name in ("labels.zarr", "bodies", "precomputed")]
     chunk = formula.chunksize[0]
-    stage("formula to Zarr", lambda: dask.array.to_zarr(formula.transpose(2, 1, 0).rechunk(min(64, chunk)), at[0]), at[0])
+    stored = zarr.create_array(at[0], shape=formula.shape, chunks=(min(PERIOD, chunk),) * 3, dtype="u8")  # a task writes a chunk, in many files
+    stage("formula to Zarr", lambda: formula.transpose(2, 1, 0).store(stored, lock=False), at[0])
     labels = big.Labels(big.samples_from_zarr(at[0]), chunks=chunk)
     counts = stage("voxels of each label", labels.counts)
     pieces = stage("bodies and 3 levels in pieces", lambda: big.run(labels, at[1], levels=4, show=None), at[1])

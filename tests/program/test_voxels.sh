@@ -470,7 +470,7 @@ refuses 2 'one or more of' refine "$knot" -o x.vtu --states inside,inside
 refuses 2 'one or more of' refine "$knot" -o x.vtu --states inside,
 refuses 2 'from 0 to 25' refine "$knot" -o x.vtu --halvings 26
 refuses 1 'levels fit' refine "$knot" -o x.vtu --halvings 25 --base 8
-refuses 1 'MiB' refine "$knot" -o x.bvx --halvings 9 --expand 9 --base 16
+refuses 1 'MiB' refine "$knot" -o x.bvx --halvings 9 --expand 9 --base 8
 refuses 1 'limit' refine "$knot" -o x.vtu --halvings 9 --memory-limit 20M
 
 # ---- real meshes ----

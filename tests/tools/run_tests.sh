@@ -86,11 +86,12 @@ build_or_remove() { # GOALS...
 # ---- Programs beside each other: list_... prints a line for each, run_lines runs them all, count_... tells what came of them ----
 
 # What takes longest comes first, so that no processor waits at the end for one that began late. Names and order matter for the time alone.
-longest='s390x-golden---brief.log python-pytest-2.log python-pytest-1.log check_house.sh plain-golden.log packaging.sh windows-golden.log test_level_faults
-    test_program.sh test_levels.sh test_must_reach.py test_repair_faults python-wheels.log i686-golden.log clang-golden.log
-    test_section_faults test_install.sh test_add_option.py test_voxels.sh test_oblique test_solid_same test_winding test_sharp test_levels
-    test_algebra_faults test_vote test_simplify test_regions test_level_memory test_repair_sharp test_repair test_refine_faults
-    test_section_mend test_surface_voxels_faults test_winding_loose test_collapse test_repair.sh test_faults.sh test_commands.sh test_flood'
+longest='s390x-golden---brief.log python-pytest-2.log python-pytest-1.log checks.log test_oblique test_program.sh test_section_faults
+    san-corpus-fields.log test_level_faults test_levels.sh test_surface_voxels_faults test_writers test_algebra_faults test_add_option.py
+    fuzz_contours test_warnings.py test_repair.sh test_must_reach.py test_stages test_queries test_level_meshes.sh python-wheels.log
+    packaging.sh test_outputs.sh test_write_vdb test_winding test_install.sh test_reuse test_levels test_position_type test_simplify_parts
+    test_read_obj test_commands.sh test_section_mend test_bodies test_volume_faults test_boolean.sh test_repair_thin test_files.sh
+    windows-golden.log test_solid_same test_simplify test_repair i686-golden.log test_tree_file test_voxels.sh test_boolean test_labels'
 
 longest_first() { # on standard input: lines
     awk -v names="$longest" 'BEGIN { n = split(names, name); for (i = 1; i <= n; i++) rank[name[i]] = i }

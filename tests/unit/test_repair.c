@@ -555,7 +555,7 @@ static void test_anything_is_closed(void)
 {
     static const int32_t signs[] = {BVX_FILL_AUTO, BVX_FILL_PARITY, BVX_FILL_WINDING, BVX_FILL_VOTE};
 
-    for (int trial = 0; trial < (quick ? 40 : 1500); trial++) {
+    for (int trial = 0; trial < trial_count(40, 500, 1500); trial++) {
         bvx_repair_options o = defaults(4 + maker_below(&seed, 24));
         bvx_mesh_view view;
         bvx_mesh out;

@@ -361,7 +361,7 @@ static void test_crossings_of_random_triangles_equal_all_pairs(void)
 {
     uint64_t found = 0;
 
-    for (int round = 0; round < 60; round++) {
+    for (int round = 0; round < (long_run ? 60 : 15); round++) {
         static bvxi_corner_vertex at[500];
         static bvxi_corner_triangle triangle[700];
         bvxi_collapse c;

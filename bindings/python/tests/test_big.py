@@ -287,7 +287,7 @@ def test_resampling_of_chunks(local, size):
 
 
 @needs_knot
-def test_zarr(tmp_path):
+def test_zarr(tmp_path, monkeypatch):
     pytest.importorskip("dask")
     zarr = pytest.importorskip("zarr")
     grid, mesh = whole()
@@ -312,6 +312,8 @@ def test_zarr(tmp_path):
     dask.compute(*again)
     dask.compute(*again)  # a task that is tried again
     assert big.from_zarr(tmp_path / "a.zarr", chunks=50).compute() == grid
+    monkeypatch.setattr(big.store, "SLAB", 5000)  # one layer of what is stored at a time
+    assert big.from_zarr(tmp_path / "a.zarr", chunks=50).compute(scheduler="synchronous") == grid
     with pytest.raises(bitvox.ArgumentError, match="multiples"):
         big.to_zarr(volume, tmp_path / "b.zarr", inner=48)
 

@@ -176,3 +176,15 @@ def test_neuroglancer_reads_bodies_with_shared_faces(tmp_path):
     assert big.run(labels, tmp_path / "bodies", levels=3, show=said.append).records == pieces.records and "of them there" in said[0]
     pieces.to_neuroglancer(tmp_path / "mesh", sharded=True)
     assert_cloudvolume_reads(pieces, tmp_path, labels.shape)
+
+
+def test_tasks_read_small_chunks_of_zarr_themselves(tmp_path):
+    values = cells(shape=(64, 64, 64))
+    array = zarr.create_array(str(tmp_path / "l.zarr"), shape=(1, 64, 64, 64), chunks=(1, 8, 8, 8), dtype="uint64")
+    array[0] = values.transpose(2, 1, 0)
+    labels = big.Labels(big.samples_from_zarr(tmp_path / "l.zarr", channel=0), chunks=32)
+    inside = big.Labels(values, chunks=32)
+    assert labels.counts() == inside.counts() and labels.rechunk(16).counts() == inside.counts()
+    assert all(len(part.__dask_graph__()) <= 2 for part in labels._bodies({"dtype": "float32"}))  # not one for each of 512 stored chunks
+    found, same = (big.run(one, tmp_path / name, levels=2, show=None) for one, name in ((labels, "a"), (inside, "b")))
+    assert found.records == same.records

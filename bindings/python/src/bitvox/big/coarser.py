@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Sequence
+from typing import Any, Iterator, Sequence
 
 from .. import _arrays as arrays
 from .._levels import simplify
@@ -68,12 +68,12 @@ def _as_large(mesh: Mesh, made: Mesh, low: Any, high: Any, most: float, limit: i
     """
     np = arrays.numpy("bitvox.big")
     begin, faces, middle = np.asarray(made.vertices, float), np.asarray(made.faces, np.int64), np.mean(mesh.bounds, axis=0)
-    wanted = _enclosed(_corners(np.asarray(mesh.vertices, float) - middle, mesh.faces))
+    wanted = _enclosed(np.asarray(mesh.vertices, float) - middle, mesh.faces)
     normal, area = _normals(_corners(begin, faces), faces, len(begin))
     at, best, step, free = begin, made, 0.0, ((begin > low) & (begin < high)).all(axis=1)
     for _ in range(ROUNDS):
         taken = math.fsum(area[free].tolist())
-        more = (wanted - _enclosed(_corners(at - middle, faces))) / taken if taken > 0 else 0.0
+        more = (wanted - _enclosed(at - middle, faces)) / taken if taken > 0 else 0.0
         if abs(more) < most / 400:
             break
         step = min(max(step + more, -most), most)
@@ -96,10 +96,19 @@ def _corners(at: Any, faces: Any) -> Any:
     return [np.take(part, turned) for part in np.ascontiguousarray(at.T)]
 
 
-def _enclosed(corners: Any) -> float:
+BLOCK = 1 << 16  # faces whose corners are held at a time
+
+
+def _enclosed(at: Any, faces: Any) -> float:
     """With the cuts: of two surfaces that end in the same border the difference is what lies between them."""
-    x, y, z = _crossed(corners)
-    return math.fsum(((corners[0][0] * x + corners[1][0] * y + corners[2][0] * z) / 6).tolist())
+
+    def parts() -> Iterator[float]:
+        for first in range(0, len(faces), BLOCK):
+            corners = _corners(at, faces[first : first + BLOCK])
+            x, y, z = _crossed(corners)
+            yield from ((corners[0][0] * x + corners[1][0] * y + corners[2][0] * z) / 6).tolist()
+
+    return math.fsum(parts())
 
 
 def _normals(corners: Any, faces: Any, count: int) -> tuple[Any, Any]:

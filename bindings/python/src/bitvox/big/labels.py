@@ -36,8 +36,6 @@ class Labels(Placed):
 
     Attributes
     ----------
-    array
-        the Dask array.
     chunks
         the `Chunks` of its lattice.
     background, shared
@@ -53,8 +51,8 @@ class Labels(Placed):
     True
     """
 
-    __slots__ = ("array", "chunks", "background", "shared")
-    array: Any
+    __slots__ = ("_samples", "chunks", "background", "shared")
+    _samples: Samples
     chunks: Chunks
     background: int
     shared: bool
@@ -67,8 +65,13 @@ class Labels(Placed):
         cut = samples._cut(chunks)
         if shared and any(count > 1 and min(size, n - size * (count - 1)) < 2 for size, count, n in zip(cut.size, cut.counts, cut.box.size)):
             raise ArgumentError(f"{cut!r} leave a layer of one voxel, where shared faces cannot be joined; take other chunks")
-        self.array, self.shared, self.background = samples.array, shared, in_range("background", background, -(2**63), 2**64 - 1)
+        self._samples, self.shared, self.background = samples, shared, in_range("background", background, -(2**63), 2**64 - 1)
         self.chunks = Chunks(cut.lattice, cut.size, cut.box, shared)
+
+    @property
+    def array(self) -> Any:
+        """The Dask array."""
+        return self._samples.array
 
     @property
     def lattice(self) -> Lattice:
@@ -84,13 +87,13 @@ class Labels(Placed):
         >>> bitvox.big.Labels(dask.array.ones((4, 4, 4), chunks=2, dtype='uint64')).counts()
         {1: 64}
         """
-        dask, total = need("dask", "big"), dict[int, int]()
+        dask, np = need("dask", "big"), arrays.numpy("bitvox.big")
         look = dask.delayed(_counts, pure=True)
-        for found in dask.compute(*[look(part) for part in self.array.to_delayed().ravel()]):
-            for label, count in found:
-                total[label] = total.get(label, 0) + count
-        total.pop(self.background, None)
-        return dict(sorted(total.items()))
+        labels, counts = map(np.concatenate, zip(*dask.compute(*[look(self._samples._window(*self.chunks.window(i))) for i in self.chunks])))
+        found, number = np.unique(labels, return_inverse=True)
+        total = np.zeros(len(found), np.int64)
+        np.add.at(total, number, counts)
+        return {label: count for label, count in zip(found.tolist(), total.tolist()) if label != self.background}
 
     def volume(self, label: int) -> Volume:
         """The voxels of one label.
@@ -111,17 +114,17 @@ class Labels(Placed):
         >>> bitvox.big.Labels(np.ones((4, 4, 4), int), chunks=4).rechunk(2).chunks.counts
         (2, 2, 2)
         """
-        return Labels(self.array, self.lattice, background=self.background, chunks=chunks, shared=self.shared)
+        return Labels(self._samples, background=self.background, chunks=chunks, shared=self.shared)
 
     def _around(self) -> list[Any]:
         """For each chunk its voxels and one more on each side where there are others."""
-        return [Samples(self.array, self.lattice)._window(*self.chunks.grown(i, (1, 1, 1))) for i in self.chunks]
+        return [self._samples._window(*self.chunks.grown(i, (1, 1, 1))) for i in self.chunks]
 
     def _bodies(self, options: dict[str, Any]) -> list[Any]:
         """For each chunk its part of the surface of each label in it."""
         made = need("dask", "big").delayed(_bodies_of, pure=True)
         cut = self.chunks
-        return [made(Samples(self.array, self.lattice)._window(*cut.cells(i)[0]), cut, i, self.background, options) for i in cut]
+        return [made(self._samples._window(*cut.cells(i)[0]), cut, i, self.background, options) for i in cut]
 
     def __dask_tokenize__(self) -> Any:
         return type(self).__name__, self.array.name, self.lattice._key(), self.chunks.size, self.background, self.shared
@@ -130,19 +133,29 @@ class Labels(Placed):
         return f"Labels({self.array.dtype}, {self.chunks!r})"
 
 
-def _counts(array: Any) -> list[tuple[int, int]]:
-    labels, counts = arrays.numpy("bitvox.big").unique(array, return_counts=True)
-    return list(zip(labels.tolist(), counts.tolist()))
+def _runs(flat: Any, row: int) -> Any:
+    """Where runs of one number begin in rows of a length, one after another."""
+    np = arrays.numpy("bitvox.big")
+    begins = np.ones(flat.size, bool)
+    np.not_equal(flat[1:], flat[:-1], out=begins[1:])
+    begins[::row] = True
+    return np.flatnonzero(begins)
+
+
+def _counts(array: Any) -> tuple[Any, Any]:
+    np, flat = arrays.numpy("bitvox.big"), array.ravel("K")
+    first = _runs(flat, flat.size)
+    labels, number = np.unique(flat[first], return_inverse=True)
+    counts = np.zeros(len(labels), np.int64)
+    np.add.at(counts, number, np.diff(first, append=flat.size))
+    return labels, counts
 
 
 def _boxes(array: Any, background: int) -> list[tuple[Any, Any, Any]]:
     """Each label of an array [z, y, x] with its lowest and highest voxel (x, y, z), by runs along rows."""
     np, (nz, ny, nx) = arrays.numpy("bitvox.big"), array.shape
     flat = array.ravel()
-    begins = np.ones(flat.size, bool)
-    np.not_equal(flat[1:], flat[:-1], out=begins[1:])
-    begins[::nx] = True
-    first = np.flatnonzero(begins)
+    first = _runs(flat, nx)
     last = np.append(first[1:], flat.size) - 1
     order = np.argsort(flat[first], kind="stable")
     labels, first, last = flat[first][order], first[order], last[order]

@@ -66,7 +66,7 @@ def found(volume: Volume, connectivity: int) -> Found:
     dask, np, cut = need("dask", "big"), arrays.numpy("bitvox.big"), volume.chunks
     if connectivity not in _STEPS:
         raise ArgumentError(f"connectivity is {connectivity}; it must be 6, 18 or 26")
-    look, touch = dask.delayed(_look, pure=True, nout=3), dask.delayed(_touching, pure=True)
+    look, touch = dask.delayed(_look, pure=True, nout=7), dask.delayed(_touching, pure=True)
     looks = {index: look(volume.blocks[index], connectivity) for index in cut}
     reach, across = (-1, 0, 1) if _STEPS[connectivity] else (0,), []
     for index, axis in itertools.product(cut, range(3)):
@@ -74,8 +74,8 @@ def found(volume: Volume, connectivity: int) -> Found:
         near: list[Any] = [tuple(i + d for i, d in zip(index, step)) for step in itertools.product(*sides)]
         near = [i for i in near if i in looks]
         if near:
-            across.append((index, near, touch(cut.window(index), axis, looks[index][1][axis], [cut.window(i) for i in near],
-                                              [looks[i][2][axis] for i in near], _STEPS[connectivity])))
+            across.append((index, near, touch(cut.window(index), axis, looks[index][1 + axis], [cut.window(i) for i in near],
+                                              [looks[i][4 + axis] for i in near], _STEPS[connectivity])))
     made, pairs = dask.compute([one[0] for one in looks.values()], [pair for _, _, pair in across])
     begin = dict(zip(cut, np.cumsum([0, *map(len, made)]).tolist()))  # a chunk's label n is number begin + n - 1
     parent = np.arange(sum(map(len, made)))
@@ -113,17 +113,23 @@ def _gathered(every: Any, number: Any, count: int, np: Any) -> Any:
 
 
 def _look(grid: Grid, connectivity: int) -> Any:
-    """A chunk's parts, and the labels of its high and of its low sides."""
+    """A chunk's parts, and the labels of its three high and its three low sides, in as few bytes as they need: many chunks of a body's
+    box are empty, and their sides wait for those of the next chunks."""
     np = arrays.numpy("bitvox.big")
     with settings(threads=1):
-        labels, found = grid.label(connectivity=connectivity), grid.components(connectivity=connectivity)
-    return found, *([np.ascontiguousarray(labels.take(end, axis=axis)) for axis in range(3)] for end in (-1, 0))
+        found = grid.components(connectivity=connectivity)
+        labels = grid.label(connectivity=connectivity) if len(found) else np.broadcast_to(np.uint32(0), grid.shape)
+    small = np.min_scalar_type(len(found))
+    sides = [labels[(slice(None),) * axis + (end,)] for end in (-1, 0) for axis in range(3)]  # take() would copy all labels first
+    return found, *(np.ascontiguousarray(side, small) if side.any() else np.broadcast_to(small.type(0), side.shape) for side in sides)
 
 
 def _touching(own: Window, axis: int, high: Any, windows: Sequence[Window], lows: Sequence[Any], steps: int) -> Any:
     """Rows (label, index of the next chunk, label there) of parts that touch across a chunk's high side along an axis, each once."""
     np = arrays.numpy("bitvox.big")
     across = [a for a in range(3) if a != axis]
+    if not high.any():
+        return np.zeros((0, 3), np.int64)
     plane = np.zeros([n + 2 for n in high.shape], np.int64)  # what lies beyond the side, and one more around
     for k, (window, low) in enumerate(zip(windows, lows)):
         begin = [window.low[a] - own.low[a] + 1 for a in across]

@@ -13,7 +13,7 @@ from .._stages import merge
 from .._volume import Volume as WholeVolume
 from .._words import FaceRule
 from .chunks import Chunks, Index, laid_out
-from .store import array_of, state_of
+from .store import array_of, path_of, state_of
 from .volume import Volume
 
 
@@ -35,16 +35,17 @@ class Samples(Placed):
     (True, 512)
     """
 
-    __slots__ = ("array", "lattice")
+    __slots__ = ("array", "lattice", "_stored")
     array: Any
     lattice: Lattice
+    _stored: Any  # where a Zarr array is: path, place in its group, index along the axes before, state; and the sides of what is read alone
 
     def __init__(self, array: Any, lattice: Lattice | None = None) -> None:
         array = laid_out(array)
         where = Lattice(array.shape) if lattice is None else lattice
         if where.shape != tuple(array.shape):
             raise ArgumentError(f"array has shape {array.shape}, the lattice {where.shape}")
-        self.array, self.lattice = array, where
+        self.array, self.lattice, self._stored = array, where, None
 
     def compute(self) -> WholeVolume:
         """The whole volume, here.
@@ -61,7 +62,10 @@ class Samples(Placed):
         return Chunks(self.lattice, [sides[0] for sides in self.array.chunks] if chunks is None else chunks)
 
     def _window(self, low: Sequence[int], size: Sequence[int]) -> Any:
-        """A part of the array as one delayed array, put together with x fastest, as files have it."""
+        """A part of the array as one delayed array, put together with x fastest, as files have it. A task reads what is stored in small
+        chunks by itself: to have tasks for each of those, and others to put them together, takes the scheduler a kilobyte each."""
+        if self._stored and all(2 * n <= m for n, m in zip(self._stored[1], size)):
+            return need("dask", "big").delayed(_stored_part, pure=True)(*self._stored[0], tuple(low), tuple(size))
         part = self.array[tuple(slice(a, a + n) for a, n in zip(low, size))].transpose(2, 1, 0).rechunk(tuple(size)[::-1])
         return part.transpose(2, 1, 0).to_delayed().ravel()[0]
 
@@ -118,6 +122,13 @@ class Samples(Placed):
         return f"Samples({x} x {y} x {z}, {self.array.dtype})"
 
 
+def _stored_part(path: str, place: str, lead: tuple[int, ...], state: str, low: Sequence[int], size: Sequence[int]) -> Any:
+    """A window [x, y, z] of a Zarr array; ``state`` is part of the task's name alone."""
+    found = need("zarr", "big").open(path, mode="r")
+    array = found[place] if place else found
+    return array[lead + tuple(slice(a, a + n) for a, n in zip(low[::-1], size[::-1]))].transpose(2, 1, 0)
+
+
 def _threshold(array: Any, lattice: Lattice, low: Any, least: float, most: float) -> Any:
     with settings(threads=1):
         return WholeVolume(array, lattice=lattice, low=low).threshold(least, most)
@@ -151,9 +162,11 @@ def samples_from_zarr(path: str | os.PathLike[str], *, dataset: str | None = Non
     Samples(8 x 8 x 8, float32)
     """
     da = need("dask.array", "big")
-    found, lattice, lead, *_ = array_of(path, dataset, channel)
-    pieces = (found.shards or found.chunks)[len(lead):]
-    name = f"samples-{state_of(path)}-{found.path.replace('/', '-')}"  # the same for the same files, so that a run can go on
+    found, lattice, lead, place, _ = array_of(path, dataset, channel)
+    pieces, state = (found.shards or found.chunks)[len(lead):], state_of(path)
+    name = f"samples-{state}-{found.path.replace('/', '-')}"  # the same for the same files, so that a run can go on
     whole = da.from_array(found, chunks=(1,) * len(lead) + tuple(pieces), name=name)[lead or ...]
     array = whole.transpose(2, 1, 0)
-    return Samples(array if chunks is None else array.rechunk(Chunks(lattice, chunks).size), lattice)
+    made = Samples(array if chunks is None else array.rechunk(Chunks(lattice, chunks).size), lattice)
+    made._stored = (path_of(path), place, lead, state), found.chunks[len(lead):][::-1]
+    return made

@@ -11,7 +11,7 @@ from .._errors import ArgumentError, FormatError, need
 from .._grid import Grid
 from .._lattice import Lattice, Window, _lattice_from
 from .._run import in_range
-from .chunks import Chunks, Index
+from .chunks import Chunks, Index, join
 from .disk import PART
 from .volume import Volume
 
@@ -99,6 +99,8 @@ def _slices(cut: Chunks, index: Index) -> tuple[slice, ...]:
 
 def _write(name: str, cut: Chunks, index: Index, grid: Grid) -> None:
     zarr = need("zarr", "big")
+    if not grid.count:
+        return  # zeros are not stored
     array = zarr.open_array(name, path="0", mode="r+", zarr_format=3)
     array[_slices(cut, index)] = grid.to_numpy("zyx").view("uint8")
 
@@ -216,14 +218,20 @@ def _dataset(attributes: dict[str, Any], dataset: str | None, group: Any, name: 
     return chosen["path"], (scale, shift)
 
 
+SLAB = 1 << 26  # voxels that a task holds as numbers
+
+
 def _read(name: str, place: str, lead: tuple[int, ...], threshold: float | None, cut: Chunks, index: Index, state: str) -> Grid:
-    """A chunk; ``state`` of the files is part of the task's name alone, so that what was computed before they changed is not taken."""
+    """A chunk, in slabs of whole layers of what is stored; ``state`` of the files is part of the task's name alone, so that what was
+    computed before they changed is not taken."""
     zarr = need("zarr", "big")
     found = zarr.open(name, mode="r")
-    array = found[place] if place else found
-    low = cut.window(index).low
-    values = array[lead + _slices(cut, index)]
-    return Grid.from_numpy(values if threshold is None else values > threshold, order="zyx", lattice=cut.lattice, low=low)
-
-
-
+    array, window = found[place] if place else found, cut.window(index)
+    (z, y, x), (low, size), layer = _slices(cut, index), window, array.chunks[len(lead)]
+    step = max(1, SLAB // (size[0] * size[1] * layer)) * layer
+    ends, parts = [z.start, *range((z.start // step + 1) * step, z.stop, step), z.stop], []
+    for begin, end in zip(ends, ends[1:]):
+        values = array[lead + (slice(begin, end), y, x)]
+        parts.append(Grid.from_numpy(values if threshold is None else values > threshold, order="zyx", lattice=cut.lattice,
+                                     low=(low[0], low[1], low[2] + begin - z.start)))
+    return parts[0] if len(parts) == 1 else join(cut.lattice, window, parts)

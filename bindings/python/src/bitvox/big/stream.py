@@ -30,8 +30,10 @@ class Triangles:
 
     path: str
     np: Any
-    points: Any
-    faces: Any
+    points: Any  # of a PLY: mapped, as corners are of all places
+    rows: Any  # what a face is stored as; they lie from `begin` on, and are read: pages of a map would stay with the process
+    begin: int
+    count: int
 
     def __init__(self, path: str) -> None:
         self.path, self.np = path, arrays.numpy("bitvox.big")
@@ -41,8 +43,8 @@ class Triangles:
         if head[:4] in (b"ply\n", b"ply\r"):
             self._ply()
         elif len(head) == 84 and 84 + 50 * int.from_bytes(head[80:], "little") == os.path.getsize(path):
-            rows = self.np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("unused", "<u2")])
-            self.faces = self.np.memmap(path, rows, "r", 84, (int.from_bytes(head[80:], "little"),)) if head[80:84] != bytes(4) else self.np.zeros(0, rows)
+            self.rows = self.np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("unused", "<u2")])
+            self.begin, self.count = 84, int.from_bytes(head[80:], "little")
         else:
             raise FormatError(f"{path} is neither a binary PLY nor a binary STL, which alone are read in parts")
 
@@ -74,18 +76,17 @@ class Triangles:
             rows = np.dtype(fields)
             if at + count * rows.itemsize > os.path.getsize(self.path):
                 raise FormatError(f"{self.path} ends before its {count} rows of {name}, or has faces that are no triangles")
-            held = np.memmap(self.path, rows, "r", at, (count,)) if count else np.zeros(0, rows)
-            at += count * rows.itemsize
             if name == "vertex":
-                self.points = held
+                self.points = np.memmap(self.path, rows, "r", at, (count,)) if count else np.zeros(0, rows)
             else:
-                self.faces = held
+                self.rows, self.begin, self.count = rows, at, count
+            at += count * rows.itemsize
 
     def __iter__(self) -> Iterator[Any]:
         """Blocks (n, 3, 3) of corners."""
         np = self.np
-        for first in range(0, len(self.faces), BLOCK):
-            block = self.faces[first : first + BLOCK]
+        for first in range(0, self.count, BLOCK):
+            block = np.fromfile(self.path, self.rows, min(BLOCK, self.count - first), offset=self.begin + first * self.rows.itemsize)
             corners = np.asarray(block["corners"])
             if self.points is not None:
                 if (block["count"] != 3).any():
@@ -102,7 +103,7 @@ class Triangles:
         low, high = [float("inf")] * 3, [float("-inf")] * 3
         for block in self:
             low, high = self.np.minimum(low, block.min(axis=(0, 1))), self.np.maximum(high, block.max(axis=(0, 1)))
-        if not len(self.faces):
+        if not self.count:
             raise ArgumentError(f"{self.path} has no triangles")
         return list(map(float, low)), list(map(float, high))
 

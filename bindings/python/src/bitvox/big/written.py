@@ -108,13 +108,13 @@ def _morton(index: Index) -> int:
     return sum((n >> bit & 1) << (3 * bit + axis) for axis, n in enumerate(index) for bit in range(n.bit_length()))
 
 
-def encode(source: str, cut: Chunks, level: int, index: Index, held: Sequence[Index], place: str, name: str, bits: int, segment: int) -> dict[int, int]:
-    """Write the fragments of a place, of all bodies in it one after another; their bytes are returned. Vertices on cuts get equal numbers
+def encode(source: str, cut: Chunks, level: int, index: Index, held: Sequence[Index], place: str, name: str, bits: int, segment: int) -> Any:
+    """Write the fragments of a place, of all bodies in it one after another; their labels and bytes are returned. Vertices on cuts get equal numbers
     in the fragments beside them. What reaches half a voxel beyond the first centers, at the low sides of the whole, is put onto the side of
     the fragment."""
     np, draco = arrays.numpy("bitvox.big"), need("DracoPy", "big")
     size, most = np.multiply(cut.size, 2**level), 2**bits - 1
-    begin, bodies, sizes = origin(cut) + np.multiply(index, size), dict[int, list[Any]](), dict[int, int]()
+    begin, bodies, sizes = origin(cut) + np.multiply(index, size), dict[int, list[Any]](), list[int]()
     for one in held:
         for label, mesh in read_bodies(source, level, one)[0].items():
             bodies.setdefault(segment if label is None else label, []).append(mesh)
@@ -130,8 +130,8 @@ def encode(source: str, cut: Chunks, level: int, index: Index, held: Sequence[In
             corners = number[np.asarray(mesh.faces)].reshape(-1, 3)
             flat = (corners == np.roll(corners, 1, axis=1)).any(axis=1)
             data = draco.encode(points.astype(np.float32), corners[~flat].astype(np.uint32), **options) if not flat.all() else b""
-            sizes[label] = file.write(data)
-    return sizes
+            sizes.append(file.write(data))
+    return np.array(sorted(bodies), np.uint64), np.array(sizes, np.int64)
 
 
 def origin(cut: Chunks) -> Any:
@@ -187,18 +187,16 @@ PARTS = ".fragments"  # folder of what tasks wrote, until it is in files of bodi
 OPEN = 64  # files that are open at a time
 
 
-def _bodies(pieces: Pieces, labels: Sequence[int], every: Sequence[dict[Index, Any]], made: Sequence[Sequence[dict[int, int]]], open_part: Any) -> Iterator[tuple[int, Iterator[bytes], bytes]]:
+def _bodies(pieces: Pieces, labels: Sequence[int], every: Sequence[dict[Index, Any]], made: Sequence[Sequence[Any]], open_part: Any) -> Iterator[tuple[int, Iterator[bytes], bytes]]:
     """Each label, its fragments, and its index. Files of fragments have labels ascending, and so they are read from front to back."""
-    found: dict[int, list[tuple[int, int, int, int]]] = {label: [] for label in labels}
-    for level, one in enumerate(made):
-        for k, sizes in enumerate(one):
-            ends = itertools.accumulate(sizes.values())
-            for (label, size), end in zip(sizes.items(), ends):
-                found[label].append((level, k, end - size, size))
-    index, held = [list(one) for one in every], dict[tuple[int, int], Any]()
+    np, index, held = arrays.numpy("bitvox.big"), [list(one) for one in every], dict[tuple[int, int], Any]()
+    every_label, *table = map(np.concatenate, zip((np.zeros(0, np.uint64), *np.zeros((4, 0), np.int64)), *(
+        (own, np.full(len(own), level), np.full(len(own), k), np.cumsum(sizes) - sizes, sizes) for level, one in enumerate(made) for k, (own, sizes) in enumerate(one))))
+    order, rows = np.argsort(every_label, kind="stable"), np.stack(table, axis=1)
+    ends = [np.searchsorted(every_label[order], np.array(labels, np.uint64), side).tolist() for side in ("left", "right")]
 
-    def data(label: int) -> Iterator[bytes]:
-        for level, k, begin, size in found[label]:
+    def data(found: Any) -> Iterator[bytes]:
+        for level, k, begin, size in found:
             if (level, k) not in held:
                 if len(held) == OPEN:
                     held.pop(next(iter(held))).close()
@@ -207,8 +205,9 @@ def _bodies(pieces: Pieces, labels: Sequence[int], every: Sequence[dict[Index, A
             yield held[level, k].read(size)
 
     try:
-        for label in labels:
-            yield label, data(label), manifest(pieces, [{index[n][k]: size for n, k, _, size in found[label] if n == level} for level in range(len(made))])
+        for label, first, last in zip(labels, *ends):
+            found = rows[order[first:last]].tolist()
+            yield label, data(found), manifest(pieces, [{index[n][k]: size for n, k, _, size in found if n == level} for level in range(len(made))])
     finally:
         for file in held.values():
             file.close()
