@@ -228,13 +228,6 @@ static bvx_status sort_body_corners(bvx_context *ctx, body_work *w)
     return BVX_OK;
 }
 
-static void copy_position(const bvx_mesh *from, uint64_t vertex, bvx_mesh *to, uint64_t index)
-{
-    size_t const bytes = from->position_type == BVX_F64 ? 24 : 12;
-    memcpy((uint8_t *)to->positions + index * bytes, (const uint8_t *)from->positions + vertex * bytes,
-           bytes);
-}
-
 static void put_body(const body_work *w, const uint32_t *number, bvx_mesh *mesh)
 {
     for (uint64_t f = 0; f < w->count; f++) {
@@ -256,7 +249,7 @@ static void put_body(const body_work *w, const uint32_t *number, bvx_mesh *mesh)
 static bvx_status make_body(bvx_context *ctx, body_work *w, bvx_mesh *mesh)
 {
     const bvx_mesh *const from = &w->complex->mesh;
-    uint64_t const corners = w->each * w->count;
+    uint64_t const corners = w->each * w->count, bytes = from->position_type == BVX_F64 ? 24 : 12;
     uint32_t *number, vertices = 0;
     int const mine = mesh->owned || mesh->positions == NULL;
 
@@ -271,7 +264,9 @@ static bvx_status make_body(bvx_context *ctx, body_work *w, bvx_mesh *mesh)
     BVXI_TRY(bvxi_mesh_open(ctx, label_mesh_name, from->position_type, 0, vertices, (w->each - 2) * w->count,
                             mesh));
     memcpy(mesh->frame, from->frame, sizeof mesh->frame);
-    for (uint64_t i = 0; i < corners; i++) copy_position(from, w->vertex[i], mesh, number[w->corner[i]]);
+    for (uint64_t i = 0; i < corners; i++)
+        memcpy((uint8_t *)mesh->positions + number[w->corner[i]] * bytes,
+               (const uint8_t *)from->positions + w->vertex[i] * bytes, bytes);
     put_body(w, number, mesh);
     return bvxi_mesh_made(ctx, bvxi_progress(ctx, "body", 1.0), mine, mesh);
 }

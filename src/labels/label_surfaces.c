@@ -243,8 +243,9 @@ static uint64_t cell_word(const label_scan *s, int32_t j, int32_t k, int32_t wor
         edge[5 + 2 * n] = y[0] >> 1 | (more ? y[1] << 63 : 0);
         edge[8 + 2 * n] = z[0];
         edge[9 + 2 * n] = z[0] >> 1 | (more ? z[1] << 63 : 0);
+        any |= edge[2 * n] | edge[2 * n + 1] | edge[4 + 2 * n] | edge[5 + 2 * n] | edge[8 + 2 * n] |
+               edge[9 + 2 * n];
     }
-    for (int32_t e = 0; e < 12; e++) any |= edge[e];
     return any & own_word(s->w, j, k, word, 0);
 }
 
@@ -359,14 +360,15 @@ static void link_cell(label_scan *s, const int32_t c[3], uint32_t pattern, uint3
             const bvxi_cell_split *const other = &w->splits[s->split[slice][at]];
             uint32_t const first_other = s->first[slice][at];
             uint32_t const own = first + split->base[edge], beyond = first_other + other->base[other_edge];
-            uint32_t const own_new = first + split->of[edge],
-                           beyond_new = first_other + other->of[other_edge];
+            uint32_t const own_new = first + split->of[edge], other_new = first_other + other->of[other_edge];
 
             /* Flaps take the new vertex beyond a low side, the old one beyond a high side, so that they agree. */
-            bvxi_net_set_link(&w->net, own_new, 2 * a, beyond_new);
-            bvxi_net_set_link(&w->net, beyond_new, 2 * a + 1, own);
+            bvxi_net_set_link(&w->net, own_new, 2 * a, other_new);
+            bvxi_net_set_link(&w->net, other_new, 2 * a + 1, own);
             bvxi_net_set_link(&w->net, own, 2 * a, beyond);
             bvxi_net_set_link(&w->net, beyond, 2 * a + 1, own);
+            /* Fewer edges than four are all joined. */
+            if ((pattern & low_side[a]) != low_side[a] && split->flaps + other->flaps == 0) break;
         }
     }
 }
@@ -653,6 +655,7 @@ static bvx_status make_complex(label_work *w)
     bvx_context *const ctx = w->ctx;
     bvx_complex *const c = w->made;
     uint64_t vertices, faces, line = ((uint64_t)w->n[0] + 1) * w->sample;
+    uint16_t const one = 1;
     uint8_t *outside;
     label_scan unused;
 
@@ -662,16 +665,10 @@ static bvx_status make_complex(label_work *w)
     BVXI_TRY(make_ranks(w));
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, line, "a row of background", &outside));
-    for (uint64_t i = 0; i < line; i += w->sample) {
-        uint8_t const v8 = (uint8_t)w->background;
-        uint16_t const v16 = (uint16_t)w->background;
-        uint32_t const v32 = (uint32_t)w->background;
-        const void *const value = w->sample == 1   ? (const void *)&v8
-                                  : w->sample == 2 ? (const void *)&v16
-                                  : w->sample == 4 ? (const void *)&v32
-                                                   : (const void *)&w->background;
-        memcpy(outside + i, value, w->sample);
-    }
+    /* The low bytes, wherever the machine has them. */
+    const uint8_t *const value = (const uint8_t *)&w->background +
+                                 (*(const uint8_t *)&one ? 0 : 8 - w->sample);
+    for (uint64_t i = 0; i < line; i += w->sample) memcpy(outside + i, value, w->sample);
     w->outside = outside;
     BVXI_TRY(make_splits(w));
     w->row_count = (uint64_t)w->n[1] * (uint64_t)w->n[2];

@@ -133,12 +133,12 @@ static inline uint32_t bvxi_net_axis(const bvxi_net *net, uint32_t face)
     return high - low == row + 1 ? 2 : high - low == slice + 1 ? 1 : 0;
 }
 
-/* A face from the centre of its highest cell, and how its corners have moved from their own cells' centres. turn is 1
- * where the corners on the staircase turn counter-clockwise about the axis, -1 the other way, of a flap 0. */
+/* A face in axes of its own: on the staircase its corners are at 0, (1, 0), (1, 1) and (0, 1), those of a flap at 0,
+ * (1, 0), 0 and (0, 1). The third is along its lattice edge, so that they are right-handed. */
 typedef struct bvxi_face {
-    uint32_t vertex[4];
-    int32_t place[4][3], moved[4][3]; /* [Units: BVXI_NET_UNITS of a voxel] */
-    int32_t axis, turn;
+    uint32_t vertex[4], axis[3]; /* which they are */
+    int32_t sign[3], square;     /* 0: a flap */
+    int32_t moved[4][3];         /* from the staircase [Units: BVXI_NET_UNITS of a voxel] */
 } bvxi_face;
 
 static inline void bvxi_read_face(const bvxi_net *net, uint32_t face, uint32_t axis, bvxi_face *f)
@@ -146,37 +146,36 @@ static inline void bvxi_read_face(const bvxi_net *net, uint32_t face, uint32_t a
     const bvx_complex *const c = net->complex;
     const uint32_t *const t = c->mesh.triangles + 6 * (size_t)face;
 
-    f->vertex[0] = t[0];
-    f->vertex[1] = t[1];
-    f->vertex[2] = t[2];
-    f->vertex[3] = t[5];
+    for (int32_t n = 0; n < 4; n++) f->vertex[n] = t[n == 3 ? 5 : n];
+    f->square = axis != BVXI_NET_FLAP;
+    if (f->square) {
+        /* Vertices are in the order of their cells, so the neighbour along the lower axis comes later. */
+        uint32_t const low = axis == 0, first = t[0] > t[5];
+        uint32_t const forward = (first ? t[1] : t[0]) > (first ? t[5] : t[2]);
+        f->axis[0] = first == forward ? low : 3 - axis - low;
+        f->axis[1] = 3 - axis - f->axis[0];
+        f->sign[0] = -1;
+        f->sign[1] = first ? -1 : 1;
+    } else
+        for (int32_t n = 0; n < 2; n++) {
+            uint64_t const own = c->cells[t[0]], other = c->cells[f->vertex[1 + 2 * n]];
+            uint64_t const to = own > other ? own - other : other - own;
+            f->axis[n] = to == 1 ? 0 : to == (uint64_t)c->size[0] + 1 ? 1 : 2;
+            f->sign[n] = own > other ? -1 : 1;
+        }
+    f->axis[2] = 3 - f->axis[0] - f->axis[1];
+    f->sign[2] = (f->axis[0] + 1 == f->axis[1] || f->axis[0] == f->axis[1] + 2) ? f->sign[0] * f->sign[1]
+                                                                                : -f->sign[0] * f->sign[1];
     for (int32_t n = 0; n < 4; n++)
         for (int32_t a = 0; a < 3; a++)
-            f->place[n][a] = f->moved[n][a] = net->offset[3 * (size_t)f->vertex[n] + (size_t)a];
-    f->axis = f->turn = 0;
-    if (axis == BVXI_NET_FLAP) {
-        /* Its third corner is in the cell of the first. */
-        for (int32_t n = 1; n < 4; n += 2) {
-            uint64_t const own = c->cells[t[0]], other = c->cells[f->vertex[n]];
-            uint64_t const to = own > other ? own - other : other - own;
-            f->place[n][to == 1                          ? 0
-                        : to == (uint64_t)c->size[0] + 1 ? 1
-                                                         : 2] += own > other ? -BVXI_NET_UNITS
-                                                                             : BVXI_NET_UNITS;
-        }
-        return;
-    }
+            f->moved[n][a] = f->sign[a] * net->offset[3 * (size_t)f->vertex[n] + f->axis[a]];
+}
 
-    /* Vertices are in the order of their cells, so the neighbour along the lower axis comes later. */
-    uint32_t const u = axis == 0, v = 3 - axis - u, owner = t[0] > t[5] ? 0 : 3;
-    uint32_t const next = (owner + 1) & 3, last = next ^ 2;
-    int const forward = f->vertex[next] > f->vertex[last];
-    f->place[forward ? next : last][u] -= BVXI_NET_UNITS;
-    f->place[forward ? last : next][v] -= BVXI_NET_UNITS;
-    f->place[owner ^ 2][u] -= BVXI_NET_UNITS;
-    f->place[owner ^ 2][v] -= BVXI_NET_UNITS;
-    f->axis = (int32_t)axis;
-    f->turn = forward == (axis != 1) ? 1 : -1;
+/* Where a corner is from the first of the staircase. */
+static inline int32_t bvxi_corner(const bvxi_face *f, int32_t n, int32_t a)
+{
+    int32_t const at = a == 2 ? 0 : n == 2 ? f->square : n == 1 + 2 * a;
+    return f->moved[n][a] + at * BVXI_NET_UNITS;
 }
 
 /* smooth.c: write the position of a vertex; without offsets it is at its cell's centre. */

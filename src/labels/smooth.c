@@ -18,6 +18,7 @@ enum {
     STEPS = 6 /* even: the last one ends in the offsets */,
     CORRECTIONS = 16,
     VERTEX_GRAIN = 4096,
+    AHEAD = 8,
     LARGE_PAIR = 1 << 16,
     AXIS_SHIFT = 30,
     FACE_BITS = (1 << AXIS_SHIFT) - 1
@@ -51,15 +52,10 @@ static double limited(double x, double limit)
     return x < -limit ? -limit : x > limit ? limit : x;
 }
 
-static int16_t clamp_to(float most, float x)
+static int16_t clamp(float most, float x)
 {
     /* Positive when it is cut off, so it is rounded to the nearest. */
     return (int16_t)((int32_t)((x < -most ? -most : x > most ? most : x) + 32768.5F) - 32768);
-}
-
-static int16_t clamp(float x)
-{
-    return clamp_to((float)BVXI_NET_LIMIT, x);
 }
 
 /* The sides of its cell across which a vertex goes with others. */
@@ -99,22 +95,11 @@ static void relax_range(void *user, uint64_t begin, uint64_t end)
         }
         float const of_own = count == 0 ? w->of_own + w->of_mean[1] : w->of_own, of_sum = w->of_mean[count];
         for (int a = 0; a < 3; a++)
-            to[a] = clamp_to(most,
-                             w->of_last * (float)to[a] + of_own * (float)own[a] + of_sum * (float)sum[a]);
+            to[a] = clamp(most, w->of_last * (float)to[a] + of_own * (float)own[a] + of_sum * (float)sum[a]);
     }
 }
 
 /* ---- Volumes between pairs of labels ---- */
-
-static int64_t face_diagonal(const bvxi_face *f, int32_t from)
-{
-    int64_t sum = 0;
-    for (int32_t d = 0; d < 3; d++) {
-        int64_t const way = f->place[from + 2][d] - f->place[from][d];
-        sum += way * way;
-    }
-    return sum;
-}
 
 /* Split faces along the shorter diagonal: beside a junction that has become straight the longer one would lie on it. */
 static void split_faces(void *user, uint64_t begin, uint64_t end)
@@ -123,10 +108,17 @@ static void split_faces(void *user, uint64_t begin, uint64_t end)
 
     for (uint64_t i = begin; i < end; i++) {
         uint32_t *const t = w->net->complex->mesh.triangles + 6 * (size_t)i;
+        uint32_t const axis = bvxi_net_axis(w->net, (uint32_t)i);
+        int64_t diagonal[2] = {0, 0};
         bvxi_face f;
 
-        bvxi_read_face(w->net, (uint32_t)i, bvxi_net_axis(w->net, (uint32_t)i), &f);
-        if (face_diagonal(&f, 1) >= face_diagonal(&f, 0)) continue;
+        w->faces[i] = (uint32_t)i | axis << AXIS_SHIFT;
+        bvxi_read_face(w->net, (uint32_t)i, axis, &f);
+        for (int32_t n = 0; n < 6; n++) {
+            int64_t const way = bvxi_corner(&f, n % 2 + 2, n / 2) - bvxi_corner(&f, n % 2, n / 2);
+            diagonal[n % 2] += way * way;
+        }
+        if (axis == BVXI_NET_FLAP || diagonal[1] >= diagonal[0]) continue;
         t[0] = t[3] = f.vertex[1];
         t[1] = f.vertex[2];
         t[2] = t[4] = f.vertex[3];
@@ -134,78 +126,92 @@ static void split_faces(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-static void cross_ways(const int32_t from[3], const int32_t b[3], const int32_t c[3], int64_t n[3])
-{
-    int64_t const p[3] = {b[0] - from[0], b[1] - from[1], b[2] - from[2]},
-                  q[3] = {c[0] - from[0], c[1] - from[1], c[2] - from[2]};
-    n[0] = p[1] * q[2] - p[2] * q[1];
-    n[1] = p[2] * q[0] - p[0] * q[2];
-    n[2] = p[0] * q[1] - p[1] * q[0];
-}
-
 /* 36 times the volume that a triangle sweeps; last gets twice its area vector at the end. That is a quadratic of the
  * share of the way, whose mean is the mean of both ends less a sixth of the quadratic term. Bits: 55, as ways are
  * shorter than 2 voxels. */
-static int64_t swept(const bvxi_face *f, int32_t b, int32_t c, double last[3])
+static inline double swept(const bvxi_face *f, int32_t b, int32_t c, double last[3])
 {
-    int64_t area[3], bent[3], sum = 0;
+    double place[2][3], moved[2][3], bent[3], sum = 0.0;
 
-    cross_ways(f->place[0], f->place[b], f->place[c], area);
-    cross_ways(f->moved[0], f->moved[b], f->moved[c], bent);
-    for (int32_t d = 0; d < 3; d++) {
-        int64_t const begin = d == f->axis ? f->turn * SQUARE : 0;
-        sum += (f->moved[0][d] + f->moved[b][d] + f->moved[c][d]) * (3 * (begin + area[d]) - bent[d]);
-        last[d] = (double)area[d];
+    for (int32_t a = 0; a < 3; a++) {
+        moved[0][a] = (double)(f->moved[b][a] - f->moved[0][a]);
+        moved[1][a] = (double)(f->moved[c][a] - f->moved[0][a]);
+        place[0][a] = (double)(bvxi_corner(f, b, a) - f->moved[0][a]);
+        place[1][a] = (double)(bvxi_corner(f, c, a) - f->moved[0][a]);
+    }
+    bvxi_vec_cross(place[0], place[1], last);
+    bvxi_vec_cross(moved[0], moved[1], bent);
+    for (int32_t a = 0; a < 3; a++) {
+        double const begin = a == 2 ? (double)(f->square * SQUARE) : 0.0;
+        sum += (double)(f->moved[0][a] + f->moved[b][a] + f->moved[c][a]) *
+               (3.0 * (begin + last[a]) - bent[a]);
     }
     return sum;
 }
 
-/* What a pair's faces have swept. With area, areas get the area vectors of its free vertices, to which those of the
- * faces around them add up, *area what they would sweep by moving 1 along their normals, and *corners how many they
- * are. */
-static double measure_pair(const net_work *w, uint64_t begin, uint64_t end, double *area, uint64_t *corners)
+/* A face in the order of pairs. These lie wide apart in memory, so what the next ones need is requested: their
+ * corners, then what those have. */
+static inline uint32_t take_face(const net_work *w, uint64_t i, uint64_t end, int areas)
 {
-    const bvx_complex *const c = w->net->complex;
+    const uint32_t *const triangles = w->net->complex->mesh.triangles;
+    uint64_t const near = i + AHEAD < end ? i + AHEAD : i, far = near + AHEAD < end ? near + AHEAD : i;
+    const uint32_t *const t = triangles + 6 * (size_t)(w->faces[near] & FACE_BITS);
+
+    BVXI_PREFETCH(triangles + 6 * (size_t)(w->faces[far] & FACE_BITS));
+    for (int32_t n = 0; n < 4; n++) {
+        BVXI_PREFETCH(w->net->offset + 3 * (size_t)t[n == 3 ? 5 : n]);
+        if (areas) BVXI_PREFETCH(w->areas + 3 * (size_t)t[n == 3 ? 5 : n]);
+    }
+    return w->faces[i];
+}
+
+/* What a pair's faces have swept. With area, areas get the area vectors of its free vertices, to which those of the
+ * faces around them add up, area[0] the sum of their sizes, and area[1] how many corners of faces they are. */
+static double measure_pair(const net_work *w, uint64_t begin, uint64_t end, double *area)
+{
+    const uint8_t *const junctions = w->net->complex->junctions;
     double volume = 0.0;
 
     for (uint64_t i = begin; i < end; i++) {
+        uint32_t const face = take_face(w, i, end, area != NULL);
         double half[2][3];
         bvxi_face f;
 
-        bvxi_read_face(w->net, w->faces[i] & FACE_BITS, w->faces[i] >> AXIS_SHIFT, &f);
-        volume += (double)(swept(&f, 1, 2, half[0]) + swept(&f, 2, 3, half[1]));
+        bvxi_read_face(w->net, face & FACE_BITS, face >> AXIS_SHIFT, &f);
+        volume += swept(&f, 1, 2, half[0]) + swept(&f, 2, 3, half[1]);
         if (area == NULL) continue;
-        double const size[2] = {bvxi_vec_length(half[0]), bvxi_vec_length(half[1])};
+        double const first = bvxi_vec_length(half[0]), second = bvxi_vec_length(half[1]);
         for (int32_t n = 0; n < 4; n++) {
-            if (c->junctions[f.vertex[n]] != 0) continue;
+            if (junctions[f.vertex[n]] != 0) continue;
             float *const sum = w->areas + 3 * (size_t)f.vertex[n];
-            int const first = n != 3, second = n != 1;
-            for (int32_t d = 0; d < 3; d++)
-                sum[d] += (float)((first ? half[0][d] : 0.0) + (second ? half[1][d] : 0.0));
-            (*corners)++;
-            *area += ((first ? size[0] : 0.0) + (second ? size[1] : 0.0)) / (6.0 * (double)SQUARE);
+            for (int32_t a = 0; a < 3; a++) {
+                double const both = half[0][a] + half[1][a];
+                sum[f.axis[a]] += (float)(f.sign[a] * (n == 1 ? half[0][a] : n == 3 ? half[1][a] : both));
+            }
+            area[0] += n == 1 ? first : n == 3 ? second : first + second;
+            area[1] += 1.0;
         }
     }
     return volume / VOLUME_UNITS;
 }
 
 /* Move a pair's free vertices along their normals, each once: its area vector becomes 0. */
-static void move_pair(const net_work *w, uint64_t begin, uint64_t end, double distance)
+static void move_pair(const net_work *w, uint64_t begin, uint64_t end, double step)
 {
     const bvx_complex *const c = w->net->complex;
 
     for (uint64_t i = begin; i < end; i++) {
-        const uint32_t *const t = c->mesh.triangles + 6 * (size_t)(w->faces[i] & FACE_BITS);
-        uint32_t const vertex[4] = {t[0], t[1], t[2], t[5]};
+        const uint32_t *const t = c->mesh.triangles + 6 * (size_t)(take_face(w, i, end, 1) & FACE_BITS);
 
         for (int32_t n = 0; n < 4; n++) {
-            float *const sum = w->areas + 3 * (size_t)vertex[n];
-            int16_t *const o = w->net->offset + 3 * (size_t)vertex[n];
+            uint32_t const vertex = t[n == 3 ? 5 : n];
+            float *const sum = w->areas + 3 * (size_t)vertex;
+            int16_t *const o = w->net->offset + 3 * (size_t)vertex;
             double const area[3] = {(double)sum[0], (double)sum[1], (double)sum[2]};
-            if (c->junctions[vertex[n]] != 0 || bvxi_vec_is_zero(area)) continue;
+            if (c->junctions[vertex] != 0 || bvxi_vec_is_zero(area)) continue;
             double const size = bvxi_vec_length(area);
             for (int32_t d = 0; d < 3; d++) {
-                o[d] = clamp((float)((double)o[d] + distance * BVXI_NET_UNITS * area[d] / size));
+                o[d] = clamp((float)BVXI_NET_LIMIT, (float)((double)o[d] + step * area[d] / size));
                 sum[d] = 0.0F;
             }
         }
@@ -216,21 +222,21 @@ static void move_pair(const net_work *w, uint64_t begin, uint64_t end, double di
 static void correct_pair(const net_work *w, uint64_t begin, uint64_t end, double *moved)
 {
     double const faces = (double)(end - begin), before = *moved, kept = kept_volume * faces;
-    uint64_t corners = 0;
-    double area = 0.0;
+    double area[2] = {0.0, 0.0};
 
     *moved = correct;
-    if (before != 0.0 && bvxi_absolute(measure_pair(w, begin, end, NULL, NULL)) <= kept) return;
-    double const volume = measure_pair(w, begin, end, &area, &corners);
-    if (area == 0.0 || bvxi_absolute(volume) <= kept) return;
+    if (before != 0.0 && bvxi_absolute(measure_pair(w, begin, end, NULL)) <= kept) return;
+    double const volume = measure_pair(w, begin, end, area);
+    if (area[0] == 0.0 || bvxi_absolute(volume) <= kept) return;
 
-    /* What has shrunk to nearly nothing has no area to divide by. A few free vertices do not make up for what all
+    /* What has shrunk to nearly nothing sweeps nothing to divide by. A few free vertices do not make up for what all
      * faces at junctions have swept. */
-    double const share = (double)corners / (4.0 * faces), limit = share * share;
-    double const way = -volume / (area > 0.5 * faces ? area : 0.5 * faces);
+    double const normal = area[0] / (6.0 * (double)SQUARE); /* by moving 1 along the normals */
+    double const share = area[1] / (4.0 * faces), limit = share * share;
+    double const way = -volume / (normal > 0.5 * faces ? normal : 0.5 * faces);
     double const step = limited(limited(before + way, limit) - before, longest_move);
     if (step == 0.0) return;
-    move_pair(w, begin, end, step);
+    move_pair(w, begin, end, step * BVXI_NET_UNITS);
 
     /* A first step leaves a fiftieth at most where it is not cut off, so it is not measured. Later ones are,
      * but for the few whose difference is exact. */
@@ -256,28 +262,30 @@ static bvx_status sort_faces(bvx_context *ctx, net_work *w)
 {
     const bvx_complex *const c = w->net->complex;
     uint64_t const faces = c->face_count, labels = c->label_count + 1;
-    uint64_t *count;
+    uint64_t *count, last = UINT64_MAX;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (faces + 1) * 4, "the faces' pairs", &w->pairs));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, faces * 4, "the faces by pair", &w->faces));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, labels * 8, "faces of each label", &count));
     for (int32_t side = 1; side >= 0; side--) {
+        const uint32_t *const from = side == 1 ? w->faces : w->pairs, *const sides = c->sides + side;
+        uint32_t *const to = side == 1 ? w->pairs : w->faces;
+
         memset(count, 0, (size_t)labels * 8);
-        for (uint64_t f = 0; f < faces; f++) count[c->sides[2 * f + (uint64_t)side]]++;
+        for (uint64_t f = 0; f < faces; f++) count[sides[2 * f]]++;
         (void)bvxi_place_counts(count, labels);
         for (uint64_t i = 0; i < faces; i++) {
-            uint32_t const f = side == 1 ? (uint32_t)i | bvxi_net_axis(w->net, (uint32_t)i) << AXIS_SHIFT
-                                         : w->pairs[i];
-            (side == 1 ? w->pairs
-                       : w->faces)[count[c->sides[2 * (size_t)(f & FACE_BITS) + (size_t)side]]++] = f;
+            if (i + AHEAD < faces) BVXI_PREFETCH(sides + 2 * (size_t)(from[i + AHEAD] & FACE_BITS));
+            to[count[sides[2 * (size_t)(from[i] & FACE_BITS)]]++] = from[i];
         }
     }
     bvxi_drop(ctx, count);
 
-    for (uint64_t i = 0; i < faces; i++)
-        if (i == 0 || memcmp(c->sides + 2 * (size_t)(w->faces[i - 1] & FACE_BITS),
-                             c->sides + 2 * (size_t)(w->faces[i] & FACE_BITS), 8) != 0)
-            w->pairs[w->pair_count++] = (uint32_t)i;
+    for (uint64_t i = 0; i < faces; i++) {
+        const uint32_t *const own = c->sides + 2 * (size_t)(w->faces[i] & FACE_BITS);
+        if (i + AHEAD < faces) BVXI_PREFETCH(c->sides + 2 * (size_t)(w->faces[i + AHEAD] & FACE_BITS));
+        if (last != (own[0] | (uint64_t)own[1] << 32)) w->pairs[w->pair_count++] = (uint32_t)i;
+        last = own[0] | (uint64_t)own[1] << 32;
+    }
     w->pairs[w->pair_count] = (uint32_t)faces;
     return BVX_OK;
 }
@@ -286,15 +294,15 @@ void bvxi_net_put(const bvxi_net *net, uint64_t vertex)
 {
     const bvx_complex *const c = net->complex;
     uint64_t cell[3];
+    double p[3];
 
     bvxi_cell_of(c, vertex, cell);
     for (uint64_t a = 0; a < 3; a++) {
         double const offset = net->offset != NULL ? (double)net->offset[3 * vertex + a] / BVXI_NET_UNITS
                                                   : 0.0;
-        double const p = net->origin[a] + ((double)c->low[a] + (double)cell[a] + offset) * net->spacing[a];
-        if (c->mesh.position_type == BVX_F32) ((float *)c->mesh.positions)[3 * vertex + a] = (float)p;
-        else ((double *)c->mesh.positions)[3 * vertex + a] = p;
+        p[a] = net->origin[a] + ((double)c->low[a] + (double)cell[a] + offset) * net->spacing[a];
     }
+    bvxi_put_position(&c->mesh, c->mesh.position_type, vertex, p[0], p[1], p[2]);
 }
 
 bvx_status bvxi_net_smooth(bvx_context *ctx, bvxi_net *net)
@@ -319,7 +327,8 @@ bvx_status bvxi_net_smooth(bvx_context *ctx, bvxi_net *net)
     bvxi_drop(ctx, second);
     bvxi_drop(ctx, net->above);
 
-    BVXI_TRY(bvxi_for(ctx, "faces", net->flaps, VERTEX_GRAIN, split_faces, &w));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, net->complex->face_count * 4, "the faces by pair", &w.faces));
+    BVXI_TRY(bvxi_for(ctx, "faces", net->complex->face_count, VERTEX_GRAIN, split_faces, &w));
     BVXI_TRY(sort_faces(ctx, &w));
     w.areas = net->complex->mesh.positions;
     memset(w.areas, 0, (size_t)vertices * 12);

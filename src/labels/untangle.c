@@ -41,36 +41,34 @@ typedef struct tangle {
     uint64_t vertex_count, triangle_count;
 } tangle;
 
-static double cross_flat(const double a[3], const double b[3], int32_t u, int32_t v)
+static double cross_flat(const double a[3], const double b[3])
 {
-    return a[u] * b[v] - a[v] * b[u];
+    return a[0] * b[1] - a[1] * b[0];
 }
 
 /* Whether the face stays in its envelope: its diagonal does, where it passes the edge through the triangle of the
  * edge and the corner on that side. */
 static int is_in_envelope(const tangle *t, uint32_t face)
 {
-    const bvx_complex *const c = t->net->complex;
-    int32_t const axis = (int32_t)bvxi_net_axis(t->net, face);
+    uint32_t const axis = bvxi_net_axis(t->net, face);
     double at[4][3];
     bvxi_face f;
 
     if (axis == BVXI_NET_FLAP) return 0;
-    bvxi_read_face(t->net, face, (uint32_t)axis, &f);
+    bvxi_read_face(t->net, face, axis, &f);
     for (int32_t n = 0; n < 4; n++)
-        if (bvxi_shares_cell(c, f.vertex[n])) return 0;
+        if ((t->state[f.vertex[n]] & IS_NEAR) != 0) return 0;
 
-    int32_t const u = (axis + 1) % 3, v = (axis + 2) % 3;
-    /* From the edge's low end. */
+    /* From the edge's end. */
     for (int32_t n = 0; n < 4; n++)
-        for (int32_t a = 0; a < 3; a++) at[n][a] = (double)f.place[n][a] / BVXI_NET_UNITS + 0.5;
+        for (int32_t a = 0; a < 3; a++)
+            at[n][a] = (double)bvxi_corner(&f, n, a) / BVXI_NET_UNITS + (a == 2 ? 0.5 : -0.5);
 
     /* Turn to the side of the diagonal on which the edge is. */
-    double const way = cross_flat(at[0], at[2], u, v), turn = cross_flat(at[0], at[1], u, v);
+    double const way = cross_flat(at[0], at[2]), turn = cross_flat(at[0], at[1]);
     const double *const side = at[(way > 0.0) == (turn > 0.0) ? 1 : 3];
-    double const to = bvxi_absolute(cross_flat(at[0], side, u, v)),
-                 from = bvxi_absolute(cross_flat(side, at[2], u, v)), out = bvxi_absolute(way),
-                 height = from * at[0][axis] + to * at[2][axis] - out * side[axis];
+    double const to = bvxi_absolute(cross_flat(at[0], side)), from = bvxi_absolute(cross_flat(side, at[2])),
+                 out = bvxi_absolute(way), height = from * at[0][2] + to * at[2][2] - out * side[2];
     return height >= t->margin && height <= to + from - out - t->margin;
 }
 
@@ -165,10 +163,10 @@ static void turn_flaps(const tangle *t)
 
         if ((t->state[v] | IS_NEAR) != IS_FLAP + FLAP_TURN * STRIKE + IS_MOVED + IS_NEAR) continue;
         bvxi_read_face(t->net, (uint32_t)f, BVXI_NET_FLAP, &face);
-        for (int a = 0; a < 3; a++) {
-            int32_t const way = face.place[1][a] - face.moved[1][a] + face.place[3][a] - face.moved[3][a];
-            t->net->offset[3 * (size_t)v + (size_t)a] = (int16_t)(way == 0 ? BVXI_NET_UNITS / 8 : way / 16);
-        }
+        int16_t *const o = t->net->offset + 3 * (size_t)v;
+        o[face.axis[0]] = (int16_t)(face.sign[0] * BVXI_NET_UNITS / 16);
+        o[face.axis[1]] = (int16_t)(face.sign[1] * BVXI_NET_UNITS / 16);
+        o[face.axis[2]] = BVXI_NET_UNITS / 8;
         bvxi_net_put(t->net, v);
     }
 }
@@ -228,6 +226,8 @@ bvx_status bvxi_net_untangle(bvx_context *ctx, bvxi_net *net)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->face_count, "the chosen faces", &t.chosen));
     for (uint64_t f = net->flaps; f < c->face_count; f++)
         t.state[bvxi_face_vertex(c, (uint32_t)f, 0)] = IS_FLAP;
+    /* Until the first round has chosen faces: vertices that share a cell. */
+    for (uint64_t v = 0; v < vertices; v++) t.state[v] |= bvxi_shares_cell(c, v) ? IS_NEAR : 0;
     for (int32_t round = 0; round < ROUNDS; round++) {
         /* However many rounds there are, progress goes on. */
         double const from = 1.0 - 1.0 / (1.0 + (double)round), to = 1.0 - 1.0 / (2.0 + (double)round);
