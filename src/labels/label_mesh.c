@@ -266,7 +266,7 @@ static bvx_status make_body(bvx_context *ctx, body_work *w, bvx_mesh *mesh)
     memcpy(mesh->frame, from->frame, sizeof mesh->frame);
     for (uint64_t i = 0; i < corners; i++)
         memcpy((uint8_t *)mesh->positions + number[w->corner[i]] * bytes,
-               (const uint8_t *)from->positions + w->vertex[i] * bytes, bytes);
+               (const uint8_t *)from->positions + w->vertex[i] * bytes, (size_t)bytes);
     put_body(w, number, mesh);
     return bvxi_mesh_made(ctx, bvxi_progress(ctx, "body", 1.0), mine, mesh);
 }

@@ -18,7 +18,7 @@ enum {
     STEPS = 6 /* even: the last one ends in the offsets */,
     CORRECTIONS = 16,
     VERTEX_GRAIN = 4096,
-    AHEAD = 8,
+    AHEAD = 16,
     LARGE_PAIR = 1 << 16,
     AXIS_SHIFT = 30,
     FACE_BITS = (1 << AXIS_SHIFT) - 1
