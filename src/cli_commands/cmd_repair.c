@@ -150,16 +150,6 @@ static void take_repair_options(const cli_run *run, bvx_repair_options *o)
     if (own->measure) o->samples = REPAIR_SAMPLES;
 }
 
-static int repair_mesh(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired, bvx_repair_report *report)
-{
-    bvx_repair_options o;
-
-    take_repair_options(run, &o);
-    o.report = report;
-    bvx_mesh_view const view = cli_view(source);
-    return CLI_STAGE(run, "repair", bvx_repair(run->context, &view, &o, repaired), cli_first_name(run));
-}
-
 /* Edges of the result collapse; what was measured of it is measured again. */
 static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired,
                            bvx_repair_report *report, cli_reduction *reduction)
@@ -241,7 +231,13 @@ static int make_repair(cli_run *run, void *work, cli_made *made)
     CLI_TRY(cli_open_output(run, run->options->output));
     CLI_TRY(cli_read_mesh(run, run->options->input[0], &job->source));
     CLI_TRY(cli_check_carry(run, &job->source));
-    CLI_TRY(repair_mesh(run, &job->source, &job->repaired, r));
+    bvx_repair_options o;
+
+    take_repair_options(run, &o);
+    o.report = r;
+    bvx_mesh_view const view = cli_view(&job->source);
+    CLI_TRY(
+        CLI_STAGE(run, "repair", bvx_repair(run->context, &view, &o, &job->repaired), cli_first_name(run)));
     CLI_TRY(reduce_repaired(run, &job->source, &job->repaired, r, &job->reduction));
     CLI_TRY(cli_carry(run, &job->source, &job->repaired, "carry", cli_first_name(run)));
 

@@ -283,32 +283,28 @@ void cli_free_volume(cli_run *run, cli_volume *v)
 
 /* ---- voxels of it ---- */
 
-/* What is not 0 lies on two sides of it. */
-static bvx_status select_other_than_zero(cli_run *run, const cli_volume *v, bvx_volume_report *report,
-                                         bvx_grid *grid)
-{
-    double const least = DBL_MIN * DBL_EPSILON; /* the least double above 0 */
-    bvx_grid under = {0};
-    bvx_status status = bvx_threshold(run->context, &v->view, least, HUGE_VAL, report, grid);
-
-    if (status == BVX_OK) status = bvx_threshold(run->context, &v->view, -HUGE_VAL, -least, NULL, &under);
-    if (status == BVX_OK) {
-        uint64_t const words = (uint64_t)grid->words_per_row * (uint64_t)grid->size[1] *
-                               (uint64_t)grid->size[2];
-        for (uint64_t w = 0; w < words; w++) grid->words[w] |= under.words[w];
-        bvx_grid_count(run->context, grid, &report->inside);
-    }
-    bvx_grid_free(run->context, &under);
-    return status;
-}
-
 bvx_status cli_select_voxels(cli_run *run, const cli_volume *v, bvx_volume_report *report, bvx_grid *grid)
 {
     const cli_options *const o = run->options;
     int64_t const label = o->value_label;
     if (o->range.given)
         return bvx_threshold(run->context, &v->view, o->range.value[0], o->range.value[1], report, grid);
-    if (!cli_selects(run)) return select_other_than_zero(run, v, report, grid);
+    /* What is not 0 lies on two sides of it. */
+    if (!cli_selects(run)) {
+        double const least = DBL_MIN * DBL_EPSILON; /* the least double above 0 */
+        bvx_grid under = {0};
+        bvx_status status = bvx_threshold(run->context, &v->view, least, HUGE_VAL, report, grid);
+
+        if (status == BVX_OK) status = bvx_threshold(run->context, &v->view, -HUGE_VAL, -least, NULL, &under);
+        if (status == BVX_OK) {
+            uint64_t const words = (uint64_t)grid->words_per_row * (uint64_t)grid->size[1] *
+                                   (uint64_t)grid->size[2];
+            for (uint64_t w = 0; w < words; w++) grid->words[w] |= under.words[w];
+            bvx_grid_count(run->context, grid, &report->inside);
+        }
+        bvx_grid_free(run->context, &under);
+        return status;
+    }
     if (cli_given(run, "--label") && v->view.sample_type < BVX_SAMPLE_F32)
         return bvx_threshold_whole(run->context, &v->view, label, label, report, grid);
     if (cli_given(run, "--label"))

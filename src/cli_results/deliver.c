@@ -3,14 +3,6 @@
 
 #include <stdlib.h>
 
-static const bvx_grid *grid_of(const cli_made *made)
-{
-    return made->grid != NULL     ? made->grid
-           : made->field != NULL  ? &made->field->band
-           : made->voxels != NULL ? made->voxels->grid
-                                  : made->shown;
-}
-
 static int write_made(cli_run *run, cli_made *made)
 {
     return made->write != NULL    ? made->write(run, run->work)
@@ -30,7 +22,10 @@ void cli_note_voxels(cli_run *run, const bvx_lattice *lattice, uint64_t set)
 
 static void tell_made(cli_run *run, cli_made *made)
 {
-    const bvx_grid *const grid = grid_of(made);
+    const bvx_grid *const grid = made->grid != NULL     ? made->grid
+                                 : made->field != NULL  ? &made->field->band
+                                 : made->voxels != NULL ? made->voxels->grid
+                                                        : made->shown;
     const char *const out = run->options->output;
 
     if (grid != NULL) cli_note_voxels(run, &grid->lattice, made->set);

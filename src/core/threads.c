@@ -159,16 +159,6 @@ static void work_on_step(bvxi_pool *pool)
     if (pool->inside == 0) pthread_cond_signal(&pool->ended);
 }
 
-/* With the lock held, which is given back meanwhile. */
-static void watch_for_step(bvxi_pool *pool)
-{
-    pool->watching++;
-    pthread_mutex_unlock(&pool->lock);
-    watch(&pool->open, 1);
-    pthread_mutex_lock(&pool->lock);
-    pool->watching--;
-}
-
 static int may_enter(const bvxi_pool *pool)
 {
     return pool->open && pool->inside < pool->worth.idle && pool->entered + 1 < pool->count &&
@@ -183,7 +173,12 @@ static void *help(void *given)
     while (!pool->quit) {
         if (may_enter(pool)) {
             work_on_step(pool);
-            watch_for_step(pool);
+            /* With the lock held, which is given back meanwhile. */
+            pool->watching++;
+            pthread_mutex_unlock(&pool->lock);
+            watch(&pool->open, 1);
+            pthread_mutex_lock(&pool->lock);
+            pool->watching--;
             continue;
         }
         pool->asleep++;

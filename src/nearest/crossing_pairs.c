@@ -42,18 +42,6 @@ static void pairs_corners(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-/* The order of the curve, without its keys. */
-static bvx_status order_pairs(bvx_context *ctx, pairs_job *job)
-{
-    uint64_t const n = job->mesh->view->triangle_count;
-
-    BVXI_TRY(BVXI_ARRAY(ctx, n, "the crossings' order", job->curve.order));
-    BVXI_TRY(BVXI_ARRAY(ctx, n, "the crossings' keys", job->curve.keys));
-    BVXI_TRY(bvxi_curve_sort(bvxi_call_of(ctx, NULL, "crossings", 0.0, 0.2), &job->curve));
-    bvxi_drop(ctx, job->curve.keys);
-    return BVX_OK;
-}
-
 static bvx_status open_pairs(bvx_context *ctx, pairs_job *job)
 {
     const bvx_mesh_view *const view = job->mesh->view;
@@ -72,7 +60,12 @@ static bvx_status open_pairs(bvx_context *ctx, pairs_job *job)
         size = high - low > size ? high - low : size;
     }
     job->curve.units = bvxi_unit_scale(minus, half);
-    BVXI_TRY(order_pairs(ctx, job));
+    uint64_t const n = job->mesh->view->triangle_count;
+
+    BVXI_TRY(BVXI_ARRAY(ctx, n, "the crossings' order", job->curve.order));
+    BVXI_TRY(BVXI_ARRAY(ctx, n, "the crossings' keys", job->curve.keys));
+    BVXI_TRY(bvxi_curve_sort(bvxi_call_of(ctx, NULL, "crossings", 0.0, 0.2), &job->curve));
+    bvxi_drop(ctx, job->curve.keys);
     BVXI_TRY(BVXI_ARRAY(ctx, 3 * view->vertex_count, "the crossings' positions", job->at));
     BVXI_TRY(BVXI_ARRAY(ctx, 3 * view->triangle_count, "the crossings' corners", job->vertex));
     BVXI_TRY(BVXI_SHARE(ctx, 0.2, 0.25,

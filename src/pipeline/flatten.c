@@ -281,17 +281,6 @@ static void take_around(flatten_job *f, const bvx_mesh_view *all)
     f->near.vertex_count = vertices;
 }
 
-static void number_around(flatten_job *f, uint64_t vertices)
-{
-    /* Their own numbers, so that checks cost what lies around walls, not the mesh. */
-    for (uint64_t v = 0; v < vertices; v++)
-        if (f->local[v] != 0) f->vertex[f->local[v] - 1] = (uint32_t)v;
-    f->near.positions = f->position;
-    f->near.position_type = BVX_F64;
-    f->near.indices = f->corner;
-    f->near.index_type = BVX_U32;
-}
-
 static bvx_status open_around(flatten_job *f)
 {
     bvx_context *const ctx = f->ctx;
@@ -325,7 +314,13 @@ static bvx_status open_around(flatten_job *f)
                         &f->part_corner));
     /* Listed by now, with the numbers found before. */
     take_around(f, &all);
-    number_around(f, all.vertex_count);
+    /* Their own numbers, so that checks cost what lies around walls, not the mesh. */
+    for (uint64_t v = 0; v < all.vertex_count; v++)
+        if (f->local[v] != 0) f->vertex[f->local[v] - 1] = (uint32_t)v;
+    f->near.positions = f->position;
+    f->near.position_type = BVX_F64;
+    f->near.indices = f->corner;
+    f->near.index_type = BVX_U32;
     return BVX_OK;
 }
 
@@ -405,16 +400,6 @@ static void take_changed(flatten_job *f)
     for (uint64_t n = 0; n < f->count; n++) f->moved[n].changed = 0;
 }
 
-static void mark_flat(flatten_job *f, const bvx_mesh_view *view)
-{
-    for (uint64_t t = 0; t < view->triangle_count; t++) {
-        double p[3][3];
-        const double *const corner[3] = {p[0], p[1], p[2]};
-        bvxi_view_corners(view, t, p);
-        if (!bvxi_has_area(corner)) mark_triangle(f, f->part[t]);
-    }
-}
-
 static bvx_status mark_common_places(flatten_job *f, const bvx_mesh_view *view)
 {
     uint64_t const bytes = view->vertex_count * 4;
@@ -480,7 +465,12 @@ static bvx_status move_around(flatten_job *f)
         for (uint64_t v = 0; v < f->near.vertex_count; v++)
             bvxi_view_position(&all, f->vertex[v], f->position + 3 * v);
         take_changed(f);
-        mark_flat(f, &f->around_change);
+        for (uint64_t t = 0; t < f->around_change.triangle_count; t++) {
+            double p[3][3];
+            const double *const corner[3] = {p[0], p[1], p[2]};
+            bvxi_view_corners(&f->around_change, t, p);
+            if (!bvxi_has_area(corner)) mark_triangle(f, f->part[t]);
+        }
         /* Of all of them: vertices meet wherever triangles are. */
         BVXI_TRY(mark_common_places(f, &f->near));
 

@@ -232,33 +232,29 @@ static bvx_status cast_all(inspect_job *job)
     return b->count != 0 ? cast_batch(job) : BVX_OK;
 }
 
-/* What a share of the surface with a thickness does not reach. */
-static void set_shares(inspect_job *job)
-{
-    static const double share[4] = {0.01, 0.05, 0.5, 0.95};
-    double all = 0.0, sum = 0.0;
-    int next = 0;
-
-    for (uint64_t i = 0; i < INSPECT_BINS; i++) all += job->binned[i];
-    for (int k = 0; k < 4; k++) job->report.thickness[k] = HUGE_VAL;
-    for (uint64_t i = 0; i < INSPECT_BINS && next < 4; i++) {
-        uint64_t const bits = i << INSPECT_DIGITS;
-        double length;
-
-        sum += job->binned[i];
-        memcpy(&length, &bits, sizeof length);
-        if (length < job->report.least_thickness) length = job->report.least_thickness;
-        while (next < 4 && sum > 0.0 && sum >= share[next] * all) job->report.thickness[next++] = length;
-    }
-}
-
 static bvx_status measure_walls(inspect_job *job)
 {
     BVXI_TRY(BVXI_ZEROS(job->ctx, INSPECT_BINS, "the surface by thickness", job->binned));
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.2, bvx_closest_create(job->ctx, job->mesh, &job->closest)));
     bvx_status const status = BVXI_SHARE(job->ctx, 0.2, 1.0, cast_all(job));
     bvx_closest_free(job->ctx, job->closest);
-    if (status == BVX_OK) set_shares(job);
+    if (status == BVX_OK) {
+        static const double share[4] = {0.01, 0.05, 0.5, 0.95};
+        double all = 0.0, sum = 0.0;
+        int next = 0;
+
+        for (uint64_t i = 0; i < INSPECT_BINS; i++) all += job->binned[i];
+        for (int k = 0; k < 4; k++) job->report.thickness[k] = HUGE_VAL;
+        for (uint64_t i = 0; i < INSPECT_BINS && next < 4; i++) {
+            uint64_t const bits = i << INSPECT_DIGITS;
+            double length;
+
+            sum += job->binned[i];
+            memcpy(&length, &bits, sizeof length);
+            if (length < job->report.least_thickness) length = job->report.least_thickness;
+            while (next < 4 && sum > 0.0 && sum >= share[next] * all) job->report.thickness[next++] = length;
+        }
+    }
     return status;
 }
 

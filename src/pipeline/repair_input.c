@@ -102,17 +102,6 @@ static bvx_status check_given(bvxi_repair_job *job, const double low[3], const d
     return BVX_OK;
 }
 
-/* Sharp edges: as requested, or as the mesh has them. */
-static bvx_status choose_sharp(bvxi_repair_job *job, const uint32_t *representative)
-{
-    int32_t const asked = job->options->placing.sharp;
-
-    job->report.sharp = asked == BVX_SHARP_ALWAYS;
-    return asked == BVX_SHARP_AUTO
-               ? bvxi_sharp_edges(job->ctx, &job->mesh, representative, &job->report.sharp)
-               : BVX_OK;
-}
-
 /* Pieces that cross others are bodies, whatever box they lie in, and face outward: no cavity crosses any. */
 static bvx_status mark_crossing(bvxi_repair_job *job, const uint32_t *representative,
                                 const bvxi_piece_marks *by, bvxi_mesh_piece *pieces, uint64_t count)
@@ -251,7 +240,13 @@ bvx_status bvxi_repair_take(bvxi_repair_job *job)
     }
     job->report.sign = job->fill = sign;
 
-    BVXI_TRY(choose_sharp(job, representative));
+    /* Sharp edges: as requested, or as the mesh has them. */
+    int32_t const asked = job->options->placing.sharp;
+
+    job->report.sharp = asked == BVX_SHARP_ALWAYS;
+    BVXI_TRY(asked == BVX_SHARP_AUTO
+                 ? bvxi_sharp_edges(job->ctx, &job->mesh, representative, &job->report.sharp)
+                 : BVX_OK);
     BVXI_TRY(take_pieces(job, representative));
     bvxi_drop(ctx, representative);
     return BVX_OK;

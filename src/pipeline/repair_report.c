@@ -183,25 +183,6 @@ static int has_lost_walls(const bvx_repair_report *r)
     return r->thin_voxels != 0 && !r->thin_kept;
 }
 
-/* Parts, and handles where walls, or gaps, thinner than voxels have met. Parts that cross may close a handle at each
- * curve where they do, and a curve takes a pair of triangles at least; the shell of an open sheet has its holes. */
-static void warn_of_topology(bvx_context *ctx, const bvx_repair_report *r, const bvxi_repair_facts *f,
-                             double finer)
-{
-    double const after = (double)r->after.components, before = (double)r->before.components;
-    double const apart = r->needs == BVX_NEEDS_NOTHING ? before : (double)f->bodies;
-    int64_t const has = lidded_handles(&r->after, 0);
-
-    if (after > before) BVXI_WARN(ctx, BVX_WARN_PARTS, after, before, finer);
-    if (after < apart && !changed_as_asked(r) && !has_lost_walls(r))
-        BVXI_WARN(ctx, BVX_WARN_JOINED, after, apart, finer);
-    if (f->handles >= 0 && (r->shelled_triangles == 0 || r->before.closed) &&
-        has > f->handles + (int64_t)r->crossings)
-        BVXI_WARN(ctx, BVX_WARN_HANDLES, (double)has, (double)f->handles, finer);
-    if (r->shelled_triangles != 0 && f->shelled_area > REPAIR_SHELLED * r->before.area)
-        BVXI_WARN(ctx, BVX_WARN_SHELLS, (double)r->shelled_triangles, f->shelled_area, r->before.area);
-}
-
 void bvxi_warn_of_lids(bvx_context *ctx, double share, uint64_t holes, const bvxi_rim *longest)
 {
     if (holes == 0 || share <= REPAIR_LIDS) return;
@@ -259,7 +240,21 @@ void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *r, const bvxi_repair_
 
         bvxi_warn_box(w, &r->lattice, f->thin_low, f->thin_high);
     }
-    warn_of_topology(ctx, r, f, bvxi_advised(2.0 * longest));
+    /* Handles, where walls, or gaps, thinner than voxels have met. Parts that cross may close one at each curve where
+     * they do, and a curve takes a pair of triangles at least; the shell of an open sheet has its holes. */
+    double const finer = bvxi_advised(2.0 * longest);
+    double const after = (double)r->after.components, before = (double)r->before.components;
+    double const apart = r->needs == BVX_NEEDS_NOTHING ? before : (double)f->bodies;
+    int64_t const has = lidded_handles(&r->after, 0);
+
+    if (after > before) BVXI_WARN(ctx, BVX_WARN_PARTS, after, before, finer);
+    if (after < apart && !changed_as_asked(r) && !has_lost_walls(r))
+        BVXI_WARN(ctx, BVX_WARN_JOINED, after, apart, finer);
+    if (f->handles >= 0 && (r->shelled_triangles == 0 || r->before.closed) &&
+        has > f->handles + (int64_t)r->crossings)
+        BVXI_WARN(ctx, BVX_WARN_HANDLES, (double)has, (double)f->handles, finer);
+    if (r->shelled_triangles != 0 && f->shelled_area > REPAIR_SHELLED * r->before.area)
+        BVXI_WARN(ctx, BVX_WARN_SHELLS, (double)r->shelled_triangles, f->shelled_area, r->before.area);
     bvxi_warn_of_lids(ctx, share_of_lids(r, f), r->holes, &f->longest_rim);
     if (encloses_inward(r, f)) BVXI_WARN(ctx, BVX_WARN_TURNED, 0.0, -r->before.volume);
     warn_of_size(ctx, r, f, bvxi_advised(2.0 * longest), (double)collapsed);

@@ -52,11 +52,6 @@ uint32_t bvxi_given_vertex(const bvxi_collapse *c, int32_t corner)
     return v[at % 3];
 }
 
-static uint32_t uv_index(const bvxi_collapse *c, int32_t corner, uint32_t vertex)
-{
-    return c->given->uv_indices != NULL ? c->given->uv_indices[given_corner(c, corner)] : vertex;
-}
-
 static int same_floats(const float *values, uint32_t i, uint32_t k, size_t count)
 {
     return values == NULL || i == k ||
@@ -82,7 +77,8 @@ int bvxi_attributes_share(const bvxi_collapse *c, uint32_t row, uint32_t other)
 static uint32_t row_of(bvxi_collapse *c, int32_t corner, uint64_t first)
 {
     bvxi_attributes *const s = &c->attributes;
-    uint32_t const v = bvxi_given_vertex(c, corner), uv = uv_index(c, corner, v);
+    uint32_t const v = bvxi_given_vertex(c, corner),
+                   uv = c->given->uv_indices != NULL ? c->given->uv_indices[given_corner(c, corner)] : v;
     int const apart = c->options.given.vertices == BVX_VERTICES_KEPT &&
                       c->given->vertex_count < 3 * c->given->triangle_count;
 

@@ -289,20 +289,6 @@ static bvx_status make_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
     return status;
 }
 
-/* By count the collapse went as far as it could; by error it had nothing to take back. */
-static bvx_status refuse_missed(bvx_context *ctx, const bvxi_level_chain *c, uint64_t i)
-{
-    if (c->targets.errors != NULL)
-        return bvxi_fail_for(
-            ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
-            "%s: level %i cannot keep its target: what it is made from is off by more than %g already",
-            c->function, i, c->targets.errors[i]);
-    return bvxi_fail_for(
-        ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
-        "%s: level %i cannot keep its target: %u triangles are the fewest that keep the guarantee",
-        c->function, i, c->levels[i].triangle_count);
-}
-
 static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse)
 {
     /* The level's share of the progress: what a report costs beside it. */
@@ -312,7 +298,18 @@ static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, 
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, made,
                         c->targets.errors != NULL ? make_by_error(ctx, c, i, collapse, &met)
                                                   : make_by_count(c, i, collapse, &met)));
-    if (c->targets.strict && !met) return refuse_missed(ctx, c, i);
+    /* By count the collapse went as far as it could; by error it had nothing to take back. */
+    if (c->targets.strict && !met) {
+        if (c->targets.errors != NULL)
+            return bvxi_fail_for(
+                ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
+                "%s: level %i cannot keep its target: what it is made from is off by more than %g already",
+                c->function, i, c->targets.errors[i]);
+        return bvxi_fail_for(
+            ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
+            "%s: level %i cannot keep its target: %u triangles are the fewest that keep the guarantee",
+            c->function, i, c->levels[i].triangle_count);
+    }
     return BVXI_SHARE(ctx, made, 1.0, report_level(ctx, c, i, collapse, met));
 }
 

@@ -426,29 +426,6 @@ static void join_halves(sheet_work *w, uint32_t a, uint32_t b)
     bvxi_join(w->parent, next_of(a), b);
 }
 
-/* Pair n half-edges, as many up as down, like brackets; stack receives each pair's first and second. */
-static void pair_run(sheet_work *w, uint64_t m, uint64_t n)
-{
-    int const outside = w->outside[w->crowd[m]];
-    uint64_t first = 0, held = 0;
-    int64_t depth = 0, least = 0;
-    uint32_t *const stack = w->stack + m;
-
-    /* What runs down opens an inside. The brackets begin where the least of them are open. */
-    for (uint64_t i = 0; i < n; i++) {
-        depth += runs_up(w, w->at[w->crowd[m + i]]) == outside ? 1 : -1;
-        if (depth >= least) continue;
-        least = depth;
-        first = i + 1;
-    }
-    for (uint64_t i = 0; i < n; i++) {
-        uint32_t const half = w->at[w->crowd[m + (first + i) % n]];
-
-        if (runs_up(w, half) == outside) stack[held++] = half;
-        else join_halves(w, stack[--held], half);
-    }
-}
-
 static void pair_edges(sheet_work *w)
 {
     for (uint32_t h = 0; h < 3 * w->triangles; h++) w->parent[h] = h;
@@ -460,7 +437,27 @@ static void pair_edges(sheet_work *w)
 
     for (uint64_t m = 0, n, up; m < w->crowded; m += n) {
         n = run_length(w, m, &up);
-        if (2 * up == n) pair_run(w, m, n);
+        /* As many up as down are paired like brackets; the stack receives each pair's first and second. */
+        if (2 * up == n) {
+            int const outside = w->outside[w->crowd[m]];
+            uint64_t first = 0, held = 0;
+            int64_t depth = 0, least = 0;
+            uint32_t *const stack = w->stack + m;
+
+            /* What runs down opens an inside. The brackets begin where the least of them are open. */
+            for (uint64_t i = 0; i < n; i++) {
+                depth += runs_up(w, w->at[w->crowd[m + i]]) == outside ? 1 : -1;
+                if (depth >= least) continue;
+                least = depth;
+                first = i + 1;
+            }
+            for (uint64_t i = 0; i < n; i++) {
+                uint32_t const half = w->at[w->crowd[m + (first + i) % n]];
+
+                if (runs_up(w, half) == outside) stack[held++] = half;
+                else join_halves(w, stack[--held], half);
+            }
+        }
     }
 }
 
