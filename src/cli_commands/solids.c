@@ -9,7 +9,6 @@
 void cli_take_fill(const cli_run *run, bvx_voxelize_options *v)
 {
     const cli_options *const o = run->options;
-
     v->fill = o->fill;
     v->close_gaps = o->fill == BVX_FILL_FLOOD ? o->close_gaps : 0;
     v->add_shell = o->add_shell;
@@ -57,7 +56,6 @@ int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in)
 int cli_fill_input(cli_run *run, cli_input *in)
 {
     bvx_lattice lattice;
-
     bvx_mesh_view const view = cli_view(&in->mesh);
     cli_stage_begin(run, "voxelize");
     bvx_status const status = cli_make_lattice(run, &view, &lattice);

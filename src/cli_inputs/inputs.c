@@ -25,7 +25,6 @@ static int has_vox_colours(const cli_bytes *b)
 {
     const unsigned char *const p = b->bytes;
     size_t n;
-
     for (size_t at = 20; at + 12 <= b->size; at += 12 + n) {
         n = p[at + 4] | (size_t)p[at + 5] << 8 | (size_t)p[at + 6] << 16 | (size_t)p[at + 7] << 24;
         if (memcmp(p + at, "RGBA", 4) == 0) return 1;
@@ -184,7 +183,6 @@ int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_
 {
     cli_input in;
     int const status = read_expanded(run, path, window, &in);
-
     *grid = in.grid;
     *placed = in.placed;
     return status;

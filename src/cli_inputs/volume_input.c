@@ -41,7 +41,6 @@ static int refuse_for_input(cli_run *run, const char *option, const char *path)
                                                                    : "a grid";
     /* --level and --levels differ by a letter: the other one may be meant. */
     const char *const meant = cli_mistaken_for(run, option);
-
     return cli_usage(run, "%s is for volumes (.nrrd .nhdr .npy .vti .raw); %s is %s%s%s%s", option,
                      cli_input_name(path), kind, meant != NULL ? "; did you mean " : "",
                      meant != NULL ? meant : "", meant != NULL ? "?" : "");
@@ -73,7 +72,6 @@ int cli_check_volume_options(cli_run *run)
 int cli_check_selection(cli_run *run, const char *path)
 {
     int const raw = cli_input_format(run, path) == BVX_FORMAT_RAW;
-
     if (cli_selects(run) > 1) return cli_usage(run, "--level, --range and --label exclude each other");
     CLI_TRY(cli_check_rules(run, selection_rules, raw ? IS_RAW : 0, cli_input_name(path)));
     return raw ? cli_check_rules(run, raw_rules, 0, cli_input_name(path)) : CLI_DONE;
@@ -169,7 +167,6 @@ static int read_data_files(cli_run *run, const char *head, cli_volume *v)
 int64_t cli_sample_bytes(int32_t type)
 {
     static const int64_t bytes[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
-
     return bytes[type];
 }
 

@@ -3,16 +3,6 @@
 
 #include <stdlib.h>
 
-static int write_made(cli_run *run, cli_made *made)
-{
-    return made->write != NULL    ? made->write(run, run->work)
-           : made->voxels != NULL ? cli_write_voxels(run, made->voxels)
-           : made->field != NULL  ? cli_write_field(run, made->field)
-           : made->grid != NULL   ? cli_write_grid(run, made->grid)
-           : made->mesh != NULL   ? cli_write_mesh(run, made->mesh)
-                                  : CLI_DONE;
-}
-
 void cli_note_voxels(cli_run *run, const bvx_lattice *lattice, uint64_t set)
 {
     run->report.lattice = *lattice;
@@ -54,7 +44,13 @@ int cli_perform(cli_run *run)
     run->work = calloc(1, run->job->size + 1);
     if (run->work == NULL) return cli_fail(run, "no memory to start");
     int result = run->job->make(run, run->work, &made);
-    if (result == CLI_DONE) result = write_made(run, &made);
+    if (result == CLI_DONE)
+        result = made.write != NULL    ? made.write(run, run->work)
+                 : made.voxels != NULL ? cli_write_voxels(run, made.voxels)
+                 : made.field != NULL  ? cli_write_field(run, made.field)
+                 : made.grid != NULL   ? cli_write_grid(run, made.grid)
+                 : made.mesh != NULL   ? cli_write_mesh(run, made.mesh)
+                                       : CLI_DONE;
     if (result == CLI_DONE) tell_made(run, &made);
     if (result == CLI_DONE && made.judge != NULL) result = made.judge(run, run->work);
 

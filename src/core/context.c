@@ -88,7 +88,6 @@ static bvx_context *place_in_arena(void *memory, uint64_t size, size_t own, bvxi
 {
     unsigned char *const base = memory;
     size_t const skip = arena_skip(memory);
-
     if (!fits_in_arena(memory, size, own)) return NULL;
     arena->memory = base + skip + own;
     arena->size = ((size_t)size - skip - own - BVXI_ALIGN) / BVXI_ALIGN * BVXI_ALIGN;

@@ -66,7 +66,6 @@ static int32_t claim_task(bvxi_pool *pool)
 static void watch(const int32_t *number, int32_t wanted)
 {
     int64_t const until = bvxi_now() + SPIN_TIME;
-
     /* Many looks for each look at the clock. */
     while (look_at(number) != wanted && bvxi_now() < until)
         for (int i = 0; i < 16 && look_at(number) != wanted; i++) {
@@ -237,7 +236,6 @@ static void wait_for_helpers(bvxi_pool *pool)
     watch(&pool->inside, 0);
     pthread_mutex_lock(&pool->lock);
     while (pool->inside > 0) pthread_cond_wait(&pool->ended, &pool->lock);
-
     bvxi_worth_waited(&pool->worth, start, pool->lost);
 }
 

@@ -78,7 +78,6 @@ bvx_status bvxi_glb_check_size(bvx_context *ctx, uint64_t size, uint64_t levels)
 static size_t json_inner(const char *array, const char **inner)
 {
     size_t n = array != NULL ? bvxi_text_length(array) : 0, first = 0;
-
     while (first < n && array[first] != '[') first++;
     while (n > first && array[n - 1] != ']') n--;
     for (first++; first < n && (array[first] == ' ' || (array[first] >= '\t' && array[first] <= '\r'));)

@@ -170,25 +170,9 @@ static bvx_status ply_text_number(ply_file *f, const ply_property *property, uin
     return ply_put(f, property, at, row, is_float ? (double)v32 : v);
 }
 
-static bvx_status ply_text_numbers(ply_file *f, const ply_property *property, uint64_t row, int64_t count)
-{
-    for (int64_t i = 0; i < count; i++) BVXI_TRY(ply_text_number(f, property, row));
-    return BVX_OK;
-}
-
-static bvx_status ply_text_skip(ply_file *f, const ply_element *e, uint64_t row, int64_t count)
-{
-    const char *const end = f->source->end;
-    for (int64_t i = 0; i < count; i++) {
-        f->p = bvxi_skip_space(f->p, end);
-        if (f->p == end) return bvxi_ply_fail_end(f, e, row);
-        f->p = bvxi_skip_word(f->p, end);
-    }
-    return BVX_OK;
-}
-
 static bvx_status ply_take_text_row(ply_file *f, const ply_element *e, uint64_t row)
 {
+    const char *const end = f->source->end;
     bvxi_ply_begin_row(f);
     for (uint32_t i = e->first; i < e->end; i++) {
         const ply_property *const property = &f->header->properties[i];
@@ -198,14 +182,19 @@ static bvx_status ply_take_text_row(ply_file *f, const ply_element *e, uint64_t 
         if (property->count_type != PLY_NONE) BVXI_TRY(ply_text_integer(f, "the length of a list", &count));
         if (property->count_type != PLY_NONE && count < bvxi_ply_least_length(property))
             return bvxi_ply_fail_length(f, e, row, count);
-        if (property->role == PLY_ROLE_CORNERS || property->role == PLY_ROLE_STRIP) {
+        for (int64_t k = 0; k < count; k++) {
             int64_t corner = 0;
-            for (int64_t k = 0; k < count; k++) {
+            if (property->role == PLY_ROLE_CORNERS || property->role == PLY_ROLE_STRIP) {
                 BVXI_TRY(ply_text_integer(f, "a vertex index", &corner));
                 BVXI_TRY(bvxi_ply_take_corner(f, property, f->p, row, corner));
+            } else if (property->role != PLY_ROLE_NONE) {
+                BVXI_TRY(ply_text_number(f, property, row));
+            } else {
+                f->p = bvxi_skip_space(f->p, end);
+                if (f->p == end) return bvxi_ply_fail_end(f, e, row);
+                f->p = bvxi_skip_word(f->p, end);
             }
-        } else if (property->role != PLY_ROLE_NONE) BVXI_TRY(ply_text_numbers(f, property, row, count));
-        else BVXI_TRY(ply_text_skip(f, e, row, count));
+        }
     }
     return ply_end_row(f, e, row);
 }
@@ -341,7 +330,6 @@ static void ply_take_bytes(ply_file *f, const ply_element *e, const uint8_t *p, 
 {
     size_t const size = (size_t)e->least_bytes;
     uint8_t *out = f->mesh->colours + (size_t)row * 4;
-
     for (uint64_t i = 0; i < count; i++, p += size, out += 4) {
         out[0] = p[0];
         out[1] = p[1];

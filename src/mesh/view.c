@@ -194,7 +194,6 @@ static int bounds_packed(const bvx_mesh_view *v, double low[3], double high[3])
 {
     uint32_t want[6];
     int within;
-
     return bvxi_view_packed_f32(v) && bvxi_view_packed_u32(v) && v->vertex_count != 0 &&
            bounds_of_all(v, low, high, want) && triangles_mention(v, want, &within) && within;
 }

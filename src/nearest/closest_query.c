@@ -132,7 +132,6 @@ double bvxi_closest_bound(const bvx_closest *closest, const double point[3], uin
 {
     double const s = query_scale(&closest->tree, point), p[3] = {point[0] * s, point[1] * s, point[2] * s};
     double t[3][3], q[3];
-
     bvxi_closest_corners(&closest->tree, hint, t);
     return sqrt(bvxi_closest_on_triangle(p, (const double(*)[3])t, q)) / s;
 }

@@ -26,17 +26,14 @@ typedef struct pairs_job {
 static void pairs_positions(void *user, uint64_t begin, uint64_t end)
 {
     const pairs_job *const job = user;
-
     for (uint64_t v = begin; v < end; v++) bvxi_view_position(job->mesh->view, v, job->at + 3 * v);
 }
 
 static void pairs_corners(void *user, uint64_t begin, uint64_t end)
 {
     const pairs_job *const job = user;
-
     for (uint64_t t = begin; t < end; t++) {
         uint32_t *const v = job->vertex + 3 * t;
-
         bvxi_view_triangle(job->mesh->view, t, v);
         for (int k = 0; k < 3; k++) v[k] = job->mesh->representative[v[k]];
     }
@@ -89,7 +86,6 @@ bvx_status bvxi_mesh_crossings(bvx_context *ctx, const bvxi_welded *mesh, uint64
                                uint64_t *count)
 {
     pairs_job job = {.mesh = mesh};
-
     BVXI_TRY(open_pairs(ctx, &job));
     BVXI_TRY(bvxi_crossings_find(ctx, &job.tree, 0.3, 1.0, most, pairs, count));
     bvxi_drop(ctx, job.tree.node[0]);

@@ -208,7 +208,6 @@ static void mark_block_range(flatten_job *f, const int32_t low[3], const int32_t
                              uint8_t mark)
 {
     int32_t from[3], to[3];
-
     /* Cut to the window, wider by the blocks requested. */
     for (int a = 0; a < 3; a++) {
         from[a] = low[a] > more ? low[a] - more : 0;
@@ -226,7 +225,6 @@ static void mark_blocks_around(flatten_job *f, const bvx_mesh_view *all)
     for (uint64_t t = 0; t < all->triangle_count; t++) {
         const uint32_t *const c = f->mesh->triangles + 3 * t;
         int32_t low[3], high[3];
-
         if ((f->number[c[0]] | f->number[c[1]] | f->number[c[2]]) == 0) continue;
         blocks_of(f, all, c, low, high);
         mark_block_range(f, low, high, 0, FLATTEN_REACHED);
@@ -329,7 +327,6 @@ static bvx_status open_around(flatten_job *f)
 static void write_position(const flatten_job *f, const flatten_vertex *m)
 {
     static const double share[3] = {1.0, 0.5, 0.0};
-
     /* As it was, or a share of the way; rounded as the mesh holds it. */
     for (int a = 0; a < 3; a++) {
         double const p = m->step == FLATTEN_STAYS ? m->from[a]
@@ -344,7 +341,6 @@ static void write_position(const flatten_job *f, const flatten_vertex *m)
 static void mark_vertex(flatten_job *f, uint64_t v)
 {
     uint32_t const number = f->number[f->vertex[v]];
-
     if (number == 0) return;
     flatten_vertex *const m = &f->moved[number - 1];
     /* It cannot go back further, or does already. */
@@ -423,7 +419,6 @@ static void step_back(flatten_job *f, int32_t round)
 {
     for (uint64_t n = 0; n < f->count; n++) {
         flatten_vertex *const m = &f->moved[n];
-
         /* A change is what the next look goes by. */
         m->changed = m->back || (round >= FLATTEN_ROUNDS && m->step != FLATTEN_STAYS);
         if (round >= FLATTEN_ROUNDS) m->step = FLATTEN_STAYS;

@@ -13,7 +13,6 @@ bvx_status bvxi_repair_lattice(bvxi_repair_job *job, int32_t resolution)
     bvx_lattice_options const o = {.struct_size = sizeof o,
                                    .resolution = resolution,
                                    .padding = 2 + (int32_t)(job->options->shell * 0.5 + 0.5)};
-
     job->resolution = resolution;
     if (job->options->fit.lattice != NULL) {
         job->lattice = *job->options->fit.lattice;
@@ -65,7 +64,6 @@ void bvxi_repair_view(const bvxi_repair_job *job, const uint32_t *corner, uint64
 static bvx_status drop_duplicates(bvxi_repair_job *job, const uint32_t *representative)
 {
     uint64_t kept;
-
     if (job->report.before.duplicates + job->report.before.collapsed == 0) return BVX_OK;
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->triangle_count * 12, "the triangles once each",
                         &job->corner));

@@ -20,7 +20,6 @@ static void put_position(const bvxi_collapse *c, bvx_mesh *level, uint64_t at, c
 static void give_triangles(const bvxi_collapse *c, const uint32_t *index, int rows, uint32_t *to)
 {
     const bvxi_corners *const m = &c->mesh;
-
     for (uint64_t t = 0; t < m->triangles; t++) {
         if (bvxi_corner_gone(m, (int32_t)(4 * t))) continue;
         for (uint64_t k = 0; k < 3; k++)
@@ -101,7 +100,6 @@ static bvx_status give_kept(bvxi_collapse *c, int owned, bvx_mesh *level)
 static int has_moved(const bvxi_collapse *c, uint32_t row, uint32_t v)
 {
     double p[3];
-
     if (c->kind[v] > VERTEX_LINE) return 0;
     bvxi_view_position(c->given, c->attributes.vertex[row], p);
     for (int k = 0; k < 3; k++)
