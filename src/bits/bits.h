@@ -150,7 +150,6 @@ static inline void bvxi_shift_row(const uint64_t *row, int32_t words, int64_t fr
 static inline void bvxi_transpose_64(uint64_t block[64])
 {
     uint64_t low = UINT64_C(0x00000000ffffffff); /* the lower half of every piece of 2 * half bits */
-
     for (int32_t half = 32; half != 0; half >>= 1, low ^= low << half)
         for (int32_t base = 0; base < 64; base += 2 * half)
             for (int32_t k = base; k < base + half; k++) {

@@ -265,18 +265,6 @@ static int group_of(const cli_argument *a)
     return OWN_GROUP;
 }
 
-static void print_option(const cli_argument *a)
-{
-    char left[40];
-    snprintf(left, sizeof left, "%s %s", a->name, a->value != NULL ? a->value : "");
-    printf("  %-24s", left);
-    for (const char *p = a->help; *p != 0; p++) {
-        putchar(*p);
-        if (*p == '\n') printf("%26s", "");
-    }
-    putchar('\n');
-}
-
 void cli_print_options(const cli_command *command, int all)
 {
     const cli_argument *row[CLI_MAX_OPTIONS];
@@ -291,7 +279,14 @@ void cli_print_options(const cli_command *command, int all)
                           !has_word(command->most, name))
                 continue;
             if (!titled++) printf("\n%s:\n", groups[i][0]);
-            print_option(row[k]);
+            char left[40];
+            snprintf(left, sizeof left, "%s %s", row[k]->name, row[k]->value != NULL ? row[k]->value : "");
+            printf("  %-24s", left);
+            for (const char *p = row[k]->help; *p != 0; p++) {
+                putchar(*p);
+                if (*p == '\n') printf("%26s", "");
+            }
+            putchar('\n');
         }
     }
 }

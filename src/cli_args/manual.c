@@ -173,13 +173,6 @@ void cli_print_manual(const cli_command *const *commands)
 
 /* ---- bash ---- */
 
-static void put_option_names(const cli_command *command)
-{
-    const cli_argument *row[CLI_MAX_OPTIONS];
-    int const rows = cli_list_rows(command, row);
-    for (int i = 0; i < rows; i++) printf(" %s", row[i]->name);
-}
-
 /* Case lines "command/--option)" for values: names to choose from, files, or nothing. */
 static void put_values(const cli_command *c)
 {
@@ -248,7 +241,9 @@ void cli_print_completion(const cli_command *const *commands)
            "    case $command in\n");
     for (int i = 0; (c = commands[i]) != NULL; i++) {
         printf("    %s) _bitvox_words '", c->name);
-        put_option_names(c);
+        const cli_argument *row[CLI_MAX_OPTIONS];
+        int const rows = cli_list_rows(c, row);
+        for (int k = 0; k < rows; k++) printf(" %s", row[k]->name);
         printf("' ;;\n");
     }
     printf("    esac\n"

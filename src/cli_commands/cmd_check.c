@@ -51,17 +51,6 @@ static const char *const finding_sizes[BVX_FINDING_COUNT] = {"thickness", "width
 
 /* ---- Colours ---- */
 
-/* Red below the limit, then from yellow to grey at twice as much. */
-static void paint_vertex(double part, uint8_t c[4])
-{
-    static const double thin[3] = {215, 25, 28}, near[3] = {255, 215, 80}, thick[3] = {200, 205, 210};
-    double const share = part < 2.0 ? part - 1.0 : 1.0;
-
-    for (int k = 0; k < 3; k++)
-        c[k] = (uint8_t)(part < 1.0 ? thin[k] : near[k] + share * (thick[k] - near[k]) + 0.5);
-    c[3] = 255;
-}
-
 static int paint_mesh(cli_run *run, check_job *job)
 {
     const bvx_inspect_options *const own = run->own;
@@ -71,7 +60,17 @@ static int paint_mesh(cli_run *run, check_job *job)
 
     job->colours = malloc((size_t)n * 4 + 1);
     if (job->colours == NULL) return cli_fail(run, "no memory for the colours of %" PRIu64 " vertices", n);
-    for (uint64_t v = 0; v < n; v++) paint_vertex(job->thickness[v] / limit, job->colours + 4 * v);
+    /* Red below the limit, then from yellow to grey at twice as much. */
+    for (uint64_t v = 0; v < n; v++) {
+        static const double thin[3] = {215, 25, 28}, near[3] = {255, 215, 80}, thick[3] = {200, 205, 210};
+        double const part = job->thickness[v] / limit;
+        uint8_t *const c = job->colours + 4 * v;
+        double const share = part < 2.0 ? part - 1.0 : 1.0;
+
+        for (int k = 0; k < 3; k++)
+            c[k] = (uint8_t)(part < 1.0 ? thin[k] : near[k] + share * (thick[k] - near[k]) + 0.5);
+        c[3] = 255;
+    }
     job->painted = job->in.mesh;
     job->painted.colours = job->colours;
     job->painted.owned = 0;

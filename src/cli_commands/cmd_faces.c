@@ -35,7 +35,6 @@ static int check_faces_options(cli_run *run)
 static int extract_mesh(cli_run *run, const cli_input *in, const bvx_grid *of, int number, bvx_mesh *mesh)
 {
     bvx_faces_options *const own = run->own;
-
     own->struct_size = sizeof *own;
     own->of = of;
     cli_stage_begin(run, "faces");
@@ -62,7 +61,6 @@ static int write_colours(cli_run *run, void *work)
 {
     faces_job *const j = work;
     char *const out = (char *)(uintptr_t)run->options->output, *const path[2] = {out, out};
-
     run->names = j->names;
     run->colours = j->colours;
     return cli_write_levels(run, j->mesh, j->count, path);
@@ -132,7 +130,6 @@ static void tell_faces(const cli_run *run, const void *work, cli_made *made)
 static void free_faces(cli_run *run, void *work)
 {
     faces_job *const job = work;
-
     for (int i = 0; i < COLOURS; i++) bvx_mesh_free(run->context, &job->mesh[i]);
 }
 

@@ -399,7 +399,6 @@ static const cli_job info_files = {.size = sizeof(info_job), .make = make_info, 
 static int info_of_one(cli_run *run, void *work, cli_made *made)
 {
     const char *const path = run->options->input[0];
-
     (void)work;
     made->untitled = 1;
     cli_text_add(&made->head, "%s\n", cli_input_name(path));

@@ -154,20 +154,6 @@ static const cli_rule input_rules[] = {
     {.also = cli_fill_rules},
     {0}};
 
-static int check_morph_options(cli_run *run, morph_job *job)
-{
-    const morph_options *const own = run->own;
-    const char *const path = run->options->input[1];
-    int kind;
-    job->action = (morph_action)own->action;
-    CLI_TRY(cli_check_rules(run, action_rules, facts_of_action(own, job->action), action_names[job->action]));
-    CLI_TRY(cli_input_kind(run, path, &kind));
-    if (kind != CLI_GRID && CLI_HOLDS(run, CLI_TO_MESH) && !cli_given(run, "--padding") &&
-        !run->options->origin.given)
-        run->options->padding = 1; /* the surface ends where the mesh does, also at the lattice's sides */
-    return cli_check_rules(run, input_rules, kind == CLI_GRID ? CLI_OF_GRID : 0, cli_input_name(path));
-}
-
 /* ---- the voxels ---- */
 
 static int make_room(cli_run *run, morph_job *job)
@@ -192,7 +178,16 @@ static int make_room(cli_run *run, morph_job *job)
 
 static int open_morph(cli_run *run, morph_job *job, cli_made *made)
 {
-    CLI_TRY(check_morph_options(run, job));
+    const morph_options *const own = run->own;
+    const char *const path = run->options->input[1];
+    int kind;
+    job->action = (morph_action)own->action;
+    CLI_TRY(cli_check_rules(run, action_rules, facts_of_action(own, job->action), action_names[job->action]));
+    CLI_TRY(cli_input_kind(run, path, &kind));
+    if (kind != CLI_GRID && CLI_HOLDS(run, CLI_TO_MESH) && !cli_given(run, "--padding") &&
+        !run->options->origin.given)
+        run->options->padding = 1; /* the surface ends where the mesh does, also at the lattice's sides */
+    CLI_TRY(cli_check_rules(run, input_rules, kind == CLI_GRID ? CLI_OF_GRID : 0, cli_input_name(path)));
     CLI_TRY(cli_open_voxels(run));
     CLI_TRY(cli_read_input(run, run->options->input[1], &job->in));
     if (job->in.kind == CLI_MESH) {

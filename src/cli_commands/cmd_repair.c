@@ -78,34 +78,6 @@ void cli_report_repair(cli_text *t, const bvx_repair_report *r, int measured)
     cli_text_add(t, "}");
 }
 
-static void tell_found(const bvx_repair_report *r, cli_made *made)
-{
-    const bvx_certificate *const c = &r->before;
-
-    cli_tell(made, "  found       %s%s%s; %" PRIu64 " components, volume %.6g\n",
-             c->closed ? "closed" : "open",
-             c->edge_manifold && c->vertex_manifold ? ", manifold" : ", not manifold",
-             c->oriented ? ", oriented" : ", not oriented", c->components, c->volume);
-    if (r->needs == BVX_NEEDS_NOTHING)
-        cli_tell(made, "  needs       nothing: it does not cross itself%s\n",
-                 r->copied ? "; copied" : " (--if-needed copies it)");
-    if (r->crossings != 0) cli_tell(made, "  crossings   %" PRIu64 " pairs of triangles\n", r->crossings);
-    if (r->holes != 0 && c->boundary_edges == 0)
-        cli_tell(made, "  holes       %" PRIu64 " where junctions part\n", r->holes);
-    else if (r->holes != 0)
-        cli_tell(made, "  holes       %" PRIu64 ", %" PRIu64 " open edges\n", r->holes, c->boundary_edges);
-    if (c->flipped_edges != 0)
-        cli_tell(made,
-                 "  flipped     %" PRIu64 " edges between triangles of opposite sides; %" PRIu64
-                 " triangles reversed\n",
-                 c->flipped_edges, r->turned);
-    if (c->nonmanifold_edges != 0)
-        cli_tell(made, "  junctions   %" PRIu64 " edges of three triangles or more\n", c->nonmanifold_edges);
-    if (c->duplicates + c->degenerate + c->collapsed != 0)
-        cli_tell(made, "  useless     %" PRIu64 " duplicate, %" PRIu64 " without area\n", c->duplicates,
-                 c->degenerate + c->collapsed);
-}
-
 static void tell_repaired(const cli_run *run, const bvx_repair_report *r, const cli_reduction *reduction,
                           cli_made *made)
 {
@@ -150,16 +122,6 @@ static void take_repair_options(const cli_run *run, bvx_repair_options *o)
     if (own->measure) o->samples = REPAIR_SAMPLES;
 }
 
-static int repair_mesh(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired, bvx_repair_report *report)
-{
-    bvx_repair_options o;
-
-    take_repair_options(run, &o);
-    o.report = report;
-    bvx_mesh_view const view = cli_view(source);
-    return CLI_STAGE(run, "repair", bvx_repair(run->context, &view, &o, repaired), cli_first_name(run));
-}
-
 /* Edges of the result collapse; what was measured of it is measured again. */
 static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired,
                            bvx_repair_report *report, cli_reduction *reduction)
@@ -190,7 +152,6 @@ static int write_input(cli_run *run)
     cli_bytes b = {NULL, 0, 0, 0};
     int result = cli_read_file(run, run->options->input[0], &b);
     bvx_buffer const file = {.bytes = b.bytes, .size = b.size};
-
     if (result == CLI_DONE) result = cli_write_output(run, 0, &file);
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     if (result == CLI_DONE) run->report.kept = run->report.had;
@@ -202,7 +163,6 @@ static int write_input(cli_run *run)
 static int is_same_file(const cli_run *run)
 {
     const cli_options *const o = run->options;
-
     return strcmp(o->input[0], "-") != 0 && run->report.nonfinite == 0 &&
            cli_input_format(run, o->input[0]) == bvx_format_of_name(o->output) &&
            cli_turn_of(run) == BVX_TURN_NONE &&
@@ -214,7 +174,6 @@ static int write_repaired(cli_run *run, void *work)
 {
     repair_job *const job = work;
     int const copied = job->report.copied && !job->reduction.done;
-
     if (copied && is_same_file(run)) return write_input(run);
     run->source = &job->source;
     int result = cli_write_mesh(run, copied ? &job->source : &job->repaired);
@@ -241,7 +200,13 @@ static int make_repair(cli_run *run, void *work, cli_made *made)
     CLI_TRY(cli_open_output(run, run->options->output));
     CLI_TRY(cli_read_mesh(run, run->options->input[0], &job->source));
     CLI_TRY(cli_check_carry(run, &job->source));
-    CLI_TRY(repair_mesh(run, &job->source, &job->repaired, r));
+    bvx_repair_options o;
+
+    take_repair_options(run, &o);
+    o.report = r;
+    bvx_mesh_view const view = cli_view(&job->source);
+    CLI_TRY(
+        CLI_STAGE(run, "repair", bvx_repair(run->context, &view, &o, &job->repaired), cli_first_name(run)));
     CLI_TRY(reduce_repaired(run, &job->source, &job->repaired, r, &job->reduction));
     CLI_TRY(cli_carry(run, &job->source, &job->repaired, "carry", cli_first_name(run)));
 
@@ -259,10 +224,32 @@ static void tell_repair(const cli_run *run, const void *work, cli_made *made)
 {
     const repair_options *const own = run->own;
     const repair_job *const job = work;
-
     cli_report_repair(&made->members, &job->report, own->measure);
-    tell_found(&job->report, made);
-    tell_repaired(run, &job->report, &job->reduction, made);
+    const bvx_repair_report *const r = &job->report;
+    const bvx_certificate *const c = &r->before;
+    cli_tell(made, "  found       %s%s%s; %" PRIu64 " components, volume %.6g\n",
+             c->closed ? "closed" : "open",
+             c->edge_manifold && c->vertex_manifold ? ", manifold" : ", not manifold",
+             c->oriented ? ", oriented" : ", not oriented", c->components, c->volume);
+    if (r->needs == BVX_NEEDS_NOTHING)
+        cli_tell(made, "  needs       nothing: it does not cross itself%s\n",
+                 r->copied ? "; copied" : " (--if-needed copies it)");
+    if (r->crossings != 0) cli_tell(made, "  crossings   %" PRIu64 " pairs of triangles\n", r->crossings);
+    if (r->holes != 0 && c->boundary_edges == 0)
+        cli_tell(made, "  holes       %" PRIu64 " where junctions part\n", r->holes);
+    else if (r->holes != 0)
+        cli_tell(made, "  holes       %" PRIu64 ", %" PRIu64 " open edges\n", r->holes, c->boundary_edges);
+    if (c->flipped_edges != 0)
+        cli_tell(made,
+                 "  flipped     %" PRIu64 " edges between triangles of opposite sides; %" PRIu64
+                 " triangles reversed\n",
+                 c->flipped_edges, r->turned);
+    if (c->nonmanifold_edges != 0)
+        cli_tell(made, "  junctions   %" PRIu64 " edges of three triangles or more\n", c->nonmanifold_edges);
+    if (c->duplicates + c->degenerate + c->collapsed != 0)
+        cli_tell(made, "  useless     %" PRIu64 " duplicate, %" PRIu64 " without area\n", c->duplicates,
+                 c->degenerate + c->collapsed);
+    tell_repaired(run, r, &job->reduction, made);
 }
 
 static const cli_owned repair_owns[] = {

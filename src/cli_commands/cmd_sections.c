@@ -440,7 +440,6 @@ static void tell_topology(const cli_run *run, const sections_job *job, cli_made 
 {
     const sections_options *const own = run->own;
     cli_text *const t = &made->members;
-
     if (own->body.caps == BVX_CAPS_OPEN) return;
     cli_tell(made, "  topology    %" PRIu64 " part%s, %" PRId64 " handle%s\n", job->parts,
              job->parts == 1 ? "" : "s", job->genus, job->genus == 1 ? "" : "s");

@@ -11,7 +11,6 @@ enum { FIELD_HALF_WIDTH = 3, FIELD_MOST_PADDING = 16 };
 static void start_voxelize(void *options)
 {
     cli_voxelize_options *const o = options;
-
     o->solid = (bvx_voxelize_options){.struct_size = sizeof o->solid};
     o->cloud = (bvx_points_options){.struct_size = sizeof o->cloud};
     o->field = (bvx_field_options){.struct_size = sizeof o->field, .half_width = FIELD_HALF_WIDTH};
@@ -99,9 +98,7 @@ enum {
 static uint32_t facts_of_mode(const cli_run *run)
 {
     const cli_voxelize_options *const own = run->own;
-
     int32_t const format = bvx_format_of_name(run->options->output);
-
     return (own->mode == CLI_MODE_SOLID ? SETS_SOLID : 0u) | (own->mode == CLI_MODE_FIELD ? SETS_FIELD : 0u) |
            (format == BVX_FORMAT_NRRD || format == BVX_FORMAT_VOX ? TO_SEGMENTS : 0u) |
            (own->solid.check_thin == BVX_CHECK_ALWAYS ? LOOKS_FOR_THIN : 0u);
@@ -180,7 +177,6 @@ static int find_kind(cli_run *run, uint32_t *kind)
 {
     const char *const input = run->options->input[0];
     int of;
-
     *kind = CLI_OF_CLOUD;
     if (cli_input_format(run, input) == BVX_FORMAT_XYZ) return CLI_DONE;
     CLI_TRY(cli_input_kind(run, input, &of));
@@ -237,7 +233,6 @@ static void choose_field_padding(cli_run *run)
     const cli_voxelize_options *const own = run->own;
     cli_options *const o = run->options;
     double const width = own->field.half_width;
-
     /* The band reaches so far beyond the mesh. Who asks for a wide one wants distances inside, not a
      * lattice many times as large; a field without an end takes the usual room. */
     if (!cli_given(run, "--padding") && !o->origin.given)
@@ -248,7 +243,6 @@ static void choose_field_padding(cli_run *run)
 static void make_room_for_surface(cli_run *run)
 {
     cli_options *const o = run->options;
-
     if (CLI_HOLDS(run, CLI_TO_MESH) && o->fill != BVX_FILL_BELOW && !cli_given(run, "--padding") &&
         !o->origin.given)
         o->padding = 1;
@@ -259,7 +253,6 @@ static void make_room_for_surface(cli_run *run)
 static bvx_status make_surface(const cli_run *run, voxel_job *job, bvx_surface_report *report)
 {
     const cli_voxelize_options *const own = run->own;
-
     /* The modes of the program begin with the solid, those of the library do not. */
     bvx_surface_options s = {.struct_size = sizeof s,
                              .mode = own->mode - CLI_MODE_CONSERVATIVE + BVX_SURFACE_CONSERVATIVE,
@@ -272,7 +265,6 @@ static bvx_status make_solid_voxels(const cli_run *run, voxel_job *job, bvx_soli
 {
     const cli_voxelize_options *const own = run->own;
     bvx_voxelize_options v = own->solid;
-
     cli_take_fill(run, &v);
     v.report = report;
     v.window = job->window;
@@ -285,7 +277,6 @@ static bvx_status make_cloud(const cli_run *run, voxel_job *job, bvx_points_repo
 {
     const cli_voxelize_options *const own = run->own;
     bvx_points_options p = own->cloud;
-
     p.close_gaps = run->options->close_gaps;
     p.window = job->window;
     p.report = report;
@@ -391,7 +382,6 @@ typedef struct voxel_reports {
 static bvx_status make_voxels(cli_run *run, voxel_job *job, voxel_reports *reports, cli_made *made)
 {
     const cli_voxelize_options *const own = run->own;
-
     if (job->cloud) return make_cloud(run, job, &reports->cloud);
     if (own->mode == CLI_MODE_FIELD) return make_field(run, job, made);
     if (own->mode == CLI_MODE_SOLID) return make_solid_voxels(run, job, &reports->solid);
@@ -401,7 +391,6 @@ static bvx_status make_voxels(cli_run *run, voxel_job *job, voxel_reports *repor
 static bvx_status keep_voxels(cli_run *run, voxel_job *job, cli_made *made)
 {
     bvx_status status = BVX_OK;
-
     if (CLI_HOLDS(run, CLI_KEEPS_PARTS)) status = cli_keep_parts(run, &job->grid, &job->grid);
     return status == BVX_OK ? bvx_grid_count(run->context, &job->grid, &made->set) : status;
 }

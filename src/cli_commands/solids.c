@@ -9,7 +9,6 @@
 void cli_take_fill(const cli_run *run, bvx_voxelize_options *v)
 {
     const cli_options *const o = run->options;
-
     v->fill = o->fill;
     v->close_gaps = o->fill == BVX_FILL_FLOOD ? o->close_gaps : 0;
     v->add_shell = o->add_shell;
@@ -57,7 +56,6 @@ int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in)
 int cli_fill_input(cli_run *run, cli_input *in)
 {
     bvx_lattice lattice;
-
     bvx_mesh_view const view = cli_view(&in->mesh);
     cli_stage_begin(run, "voxelize");
     bvx_status const status = cli_make_lattice(run, &view, &lattice);
@@ -90,24 +88,6 @@ static double voxel_volume(const bvx_lattice *l)
     return l->spacing[0] * l->spacing[1] * l->spacing[2];
 }
 
-static void tell_lines(const cli_run *run, cli_text *t, const bvx_lattice *lattice, const bvx_solid_report *r)
-{
-    const cli_options *const o = run->options;
-    double const voxel = voxel_volume(lattice);
-
-    cli_tell_fill(t, r);
-    if (o->fill == BVX_FILL_REGIONS) cli_text_add(t, "  regions     %" PRIu64 "\n", r->regions);
-    if (cli_given(run, "--second"))
-        cli_text_add(
-            t,
-            "  cut         %" PRIu64 " voxels, volume %.9g\n  fill        %" PRIu64 " voxels, volume %.9g\n",
-            r->cut_voxels, (double)r->cut_voxels * voxel, r->fill_voxels, (double)r->fill_voxels * voxel);
-    if (r->thin_checked)
-        cli_text_add(
-            t, "  thin        %" PRIu64 " voxels at walls below 1.5 voxels that are lost or have gaps\n",
-            r->thin_voxels);
-}
-
 void cli_report_solid(const cli_run *run, cli_text *t, const bvx_lattice *lattice, const bvx_solid_report *r)
 {
     const cli_options *const o = run->options;
@@ -137,6 +117,20 @@ void cli_report_solid(const cli_run *run, cli_text *t, const bvx_lattice *lattic
 
 void cli_tell_solid(const cli_run *run, const bvx_grid *grid, const bvx_solid_report *r, cli_made *made)
 {
-    tell_lines(run, &made->text, &grid->lattice, r);
+    const cli_options *const o = run->options;
+    double const voxel = voxel_volume(&grid->lattice);
+
+    cli_tell_fill(&made->text, r);
+    if (o->fill == BVX_FILL_REGIONS) cli_text_add(&made->text, "  regions     %" PRIu64 "\n", r->regions);
+    if (cli_given(run, "--second"))
+        cli_text_add(
+            &made->text,
+            "  cut         %" PRIu64 " voxels, volume %.9g\n  fill        %" PRIu64 " voxels, volume %.9g\n",
+            r->cut_voxels, (double)r->cut_voxels * voxel, r->fill_voxels, (double)r->fill_voxels * voxel);
+    if (r->thin_checked)
+        cli_text_add(&made->text,
+                     "  thin        %" PRIu64
+                     " voxels at walls below 1.5 voxels that are lost or have gaps\n",
+                     r->thin_voxels);
     cli_report_solid(run, &made->members, &grid->lattice, r);
 }

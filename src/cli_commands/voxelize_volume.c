@@ -107,7 +107,6 @@ static bvx_status make_level_mesh(cli_run *run, volume_job *j, const bvx_volume_
                                   .level = run->options->level,
                                   .below = run->options->below,
                                   .report = &j->report};
-
     return bvx_extract_scalar(run->context, view, &o, mesh);
 }
 

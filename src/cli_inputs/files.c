@@ -53,7 +53,6 @@ static int fail_ceiling(cli_run *run, const char *path, const char *more, uint64
 static int take_room(cli_run *run, const char *path, size_t room, cli_bytes *b)
 {
     unsigned char *const bytes = realloc(b->bytes, room);
-
     if (bytes == NULL)
         return cli_fail(run, "%s: no memory for %" PRIu64 " bytes of it", cli_input_name(path),
                         (uint64_t)room);
@@ -66,7 +65,6 @@ static int take_room(cli_run *run, const char *path, size_t room, cli_bytes *b)
 static int grow_bytes(cli_run *run, const char *path, cli_bytes *b)
 {
     size_t room = b->room < SIZE_MAX / 2 ? b->room * 2 : SIZE_MAX;
-
     if (room > b->limit) room = (size_t)b->limit;
     if (room <= b->room) return fail_ceiling(run, path, "holds more than", b->limit);
     return take_room(run, path, room, b);
@@ -76,7 +74,6 @@ static int start_bytes(cli_run *run, const char *path, uint64_t guess, uint64_t 
 {
     /* One more, so that the end is seen without growing. */
     uint64_t const room = guess < SIZE_MAX - 1 ? guess + 1 : SIZE_MAX;
-
     memset(b, 0, sizeof *b);
     b->limit = limit < SIZE_MAX ? limit : SIZE_MAX;
     return take_room(run, path, (size_t)(room < b->limit ? room : b->limit), b);
@@ -108,7 +105,6 @@ static int64_t size_of_file(FILE *file)
 static size_t read_part(FILE *file, unsigned char *to, size_t want, int *error)
 {
     size_t got = 0;
-
     do {
         clearerr(file);
         errno = 0;
@@ -344,7 +340,6 @@ static int keeps_file(const cli_run *run)
     const cli_options *const o = run->options;
     int const levels = o->triangles.count + o->errors.count + (int)o->count;
     int const alone = levels == 1 || (levels == 0 && (run->command->bit & CLI_SIMPLIFY) != 0);
-
     return o->keep_vertices && !cli_given(run, "--output-origin") && !o->quantize && o->output != NULL &&
            bvx_format_of_name(o->output) == BVX_FORMAT_GLB && cli_turn_of(run) == BVX_TURN_NONE &&
            (alone || strchr(o->output, '%') != NULL);
@@ -423,7 +418,6 @@ static int count_materials(const bvx_mesh *mesh)
 {
     unsigned char used[FILES_MATERIALS] = {0};
     int count = 0;
-
     for (uint64_t t = 0; mesh->materials != NULL && t < mesh->triangle_count; t++) {
         uint32_t const m = mesh->materials[t] < FILES_MATERIALS ? mesh->materials[t] : FILES_MATERIALS - 1;
         count += !used[m];

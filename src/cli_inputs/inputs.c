@@ -20,28 +20,11 @@ static int holds_tree(int32_t format, const cli_bytes *b)
     return format == BVX_FORMAT_BVX && b->size >= sizeof tree && memcmp(b->bytes, tree, sizeof tree) == 0;
 }
 
-/* Packed samples become a grid by way of their volume, as a reader of grids has nothing to unpack them. The
- * volume takes the bytes. */
-static int unpack_grid(cli_run *run, cli_bytes *b, const bvx_window *window, cli_input *in)
-{
-    bvx_volume_report report;
-
-    cli_volume v = {.file = *b};
-    memset(b, 0, sizeof *b);
-    int status = cli_take_volume(run, in->path, window, &v);
-    if (status == CLI_DONE)
-        status = cli_check_call(run, cli_select_voxels(run, &v, &report, &in->grid),
-                                cli_input_name(in->path));
-    cli_free_volume(run, &v);
-    return status;
-}
-
 /* Colours of a .vox that was read: a palette, or other numbers than those that bitvox writes. */
 static int has_vox_colours(const cli_bytes *b)
 {
     const unsigned char *const p = b->bytes;
     size_t n;
-
     for (size_t at = 20; at + 12 <= b->size; at += 12 + n) {
         n = p[at + 4] | (size_t)p[at + 5] << 8 | (size_t)p[at + 6] << 16 | (size_t)p[at + 7] << 24;
         if (memcmp(p + at, "RGBA", 4) == 0) return 1;
@@ -62,9 +45,20 @@ static int parse_grid(cli_run *run, cli_bytes *b, const bvx_window *window, cli_
     if (in->kind == CLI_TREE) read = bvx_read_octree(run->context, b->bytes, b->size, &in->tree);
     else read = bvx_read_grid(run->context, b->bytes, b->size, format, window, &in->grid);
     cli_end_parse(run, b->size);
+    /* Packed samples become a grid by way of their volume, as a reader of grids has nothing to unpack them. */
     if (read == BVX_ERR_UNSUPPORTED && (format == BVX_FORMAT_NRRD || format == BVX_FORMAT_VTI) &&
-        bvx_last_error(run->context)->reason == BVX_REASON_COMPRESSED)
-        return unpack_grid(run, b, window, in);
+        bvx_last_error(run->context)->reason == BVX_REASON_COMPRESSED) {
+        bvx_volume_report report;
+
+        cli_volume v = {.file = *b};
+        memset(b, 0, sizeof *b);
+        int status = cli_take_volume(run, in->path, window, &v);
+        if (status == CLI_DONE)
+            status = cli_check_call(run, cli_select_voxels(run, &v, &report, &in->grid),
+                                    cli_input_name(in->path));
+        cli_free_volume(run, &v);
+        return status;
+    }
     int const coloured = read == BVX_OK && format == BVX_FORMAT_VOX && run->options->output != NULL &&
                          has_vox_colours(b);
     if (coloured && run->command->bit == CLI_FACES && CLI_HOLDS(run, CLI_TO_GLB))
@@ -131,17 +125,6 @@ int cli_check_tree_level(cli_run *run, int32_t levels)
                      levels);
 }
 
-static void window_at(const bvx_window *finest, int32_t shift, bvx_window *w)
-{
-    *w = *finest;
-    for (int a = 0; a < 3 && finest->size[0] != 0; a++) {
-        /* Outwards: a coarse voxel belongs to the window that it overlaps. */
-        int64_t const end = (int64_t)finest->low[a] + finest->size[a];
-        w->low[a] = finest->low[a] >> shift;
-        w->size[a] = (int32_t)((end + (INT64_C(1) << shift) - 1) >> shift) - w->low[a];
-    }
-}
-
 int cli_expand_tree(cli_run *run, const bvx_octree *tree, const bvx_window *finest, const char *path,
                     bvx_grid *grid)
 {
@@ -152,7 +135,14 @@ int cli_expand_tree(cli_run *run, const bvx_octree *tree, const bvx_window *fine
 
     CLI_TRY(cli_check_tree_level(run, levels));
     CLI_TRY(cli_check_call(run, bvx_octree_lattice(run->context, tree, level, &lattice), path));
-    window_at(finest, levels - level, &window);
+    int32_t const shift = levels - level;
+    window = *finest;
+    for (int a = 0; a < 3 && finest->size[0] != 0; a++) {
+        /* Outwards: a coarse voxel belongs to the window that it overlaps. */
+        int64_t const end = (int64_t)finest->low[a] + finest->size[a];
+        window.low[a] = finest->low[a] >> shift;
+        window.size[a] = (int32_t)((end + (INT64_C(1) << shift) - 1) >> shift) - window.low[a];
+    }
     uint64_t words = bvx_grid_bound(&lattice, &window);
     /* An octree is small where its grid is not, so the size is refused unless a limit allows it. */
     if (o->general.memory_limit == 0 && words > TREE_GRID_BYTES / 8)
@@ -193,7 +183,6 @@ int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_
 {
     cli_input in;
     int const status = read_expanded(run, path, window, &in);
-
     *grid = in.grid;
     *placed = in.placed;
     return status;

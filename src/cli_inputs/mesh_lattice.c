@@ -47,7 +47,6 @@ void cli_mesh_box(const bvx_mesh *mesh, cli_box *box)
 void cli_box_of_points(const void *positions, int32_t type, uint64_t count, cli_box *box)
 {
     double p[3];
-
     for (int a = 0; a < 3; a++) {
         box->low[a] = HUGE_VAL;
         box->high[a] = -HUGE_VAL;

@@ -177,7 +177,6 @@ int cli_is_contours(const cli_run *run, const char *path)
 int cli_check_grid_format(cli_run *run, const char *path, const bvx_lattice *l)
 {
     int32_t const format = bvx_format_of_name(path);
-
     /* One scale is stored for all three axes. */
     if (format == BVX_FORMAT_BINVOX && (l->spacing[0] != l->spacing[1] || l->spacing[0] != l->spacing[2]))
         return cli_fail(

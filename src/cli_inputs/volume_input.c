@@ -41,7 +41,6 @@ static int refuse_for_input(cli_run *run, const char *option, const char *path)
                                                                    : "a grid";
     /* --level and --levels differ by a letter: the other one may be meant. */
     const char *const meant = cli_mistaken_for(run, option);
-
     return cli_usage(run, "%s is for volumes (.nrrd .nhdr .npy .vti .raw); %s is %s%s%s%s", option,
                      cli_input_name(path), kind, meant != NULL ? "; did you mean " : "",
                      meant != NULL ? meant : "", meant != NULL ? "?" : "");
@@ -73,7 +72,6 @@ int cli_check_volume_options(cli_run *run)
 int cli_check_selection(cli_run *run, const char *path)
 {
     int const raw = cli_input_format(run, path) == BVX_FORMAT_RAW;
-
     if (cli_selects(run) > 1) return cli_usage(run, "--level, --range and --label exclude each other");
     CLI_TRY(cli_check_rules(run, selection_rules, raw ? IS_RAW : 0, cli_input_name(path)));
     return raw ? cli_check_rules(run, raw_rules, 0, cli_input_name(path)) : CLI_DONE;
@@ -169,7 +167,6 @@ static int read_data_files(cli_run *run, const char *head, cli_volume *v)
 int64_t cli_sample_bytes(int32_t type)
 {
     static const int64_t bytes[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
-
     return bytes[type];
 }
 
@@ -283,32 +280,28 @@ void cli_free_volume(cli_run *run, cli_volume *v)
 
 /* ---- voxels of it ---- */
 
-/* What is not 0 lies on two sides of it. */
-static bvx_status select_other_than_zero(cli_run *run, const cli_volume *v, bvx_volume_report *report,
-                                         bvx_grid *grid)
-{
-    double const least = DBL_MIN * DBL_EPSILON; /* the least double above 0 */
-    bvx_grid under = {0};
-    bvx_status status = bvx_threshold(run->context, &v->view, least, HUGE_VAL, report, grid);
-
-    if (status == BVX_OK) status = bvx_threshold(run->context, &v->view, -HUGE_VAL, -least, NULL, &under);
-    if (status == BVX_OK) {
-        uint64_t const words = (uint64_t)grid->words_per_row * (uint64_t)grid->size[1] *
-                               (uint64_t)grid->size[2];
-        for (uint64_t w = 0; w < words; w++) grid->words[w] |= under.words[w];
-        bvx_grid_count(run->context, grid, &report->inside);
-    }
-    bvx_grid_free(run->context, &under);
-    return status;
-}
-
 bvx_status cli_select_voxels(cli_run *run, const cli_volume *v, bvx_volume_report *report, bvx_grid *grid)
 {
     const cli_options *const o = run->options;
     int64_t const label = o->value_label;
     if (o->range.given)
         return bvx_threshold(run->context, &v->view, o->range.value[0], o->range.value[1], report, grid);
-    if (!cli_selects(run)) return select_other_than_zero(run, v, report, grid);
+    /* What is not 0 lies on two sides of it. */
+    if (!cli_selects(run)) {
+        double const least = DBL_MIN * DBL_EPSILON; /* the least double above 0 */
+        bvx_grid under = {0};
+        bvx_status status = bvx_threshold(run->context, &v->view, least, HUGE_VAL, report, grid);
+
+        if (status == BVX_OK) status = bvx_threshold(run->context, &v->view, -HUGE_VAL, -least, NULL, &under);
+        if (status == BVX_OK) {
+            uint64_t const words = (uint64_t)grid->words_per_row * (uint64_t)grid->size[1] *
+                                   (uint64_t)grid->size[2];
+            for (uint64_t w = 0; w < words; w++) grid->words[w] |= under.words[w];
+            bvx_grid_count(run->context, grid, &report->inside);
+        }
+        bvx_grid_free(run->context, &under);
+        return status;
+    }
     if (cli_given(run, "--label") && v->view.sample_type < BVX_SAMPLE_F32)
         return bvx_threshold_whole(run->context, &v->view, label, label, report, grid);
     if (cli_given(run, "--label"))

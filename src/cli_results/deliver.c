@@ -3,24 +3,6 @@
 
 #include <stdlib.h>
 
-static const bvx_grid *grid_of(const cli_made *made)
-{
-    return made->grid != NULL     ? made->grid
-           : made->field != NULL  ? &made->field->band
-           : made->voxels != NULL ? made->voxels->grid
-                                  : made->shown;
-}
-
-static int write_made(cli_run *run, cli_made *made)
-{
-    return made->write != NULL    ? made->write(run, run->work)
-           : made->voxels != NULL ? cli_write_voxels(run, made->voxels)
-           : made->field != NULL  ? cli_write_field(run, made->field)
-           : made->grid != NULL   ? cli_write_grid(run, made->grid)
-           : made->mesh != NULL   ? cli_write_mesh(run, made->mesh)
-                                  : CLI_DONE;
-}
-
 void cli_note_voxels(cli_run *run, const bvx_lattice *lattice, uint64_t set)
 {
     run->report.lattice = *lattice;
@@ -30,7 +12,10 @@ void cli_note_voxels(cli_run *run, const bvx_lattice *lattice, uint64_t set)
 
 static void tell_made(cli_run *run, cli_made *made)
 {
-    const bvx_grid *const grid = grid_of(made);
+    const bvx_grid *const grid = made->grid != NULL     ? made->grid
+                                 : made->field != NULL  ? &made->field->band
+                                 : made->voxels != NULL ? made->voxels->grid
+                                                        : made->shown;
     const char *const out = run->options->output;
 
     if (grid != NULL) cli_note_voxels(run, &grid->lattice, made->set);
@@ -59,7 +44,13 @@ int cli_perform(cli_run *run)
     run->work = calloc(1, run->job->size + 1);
     if (run->work == NULL) return cli_fail(run, "no memory to start");
     int result = run->job->make(run, run->work, &made);
-    if (result == CLI_DONE) result = write_made(run, &made);
+    if (result == CLI_DONE)
+        result = made.write != NULL    ? made.write(run, run->work)
+                 : made.voxels != NULL ? cli_write_voxels(run, made.voxels)
+                 : made.field != NULL  ? cli_write_field(run, made.field)
+                 : made.grid != NULL   ? cli_write_grid(run, made.grid)
+                 : made.mesh != NULL   ? cli_write_mesh(run, made.mesh)
+                                       : CLI_DONE;
     if (result == CLI_DONE) tell_made(run, &made);
     if (result == CLI_DONE && made.judge != NULL) result = made.judge(run, run->work);
 

@@ -34,7 +34,6 @@ void cli_tell_result(const bvx_certificate *c, cli_made *made)
 void cli_tell_mesh_of(const cli_run *run, int n, const char *title, cli_made *made)
 {
     const bvx_certificate *const c = &run->report.mesh[n].certificate;
-
     /* A part with a cavity has two surfaces: parts are counted where some are dropped. */
     cli_tell(made, "  %s: %" PRIu64 " triangles, %s, volume %.6g, %" PRIu64 " surface%s\n", title,
              c->triangles, cli_is_sound(c) ? "closed, manifold" : "NOT closed", c->volume, c->components,

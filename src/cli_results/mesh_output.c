@@ -101,7 +101,6 @@ int cli_check_level_names(cli_run *run, int count)
 int cli_check_carry(cli_run *run, const bvx_mesh *mesh)
 {
     const char *const in = cli_first_name(run), *const out = run->options->output;
-
     if (!run->options->carry) return CLI_DONE;
     if (mesh->colours == NULL && mesh->uvs == NULL)
         return cli_usage(run, "%s has neither colours nor texture coordinates that --carry could carry", in);
@@ -154,7 +153,6 @@ static uint32_t attributes_of_format(int32_t format)
 static void name_attributes(uint32_t which, int materials, cli_text *text)
 {
     static const char *const names[] = {"colours", "texture coordinates", "second texture coordinates"};
-
     for (uint32_t i = 0; i < 4; i++) {
         uint32_t const bit = 1u << i;
         if ((which & bit) == 0) continue;
@@ -169,7 +167,6 @@ static void name_attributes(uint32_t which, int materials, cli_text *text)
 static int keeps_attributes(const cli_run *run)
 {
     const cli_mesh_entry *const first = run->report.meshes > 0 ? run->report.mesh : NULL;
-
     if (run->command->bit == CLI_CONVERT || run->command->bit == CLI_SIMPLIFY) return 1;
     return run->command->bit == CLI_LOD && first != NULL && first->level != NULL && !first->solid;
 }
@@ -179,7 +176,6 @@ static const char *remedy_of_loss(const cli_run *run, uint32_t lost)
 {
     int const held = (lost & ~attributes_of_format(bvx_format_of_name(run->options->output))) == 0;
     uint32_t const carried = lost & (CLI_HAS_COLOURS | CLI_HAS_UVS);
-
     if (keeps_attributes(run) || run->options->carry)
         return held || (run->options->carry && carried != lost) ? "" : "; .glb keeps them";
     if (!cli_takes(run, "--carry") || carried == 0) return "";
@@ -191,7 +187,6 @@ void cli_tell_lost(const cli_run *run, cli_made *made)
 {
     uint32_t const lost = run->report.had & ~run->report.kept;
     cli_text names = {NULL, 0, 0, 0};
-
     if (lost == 0 || !CLI_HOLDS(run, CLI_TO_MESH)) return;
     name_attributes(lost, run->report.materials, &names);
     cli_advise(made, BVX_WARN_LOST, "%s: %s %s not kept%s", run->options->output, names.bytes,
@@ -204,7 +199,6 @@ void cli_tell_turn(const cli_run *run, cli_made *made)
 {
     int32_t const turn = CLI_HOLDS(run, CLI_TO_MESH) ? cli_turn_of(run) : BVX_TURN_NONE;
     int const to_y = turn == BVX_TURN_Z_TO_Y;
-
     if (turn == BVX_TURN_NONE) return;
     cli_tell(made, "  turned      from %s up to %s up, x,y,z became %s; --up %s leaves them\n",
              to_y ? "z" : "y", to_y ? "y" : "z", to_y ? "x,z,-y" : "x,-z,y", to_y ? "z" : "y");
@@ -268,7 +262,6 @@ void cli_tell_reduction(const cli_reduction *r, cli_made *made)
 static bvx_mesh placed_mesh(const cli_run *run, const bvx_mesh *mesh)
 {
     bvx_mesh placed = *mesh;
-
     for (int a = 0; a < 3; a++) placed.frame[a] -= run->options->output_origin.value[a];
     return placed;
 }
@@ -277,7 +270,6 @@ static bvx_mesh placed_mesh(const cli_run *run, const bvx_mesh *mesh)
 static int file_differs(const cli_run *run, const bvx_mesh *placed, int32_t format)
 {
     int const framed = placed->frame[0] != 0.0 || placed->frame[1] != 0.0 || placed->frame[2] != 0.0;
-
     return format == BVX_FORMAT_STL || framed || cli_turn_of(run) != BVX_TURN_NONE ||
            (format == BVX_FORMAT_GLB && (placed->position_type == BVX_F64 || run->options->quantize));
 }
@@ -406,9 +398,7 @@ static int certify_file(cli_run *run, const bvx_mesh *placed, int count, int num
 int cli_check_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *path, const char *stage)
 {
     cli_mesh_entry *const entry = &run->report.mesh[number];
-
     bvx_mesh_view const view = cli_view(mesh);
-
     /* The stage may have %d in its name: levels are checked one by one. */
     cli_stage_begin(run, stage, number);
     CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &view, 0, &entry->certificate), path));
@@ -422,7 +412,6 @@ int cli_check_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *p
 static int judge_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *path)
 {
     bvx_mesh const placed = placed_mesh(run, mesh);
-
     return file_differs(run, &placed, bvx_format_of_name(path)) ? certify_file(run, &placed, 1, number, path)
                                                                 : CLI_DONE;
 }
@@ -438,7 +427,6 @@ static int put_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *
     bvx_mesh const placed = placed_mesh(run, mesh);
     bvx_write_options const o = write_options(run, mesh, 1);
     bvx_buffer file = {0};
-
     note_kept(run, mesh, path);
     return cli_write_buffer(run, number,
                             bvx_write_mesh(run->context, &placed, 1, &o, bvx_format_of_name(path), &file),
@@ -469,7 +457,6 @@ int cli_open_levels(cli_run *run, int count, char **path)
 {
     int const in_one = !cli_has_number(run->options->output);
     int status = CLI_DONE;
-
     for (int i = 0; i < count && status == CLI_DONE; i++) {
         path[i] = in_one && i > 0 ? path[0] : cli_numbered_path(run->options->output, i);
         if (path[i] == NULL) return cli_fail(run, "no memory for a file's name");
@@ -506,9 +493,7 @@ static int write_levels_file(cli_run *run, const bvx_mesh *levels, int count, co
 int cli_write_levels(cli_run *run, const bvx_mesh *levels, int count, char *const *path)
 {
     int result = CLI_DONE;
-
     if (count > 1 && path[1] == path[0]) return write_levels_file(run, levels, count, path[0]);
-
     for (int i = 0; i < count && result == CLI_DONE; i++) result = judge_mesh(run, &levels[i], i, path[i]);
     cli_stage_begin(run, "write");
     for (int i = 0; i < count && result == CLI_DONE; i++) result = put_mesh(run, &levels[i], i, path[i]);

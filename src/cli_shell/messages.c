@@ -81,7 +81,6 @@ int cli_usage(cli_run *run, const char *format, ...)
 int cli_fail_interrupted(cli_run *run)
 {
     char text[sizeof run->report.error_message] = "interrupted; nothing was written";
-
     for (int i = 0; i < run->outputs; i++)
         if (run->output[i].begun)
             snprintf(text, sizeof text, "interrupted; %s may have received a part of its bytes",

@@ -112,15 +112,6 @@ static void report_warning(cli_text *t, const cli_warning *w)
     cli_text_add(t, "}");
 }
 
-static void report_error(cli_text *t, const cli_report *r)
-{
-    cli_text_add(t, ", \"error\": {\"code\": ");
-    cli_json_string(t, r->error_code);
-    cli_text_add(t, ", \"message\": ");
-    cli_json_string(t, r->error_message);
-    cli_text_add(t, "}");
-}
-
 void cli_report_text(const cli_run *run, int status, cli_text *t)
 {
     const cli_report *const r = &run->report;
@@ -160,7 +151,13 @@ void cli_report_text(const cli_run *run, int status, cli_text *t)
     cli_text_add(t, "]");
     if (r->more.size != 0) cli_text_add(t, "%s", r->more.bytes);
     cli_json_count(t, "peak_bytes", r->peak_bytes);
-    if (status != CLI_DONE) report_error(t, r);
+    if (status != CLI_DONE) {
+        cli_text_add(t, ", \"error\": {\"code\": ");
+        cli_json_string(t, r->error_code);
+        cli_text_add(t, ", \"message\": ");
+        cli_json_string(t, r->error_message);
+        cli_text_add(t, "}");
+    }
     cli_text_add(t, "}\n");
 }
 

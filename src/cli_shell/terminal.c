@@ -183,7 +183,6 @@ int32_t cli_progress(void *user, const char *work, double fraction)
 {
     cli_run *const run = user;
     cli_progress_state *const p = &run->progress;
-
     (void)work;
     if (cli_interrupted()) return 1;
     double const at = p->low + (p->high - p->low) * fraction;

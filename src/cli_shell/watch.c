@@ -36,7 +36,6 @@ int cli_interrupted(void)
 static void note_signal(int number)
 {
     const char *const words = watch_last;
-
     signalled = 1;
     if (number == SIGALRM && words != NULL) {
         (void)!write(STDERR_FILENO, words, strlen(words));

@@ -390,7 +390,6 @@ bvx_status bvxi_section_more_triangles(bvxi_stack *stack);
 static inline bvx_status bvxi_section_add_triangle(bvxi_stack *stack, uint32_t a, uint32_t b, uint32_t c)
 {
     bvxi_section_mesh *const m = &stack->mesh;
-
     if (BVXI_UNLIKELY(m->triangle_count == m->triangle_room)) BVXI_TRY(bvxi_section_more_triangles(stack));
     uint32_t *t = m->triangle + 3 * m->triangle_count++;
     t[0] = a;

@@ -88,7 +88,6 @@ static bvx_context *place_in_arena(void *memory, uint64_t size, size_t own, bvxi
 {
     unsigned char *const base = memory;
     size_t const skip = arena_skip(memory);
-
     if (!fits_in_arena(memory, size, own)) return NULL;
     arena->memory = base + skip + own;
     arena->size = ((size_t)size - skip - own - BVXI_ALIGN) / BVXI_ALIGN * BVXI_ALIGN;
@@ -96,13 +95,6 @@ static bvx_context *place_in_arena(void *memory, uint64_t size, size_t own, bvxi
     arena->high = arena->least = arena->size;
     memset(arena->memory + arena->size, 0, sizeof(size_t));
     return (bvx_context *)(void *)(base + skip);
-}
-
-static void place_pool(bvx_context *c)
-{
-    bvxi_pool *const pool = (bvxi_pool *)(void *)((unsigned char *)c + aligned_size(sizeof *c));
-    if (bvxi_pool_begin(pool, c->threads)) c->pool = pool;
-    else c->threads = 1;
 }
 
 /* The context and its helpers' state, where they are the library's own. */
@@ -168,7 +160,11 @@ bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_
     c->error.message = c->error.text = c->message;
     c->error.index = -1;
     c->threads = threads;
-    if (size > aligned_size(sizeof *c)) place_pool(c);
+    if (size > aligned_size(sizeof *c)) {
+        bvxi_pool *const pool = (bvxi_pool *)(void *)((unsigned char *)c + aligned_size(sizeof *c));
+        if (bvxi_pool_begin(pool, c->threads)) c->pool = pool;
+        else c->threads = 1;
+    }
     int32_t const best = bvxi_cpu_detect();
     c->cpu = o.cpu == BVX_CPU_BEST || o.cpu > best ? best : o.cpu;
     *context = c;

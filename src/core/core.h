@@ -253,10 +253,8 @@ static inline void bvxi_piece(uint64_t count, int32_t n, int32_t i, uint64_t *be
 static inline uint64_t bvxi_place_counts(uint64_t *count, uint64_t n)
 {
     uint64_t sum = 0;
-
     for (uint64_t i = 0; i < n; i++) {
         uint64_t const own = count[i];
-
         count[i] = sum;
         sum += own;
     }
@@ -266,10 +264,8 @@ static inline uint64_t bvxi_place_counts(uint64_t *count, uint64_t n)
 static inline void bvxi_place_counts32(uint32_t *count, uint64_t n)
 {
     uint32_t sum = 0;
-
     for (uint64_t i = 0; i < n; i++) {
         uint32_t const own = count[i];
-
         count[i] = sum;
         sum += own;
     }
@@ -429,7 +425,6 @@ static inline uint32_t bvxi_root(uint32_t *parent, uint32_t i)
 static inline int bvxi_join(uint32_t *parent, uint32_t a, uint32_t b)
 {
     uint32_t const x = bvxi_root(parent, a), y = bvxi_root(parent, b);
-
     if (x == y) return 0;
     parent[x < y ? y : x] = x < y ? x : y;
     return 1;

@@ -102,7 +102,6 @@ BVXI_COLD static int grow_table(bvx_context *ctx)
 {
     uint32_t const room = 2 * ctx->scratch_room;
     bvxi_scratch *const larger = ctx->alloc(ctx->alloc_user, room * sizeof *larger, BVXI_ALIGN);
-
     if (larger == NULL) return 0;
     memcpy(larger, ctx->scratch, ctx->scratch_count * sizeof *larger);
     /* The first table is part of the context and is never freed. */
@@ -223,7 +222,6 @@ void bvxi_free(bvx_context *ctx, void *block, uint64_t size)
 BVXI_COLD static void drop_any(bvx_context *ctx, void *block)
 {
     uint64_t size = 1;
-
     if (ctx->arena.memory != NULL) {
         size = header_at(&ctx->arena, offset_of(&ctx->arena, block))->used;
     } else {
@@ -286,7 +284,6 @@ bvx_status bvxi_scratch_keep(bvx_context *ctx, uint64_t mark, bvx_status status)
 void bvxi_scratch_adopt(bvx_context *ctx, uint64_t mark)
 {
     const bvxi_arena *const a = &ctx->arena;
-
     for (size_t at = a->high; at < a->size; at += header_at(a, at)->payload + BVXI_ALIGN)
         if (header_at(a, at)->serial > mark) header_at(a, at)->serial = 0;
     while (a->memory == NULL && block_since(ctx, mark) != NULL) forget_scratch(ctx, ctx->scratch_count - 1);
@@ -298,7 +295,6 @@ bvx_status bvxi_resize(bvx_context *ctx, int kind, void *block, uint64_t size, u
                        const char *what)
 {
     void *old, *moved = NULL;
-
     if (size == new_size) return BVX_OK;
     memcpy(&old, block, sizeof old);
     /* Both at once for a moment, as allocators have no way to grow a block. */

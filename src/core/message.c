@@ -239,7 +239,6 @@ const bvx_error *bvx_last_error(const bvx_context *context)
 bvx_warning *bvxi_warn(bvx_context *ctx, int32_t code, int32_t count, const double *value)
 {
     bvx_warning *const w = &ctx->warning[ctx->warnings];
-
     memset(w, 0, sizeof *w);
     w->code = code;
     w->input = -1;

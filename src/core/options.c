@@ -76,7 +76,6 @@ static inline bvx_status check_whole_option(bvx_context *ctx, const char *functi
                                             const unsigned char *at)
 {
     int32_t value;
-
     memcpy(&value, at, sizeof value);
     /* Choices that are not consecutive: low holds the bits, one for each that is allowed. */
     if (BVXI_UNLIKELY(row->kind == BVXI_IS_AMONG)) {
@@ -107,7 +106,6 @@ static inline bvx_status check_real_option(bvx_context *ctx, const char *functio
                                            const unsigned char *at)
 {
     double value;
-
     memcpy(&value, at, sizeof value);
     int within = value >= row->low && value <= row->high;
     /* 0 as the upper end stands for none. */
@@ -163,7 +161,6 @@ bvx_status bvxi_check_points(bvx_context *ctx, const char *function, const doubl
                              size_t size)
 {
     static const char axis_name[3][2] = {"x", "y", "z"};
-
     BVXI_TRY(check_places(ctx, function, points, count, size, "points"));
     /* x - x is 0 for finite numbers and NaN for all others. */
     for (uint64_t i = 0; i < 3 * count; i++)

@@ -29,7 +29,6 @@ void bvxi_call_begin(bvx_context *ctx, const char *function)
 {
     bvxi_scope_begin(ctx);
     if (ctx->calls++ != 0) return;
-
     ctx->stage = ctx->function = function;
     ctx->warnings = ctx->warnings_read = 0;
     /* Without a callback nobody looks at shares. */
@@ -102,7 +101,6 @@ static void run_shifted(void *user, int32_t index, int32_t worker)
 static void run(bvx_context *ctx, int32_t first, int32_t count, bvx_task_fn *task, void *user)
 {
     shifted s = {task, user, first};
-
     if (ctx->threads == 1 || count == 1 || (ctx->parallel == NULL && ctx->pool == NULL)) {
         for (int32_t i = 0; i < count; i++) task(user, first + i, 0);
     } else if (ctx->parallel != NULL) {

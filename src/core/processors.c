@@ -63,7 +63,6 @@ static int64_t take_count(const char **text)
 {
     const char *p = *text;
     int64_t n = 0;
-
     /* After blanks and commas, as variables have lists. */
     while (*p == ' ' || *p == ',') p++;
     if (*p < '0' || *p > '9') return -1;
@@ -109,7 +108,6 @@ int32_t bvxi_processor_quota(const char *groups, const char *mounted)
 {
     char text[GROUP_FILE];
     int64_t const length = read_text(groups, text, sizeof text);
-
     for (const char *p = text; length > 0 && p < text + length; p++) {
         const char *const end = bvxi_find_byte(p, text + length, '\n');
         if (end - p > 3 && memcmp(p, "0::", 3) == 0)
@@ -146,7 +144,6 @@ int32_t bvxi_running_threads(void)
     int64_t const length = read_text("/proc/loadavg", text, sizeof text);
     const char *const end = text + (length > 0 ? length : 0);
     const char *p = bvxi_find_byte(text, end, '/');
-
     if (p == end) return 0;
     /* The digits before the slash are those that run. */
     while (p > text && p[-1] >= '0' && p[-1] <= '9') p--;

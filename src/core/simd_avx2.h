@@ -79,7 +79,6 @@ BVXI_AVX2 BVXI_VECTOR_INLINE void bvxi_four_columns_f32_avx2(const float *a, con
     __m128 const ra = _mm_loadu_ps(a), rb = _mm_loadu_ps(b), rc = _mm_loadu_ps(c), rd = _mm_loadu_ps(d);
     __m128 const low_ab = _mm_unpacklo_ps(ra, rb), high_ab = _mm_unpackhi_ps(ra, rb);
     __m128 const low_cd = _mm_unpacklo_ps(rc, rd), high_cd = _mm_unpackhi_ps(rc, rd);
-
     to[0] = _mm256_cvtps_pd(_mm_movelh_ps(low_ab, low_cd));
     to[1] = _mm256_cvtps_pd(_mm_movehl_ps(low_cd, low_ab));
     to[2] = _mm256_cvtps_pd(_mm_movelh_ps(high_ab, high_cd));

@@ -199,11 +199,9 @@ BVXI_VECTOR_INLINE bvxi_eight_base bvxi_eight_load_two_base(const float *low, co
 BVXI_VECTOR_INLINE void bvxi_eight_columns_base(const bvxi_eight_base row[8], void *to, size_t stride)
 {
     float lane[8][8];
-
     for (size_t i = 0; i < 8; i++) bvxi_eight_store_base(lane[i], row[i]);
     for (size_t k = 0; k < 8; k++) {
         float column[8];
-
         for (size_t i = 0; i < 8; i++) column[i] = lane[i][k];
         memcpy((char *)to + k * stride, column, sizeof column);
     }

@@ -66,7 +66,6 @@ static int32_t claim_task(bvxi_pool *pool)
 static void watch(const int32_t *number, int32_t wanted)
 {
     int64_t const until = bvxi_now() + SPIN_TIME;
-
     /* Many looks for each look at the clock. */
     while (look_at(number) != wanted && bvxi_now() < until)
         for (int i = 0; i < 16 && look_at(number) != wanted; i++) {
@@ -159,16 +158,6 @@ static void work_on_step(bvxi_pool *pool)
     if (pool->inside == 0) pthread_cond_signal(&pool->ended);
 }
 
-/* With the lock held, which is given back meanwhile. */
-static void watch_for_step(bvxi_pool *pool)
-{
-    pool->watching++;
-    pthread_mutex_unlock(&pool->lock);
-    watch(&pool->open, 1);
-    pthread_mutex_lock(&pool->lock);
-    pool->watching--;
-}
-
 static int may_enter(const bvxi_pool *pool)
 {
     return pool->open && pool->inside < pool->worth.idle && pool->entered + 1 < pool->count &&
@@ -183,7 +172,12 @@ static void *help(void *given)
     while (!pool->quit) {
         if (may_enter(pool)) {
             work_on_step(pool);
-            watch_for_step(pool);
+            /* With the lock held, which is given back meanwhile. */
+            pool->watching++;
+            pthread_mutex_unlock(&pool->lock);
+            watch(&pool->open, 1);
+            pthread_mutex_lock(&pool->lock);
+            pool->watching--;
             continue;
         }
         pool->asleep++;
@@ -242,7 +236,6 @@ static void wait_for_helpers(bvxi_pool *pool)
     watch(&pool->inside, 0);
     pthread_mutex_lock(&pool->lock);
     while (pool->inside > 0) pthread_cond_wait(&pool->ended, &pool->lock);
-
     bvxi_worth_waited(&pool->worth, start, pool->lost);
 }
 

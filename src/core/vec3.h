@@ -103,7 +103,6 @@ static inline void bvxi_area_normal(const double *a, const double *b, const doub
 {
     double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
     double const v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-
     bvxi_vec_cross(u, v, n);
 }
 

@@ -107,7 +107,6 @@ uint64_t bvx_field_value(const bvx_field *field, int32_t x, int32_t y, int32_t z
 double bvxi_field_scale(const bvx_grid *g, const double low[3], const double high[3])
 {
     double first[3], last[3], least[3], most[3];
-
     bvxi_field_centre(g, 0, 0, 0, first);
     bvxi_field_centre(g, g->size[0] - 1, g->size[1] - 1, g->size[2] - 1, last);
     /* Centres may lie outside the mesh's bounds. */

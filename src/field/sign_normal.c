@@ -84,7 +84,6 @@ static bvx_status sign_band(bvxi_call call, const bvx_mesh_view *mesh, const bvx
     uint64_t const rows = bvxi_grid_rows(&band->where), each = band->count / rows;
     side_job job = {.mesh = mesh, .band = band, .inside = inside};
     double low[3], high[3];
-
     BVXI_TRY(bvxi_view_bounds(call.ctx, call.function, mesh, low, high));
     job.scale = bvxi_field_scale(&band->where, low, high);
     job.of_mesh = bvxi_unit_scale(low, high);

@@ -60,7 +60,6 @@ static bvx_status find_highest(bvxi_call step, bvxi_solid_job *job, const bvx_gr
 static bvx_status fill_columns(bvx_context *ctx, below_job *job, bvx_solid_report *report)
 {
     uint64_t const rows = bvxi_grid_rows(job->grid);
-
     job->pieces = bvxi_piece_count(rows, BELOW_GRAIN);
     BVXI_TRY(bvxi_for_pieces(ctx, "solid", 0.8, 0.9, job->pieces, bvxi_grid_rows(job->grid), fill_below_piece,
                              job));

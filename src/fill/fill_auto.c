@@ -54,7 +54,6 @@ static bvx_status try_parity(bvx_context *ctx, auto_work *w, const bvx_grid *sol
 static bvx_status turn_triangles(bvx_context *ctx, auto_work *w)
 {
     const bvx_mesh_view given = w->choice.view;
-
     if (w->choice.index == NULL)
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, given.triangle_count * 12, "the turned triangles' corners",
                             &w->choice.index));
@@ -100,7 +99,6 @@ static bvx_status look_at_edges(bvx_context *ctx, auto_work *w, int copies)
 static bvxi_welded welded_choice(const auto_work *w)
 {
     bvxi_welded welded = {.view = &w->choice.view, .representative = w->representative};
-
     memcpy(welded.low, w->low, sizeof welded.low);
     memcpy(welded.high, w->high, sizeof welded.high);
     return welded;

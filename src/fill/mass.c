@@ -197,7 +197,6 @@ static uint64_t find_changes(const bvx_grid *g, int32_t k, int32_t y, int32_t z)
     uint64_t const w = row[k], before = k > 0 ? row[k - 1] >> 63 : 0;
     uint64_t const after = k + 1 < g->words_per_row ? row[k + 1] << 63 : 0;
     size_t const slice = n * (size_t)g->size[1];
-
     return (w ^ (w << 1 | before)) | (w ^ (w >> 1 | after)) | (w ^ (y > 0 ? *(row + k - n) : 0)) |
            (w ^ (y + 1 < g->size[1] ? row[(size_t)k + n] : 0)) | (w ^ (z > 0 ? *(row + k - slice) : 0)) |
            (w ^ (z + 1 < g->size[2] ? row[(size_t)k + slice] : 0));
@@ -239,7 +238,6 @@ static void set_errors(const measure_work *w, double volume, const measure_error
 {
     double const back = 1.0 / w->scale, sure = volume - e->volume, most = 2.0 * w->radius;
     double center = sure > 0.0 ? e->first / sure : most;
-
     if (center > most) center = most;
     r->volume_error = e->volume * back * back * back;
     r->inertia_error = w->options.density * (e->second + (volume + e->volume) * center * center) * back *
@@ -332,7 +330,6 @@ static bvx_status open_voxels(bvx_context *ctx, const bvx_mesh_view *mesh, measu
     bvx_lattice_options fit = {.struct_size = sizeof fit, .padding = 1};
     bvx_window whole = {{0}, {0}};
     bvx_lattice l;
-
     for (int a = 0; a < 3; a++) fit.axis_resolution[a] = w->options.resolution;
     BVXI_TRY(bvx_lattice_fit_with(ctx, mesh, &fit, &l));
     solid->word_capacity = bvx_grid_bound(&l, NULL);

@@ -48,7 +48,6 @@ static bvx_status block_edges(bvx_context *ctx, bvxi_solid_job *job, const bvxi_
                               double to)
 {
     bvxi_row_lists of = *lists;
-
     (void)from;
     job->user = &of;
     return BVXI_SHARE(ctx, bvxi_solid_progress(job, to), bvxi_solid_progress(job, to),
@@ -95,7 +94,6 @@ static inline uint64_t pass_open_edges(const outside_job *w, size_t at, size_t b
                                        int above)
 {
     uint64_t found = 0;
-
     if (below) found |= w->from[at - by] & ~w->blocked[axis][at];
     if (above) found |= w->from[at + by] & ~w->blocked[axis][at + by];
     return found;
@@ -135,7 +133,6 @@ static bvx_status step_outside(bvx_context *ctx, outside_job *w, int32_t level, 
 {
     uint64_t const words = bvxi_grid_words(w->outside);
     uint64_t any = 0;
-
     w->level = level;
     BVXI_TRY(bvxi_for(ctx, "outside", bvxi_grid_rows(w->outside),
                       1 + OUTSIDE_GRAIN / (uint64_t)w->outside->words_per_row, step_outside_rows, w));

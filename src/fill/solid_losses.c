@@ -154,7 +154,6 @@ static double comparable_volume(const loss_sums *sums, const bvx_mesh_view *mesh
 {
     double const volume = bvxi_absolute(sums->volume) / 6.0;
     double const area = sums->shadow[0] + sums->shadow[1] + sums->shadow[2];
-
     /* A sheet: what it encloses is next to nothing of what its area could. */
     if (!(volume > LOSS_SHEET * area * sqrt(area)) || !(volume < 1e38)) return 0;
     /* sums' last bits follow the order of triangles */
@@ -189,7 +188,6 @@ static double voxel_size(const bvx_lattice *l)
 double bvxi_volume_by_crossings(const bvxi_walls *walls, double volume)
 {
     double made = volume;
-
     if (!(volume > 0)) return 0;
     for (int a = 0; a < 3; a++) made *= 1.0 + walls->beyond[a] * voxel_size(&walls->solid->lattice) / volume;
     return made > 0 && made < 1e38 ? bvxi_nearest_float(made) : 0;
@@ -226,7 +224,6 @@ static bvx_status look_for_walls(bvx_context *ctx, const char *function, const b
                                  const bvx_grid *solid, bvx_solid_report *report)
 {
     bvxi_walls walls;
-
     bvxi_walls_of_solid(ctx, function, mesh, solid, report, &walls);
     BVXI_TRY(bvxi_walls_open(&walls));
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.4, bvxi_walls_gather(&walls)));
@@ -299,7 +296,6 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
 double bvxi_known_volume(const bvx_solid_report *r)
 {
     int const by_sides = r->mesh_volume > 0.0 && r->crossing_volume * (1.0 - LOSS_LARGE) <= r->mesh_volume;
-
     return by_sides ? r->mesh_volume : r->crossing_volume;
 }
 

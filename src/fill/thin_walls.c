@@ -91,7 +91,6 @@ static void mark_row_diagonals(const uint64_t *in, uint64_t *out, size_t i, size
     uint64_t const a = in[i], c = in[j];
     uint64_t const b = a >> 1 | (last ? 0 : in[i + 1] << 63), d = c >> 1 | (last ? 0 : in[j + 1] << 63);
     uint64_t const p = a & d & ~b & ~c, q = b & c & ~a & ~d;
-
     if ((p | q) == 0) return;
     out[i] |= q | p << 1;
     out[j] |= p | q << 1;
@@ -162,7 +161,6 @@ static void unit_normal(const bvxi_walls *t, uint32_t triangle, double n[3])
 static int is_nothing_behind(const bvxi_walls *t, const double p[3], const double out[3])
 {
     const bvx_grid *const g = t->solid;
-
     for (int step = 2; step <= 4; step++) {
         double at[3];
         for (int a = 0; a < 3; a++)

@@ -120,7 +120,6 @@ int32_t bvxi_wall_resolution(int32_t longest, double wall);
 static inline void bvxi_bit_centre(const bvx_grid *g, uint64_t bit, int32_t at[3])
 {
     uint64_t const row = bit / 64 / (uint64_t)g->words_per_row;
-
     at[0] = (int32_t)(bit - row * (uint64_t)g->words_per_row * 64);
     at[1] = (int32_t)(row % (uint64_t)g->size[1]);
     at[2] = (int32_t)(row / (uint64_t)g->size[1]);

@@ -85,7 +85,6 @@ static bvx_status flood_or_fail(bvx_context *ctx, const bvxi_flood_walls *walls,
                                 bvx_solid_report *report)
 {
     int32_t leaked = 0;
-
     BVXI_TRY(bvxi_flood(ctx, solid_name, walls, solid, report, &leaked));
     if (!leaked) return BVX_OK;
     return bvxi_fail(
@@ -123,7 +122,6 @@ static void look_at_run(void *user, uint32_t region, int32_t begin, int32_t end,
     region_work *const w = user;
     const uint64_t *const in = bvxi_grid_row(w->solid, y, z), *const sure = w->sure + (in - w->solid->words);
     uint8_t *const sides = w->sides + region;
-
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6 && *sides != (REGION_SURE_IN | REGION_SURE_OUT); k++) {
         uint64_t const known = sure[k] & bvxi_run_mask(begin, end, k);
         if ((known & in[k]) != 0) *sides |= REGION_SURE_IN;
@@ -205,7 +203,6 @@ bvx_status bvxi_fill_known(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t 
 {
     bvx_voxelize_options const o = {.fill = fill};
     bvx_solid_report unused = {0};
-
     return BVXI_SCOPE(ctx, fill_by_rule(ctx, mesh, &o, holes, solid, &unused));
 }
 
@@ -214,7 +211,6 @@ static bvx_status fill_chosen(bvx_context *ctx, const bvx_mesh_view *mesh, int32
                               bvx_solid_report *report)
 {
     bvx_voxelize_options const o = {.fill = fill};
-
     return BVXI_SCOPE(ctx, fill_by_rule(ctx, mesh, &o, NULL, solid, report));
 }
 
@@ -225,7 +221,6 @@ static bvx_status add_the_shell(bvx_context *ctx, const bvx_mesh_view *mesh, bvx
     uint64_t const words = bvxi_grid_words(solid);
     bvx_grid shell;
     BVXI_TRY(bvxi_shell_open(ctx, mesh, solid, &shell));
-
     for (uint64_t i = 0; i < words; i++) solid->words[i] |= shell.words[i];
     return BVX_OK;
 }
@@ -278,7 +273,6 @@ static bvx_status report_losses(bvx_context *ctx, const bvx_mesh_view *mesh, con
                                 const bvx_voxelize_options *o, bvx_solid_report *report)
 {
     const bvx_lattice *const l = &solid->lattice;
-
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.95, bvxi_solid_losses(ctx, solid_name, mesh, solid, o, report)));
     if (report->fill == BVX_FILL_BELOW) return BVX_OK;
     if (bvxi_grid_is_whole(solid) && report->mesh_volume == 0 && bvxi_solid_is_closed(report))

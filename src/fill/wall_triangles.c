@@ -168,7 +168,6 @@ static inline int are_blocks_beside(uint32_t a, uint32_t b, uint32_t c)
     uint64_t const both = UINT64_C(0x100000001), ones = both * (1u | 1u << NEAR_BITS | 1u << 2 * NEAR_BITS);
     uint64_t const all = both * ((1u << 3 * NEAR_BITS) - 1), high = ones << (NEAR_BITS - 1);
     uint64_t const x = ((both * a & all) | high) - (((uint64_t)b << 32 | c) & all) + ones;
-
     return (x & ~(3 * ones)) == high && (x & x >> 1 & ones) == 0;
 }
 
@@ -370,7 +369,6 @@ bvx_status bvxi_walls_around(const bvxi_walls *t, const bvx_mesh_view *mesh, bvx
                              uint32_t **corner)
 {
     double const reach = (1.0 + 2 * BVXI_WALL_DEPTH + (t->beside || t->parts ? WALL_BESIDE : 0.0)) * t->unit;
-
     /* Without area a triangle has no side that it could face. Enough are those of the nearest point within one
      * spacing, then of the nearest to a point BVXI_WALL_DEPTH behind it, at most BVXI_WALL_DEPTH further. */
     return bvxi_triangles_near(t->ctx, mesh, &t->places, reach, 1, near, corner);

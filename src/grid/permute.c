@@ -143,7 +143,6 @@ bvx_status bvxi_turn_back(bvx_context *ctx, const bvx_grid *turned, int32_t axis
     /* The turned axis runs along the rows of turned, and x from row to row. */
     permute_job job = {.grid = turned, .result = grid, .axes = {1, 2, 2}, .x_to = axis, .second = second};
     uint64_t const slices = (uint64_t)turned->size[2];
-
     job.axes[axis] = 0;
     lay_permute_steps(&job);
     return BVXI_SHARE(ctx, progress, progress,

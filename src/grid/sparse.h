@@ -46,7 +46,6 @@ static inline uint64_t bvxi_sparse_index(const bvxi_sparse *s, int32_t x, int32_
     uint64_t const row = (uint64_t)z * (uint64_t)s->where.size[1] + (uint64_t)y;
     const uint64_t *const words = s->where.words + row * (uint64_t)s->where.words_per_row;
     uint64_t n = s->first[row] + bvxi_popcount(words[x >> 6] & ((UINT64_C(1) << (x & 63)) - 1));
-
     for (int32_t k = 0; k < x >> 6; k++) n += bvxi_popcount(words[k]);
     return n;
 }

@@ -64,7 +64,6 @@ static int json_sequence(const char *p, const char *end)
 {
     const unsigned char *const b = (const unsigned char *)p;
     int const n = b[0] < 0x80 ? 1 : b[0] < 0xc2 ? 0 : b[0] < 0xe0 ? 2 : b[0] < 0xf0 ? 3 : b[0] < 0xf5 ? 4 : 0;
-
     if (end - p < n) return 0;
     for (int i = 1; i < n; i++)
         if ((b[i] & 0xc0) != 0x80) return 0;

@@ -39,7 +39,6 @@ static uint32_t png_crc_of(const png_crc *crc, const uint8_t *p, size_t n)
 uint32_t bvxi_crc32(const uint8_t *bytes, size_t size)
 {
     png_crc crc;
-
     png_crc_init(&crc);
     return png_crc_of(&crc, bytes, size);
 }

@@ -220,14 +220,11 @@ static bvx_status csl_plane(bvxi_contour_file *f, uint32_t section)
     BVXI_TRY(bvxi_contour_add_plane(f, position, normal));
 
     uint64_t const first = f->sections.loop_count;
-    uint32_t *around = NULL;
-    bvx_status status = bvxi_alloc(f->ctx, BVXI_SCRATCH, loops * 4, "the holes of a plane", &around);
-    for (uint64_t i = 0; i < loops && status == BVX_OK; i++)
-        status = csl_loop(f, at, points, section, loops, &around[i]);
-    if (status == BVX_OK) status = csl_settle_holes(f, first, loops, around);
+    uint32_t *around;
+    BVXI_TRY(bvxi_alloc(f->ctx, BVXI_SCRATCH, loops * 4, "the holes of a plane", &around));
+    for (uint64_t i = 0; i < loops; i++) BVXI_TRY(csl_loop(f, at, points, section, loops, &around[i]));
+    BVXI_TRY(csl_settle_holes(f, first, loops, around));
     bvxi_drop(f->ctx, around);
-    BVXI_TRY(status);
-
     bvxi_drop(f->ctx, at);
     return BVX_OK;
 }

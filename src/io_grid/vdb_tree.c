@@ -40,7 +40,6 @@ static void find_leaves(const bvxi_vdb_tree *t, const int32_t leaf[3], uint8_t *
 static uint8_t node_kind(const bvxi_vdb_blocks *below, int level, const int32_t at[3])
 {
     int32_t p[3];
-
     bvxi_vdb_below(level, at, 0, p);
     int const first = bvxi_vdb_kind(below, p);
     for (int32_t i = 1; i < BVXI_VDB_TABLE(level); i++) {
@@ -80,7 +79,6 @@ static uint64_t rank_in_row(const bvx_field *field, int32_t x, int32_t y, int32_
     const bvx_grid *const g = &field->band;
     const uint64_t *const row = bvxi_grid_row(g, y, z);
     uint64_t rank = field->row_values[(uint64_t)z * (uint64_t)g->size[1] + (uint64_t)y];
-
     for (int32_t k = 0; k < x / 64; k++) rank += (uint64_t)bvxi_popcount(row[k]);
     return x % 64 == 0 ? rank : rank + (uint64_t)bvxi_popcount(row[x / 64] << (64 - x % 64));
 }

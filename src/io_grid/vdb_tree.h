@@ -35,7 +35,6 @@ enum { BVXI_VDB_WORDS = 512 };
 static inline void bvxi_vdb_below(int level, const int32_t at[3], int32_t i, int32_t below[3])
 {
     int32_t const side = level == 2 ? 32 : 16;
-
     below[0] = at[0] * side + i / side / side;
     below[1] = at[1] * side + i / side % side;
     below[2] = at[2] * side + i % side;

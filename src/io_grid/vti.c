@@ -183,20 +183,6 @@ static bvx_status vti_take_array(vti_file *f, int is_point)
     return BVX_OK;
 }
 
-static bvx_status vti_take_appended(vti_file *f)
-{
-    bvxi_xml_text v;
-    /* Raw bytes follow the underscore, so nothing after it can be parsed as XML. */
-    f->appended_base64 = (int8_t)(bvxi_xml_attribute(&f->xml, "encoding", &v) && bvxi_xml_is(v, "base64"));
-    if (!f->appended_base64 && !(bvxi_xml_attribute(&f->xml, "encoding", &v) && bvxi_xml_is(v, "raw")))
-        return vti_fail(f, BVX_ERR_FORMAT, f->xml.tag, "AppendedData has no encoding 'raw' or 'base64'");
-    f->appended = bvxi_skip_space(f->xml.p, f->xml.source.end);
-    if (f->appended == f->xml.source.end || *f->appended != '_')
-        return bvxi_fail_expected(&f->xml.source, f->appended, "'_' before the appended data");
-    f->appended++;
-    return BVX_OK;
-}
-
 static bvx_status vti_take_element(vti_file *f)
 {
     const bvxi_xml *const x = &f->xml;
@@ -214,7 +200,19 @@ static bvx_status vti_take_element(vti_file *f)
         f->has_piece = 1;
         return vti_take_extent(f, "Extent", f->extent);
     }
-    if (bvxi_xml_is_at(x, "VTKFile/AppendedData")) return vti_take_appended(f);
+    if (bvxi_xml_is_at(x, "VTKFile/AppendedData")) {
+        bvxi_xml_text v;
+        /* Raw bytes follow the underscore, so nothing after it can be parsed as XML. */
+        f->appended_base64 = (int8_t)(bvxi_xml_attribute(&f->xml, "encoding", &v) &&
+                                      bvxi_xml_is(v, "base64"));
+        if (!f->appended_base64 && !(bvxi_xml_attribute(&f->xml, "encoding", &v) && bvxi_xml_is(v, "raw")))
+            return vti_fail(f, BVX_ERR_FORMAT, f->xml.tag, "AppendedData has no encoding 'raw' or 'base64'");
+        f->appended = bvxi_skip_space(f->xml.p, f->xml.source.end);
+        if (f->appended == f->xml.source.end || *f->appended != '_')
+            return bvxi_fail_expected(&f->xml.source, f->appended, "'_' before the appended data");
+        f->appended++;
+        return BVX_OK;
+    }
     if (bvxi_xml_is_at(x, "VTKFile/ImageData/Piece/CellData") ||
         bvxi_xml_is_at(x, "VTKFile/ImageData/Piece/PointData"))
         f->has_active = (int8_t)bvxi_xml_attribute(x, "Scalars", &f->active);

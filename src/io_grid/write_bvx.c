@@ -135,22 +135,17 @@ static bvx_status bvx_pack(bvx_context *ctx, const bvx_grid *grid, const uint8_t
                        .raw = (uint64_t)grid->size[1] * (uint64_t)grid->words_per_row * 8};
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, places, "the places of slices", &job.place));
-    bvx_status status = BVXI_SHARE(ctx, 0.0, 0.5,
-                                   bvxi_for(ctx, stage, slices, grain, bvx_measure_piece, &job));
-    if (status == BVX_OK)
-        status = bvxi_make_buffer(ctx,
-                                  bvx_place_slices(job.place, grid->size[2], with_head ? BVXI_BVX_HEAD : 0),
-                                  "the BVX file", &made);
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5, bvxi_for(ctx, stage, slices, grain, bvx_measure_piece, &job)));
+    BVXI_TRY(bvxi_make_buffer(ctx, bvx_place_slices(job.place, grid->size[2], with_head ? BVXI_BVX_HEAD : 0),
+                              "the BVX file", &made));
 
     /* The second pass finds the same lengths as the first, so each slice fills its place exactly. */
-    if (status == BVX_OK) {
-        if (with_head) memcpy(made.bytes, head, BVXI_BVX_HEAD);
-        job.bytes = made.bytes;
-        status = BVXI_SHARE(ctx, 0.5, 1.0, bvxi_for(ctx, stage, slices, grain, bvx_put_piece, &job));
-        if (status != BVX_OK) bvx_buffer_free(ctx, &made);
-    }
-    bvxi_drop(ctx, job.place);
+    if (with_head) memcpy(made.bytes, head, BVXI_BVX_HEAD);
+    job.bytes = made.bytes;
+    bvx_status const status = BVXI_SHARE(ctx, 0.5, 1.0,
+                                         bvxi_for(ctx, stage, slices, grain, bvx_put_piece, &job));
     if (status == BVX_OK) *file = made;
+    else bvx_buffer_free(ctx, &made);
     return status;
 }
 

@@ -223,7 +223,6 @@ bvx_status bvxi_write_segments(bvx_context *ctx, const bvx_grid *grid, const uin
 {
     dense_written w = {.grid = grid, .bytes = 1, .labels = labels, .palette = palette};
     uint64_t const voxels = bvxi_grid_rows(grid) * (uint64_t)grid->size[0];
-
     for (uint64_t i = 0; i < voxels; i++) w.used[labels[i]] = 1;
     return write_file(ctx, "bvx_write_labels", &w, BVX_FORMAT_NRRD, file);
 }

@@ -18,7 +18,6 @@ typedef struct vdb_file {
 static void put_words(vdb_file *f, const uint64_t *words, uint64_t count)
 {
     uint8_t b[8];
-
     for (uint64_t i = 0; i < count; i++) {
         bvxi_store_u64(b, words[i]);
         bvxi_output_add(&f->out, b, 8);
@@ -36,7 +35,6 @@ static void put_double(vdb_file *f, double v)
 static void put_value(vdb_file *f, double v)
 {
     uint8_t b[8] = {0};
-
     if (f->tree.bytes == 4) bvxi_store_f32(b, bvxi_field_float(v));
     if (f->tree.bytes == 8) bvxi_store_f64(b, v);
     bvxi_output_add(&f->out, b, (size_t)f->tree.bytes);
@@ -138,7 +136,6 @@ static uint32_t put_nodes(vdb_file *f, int put, int values)
 static void put_transform(vdb_file *f)
 {
     const double *const s = f->tree.active->lattice.spacing;
-
     put_text(f, s[0] == s[1] && s[1] == s[2] ? "UniformScaleTranslateMap" : "ScaleTranslateMap");
     for (int a = 0; a < 3; a++) put_double(f, f->tree.first[a]);
     for (int a = 0; a < 6; a++) put_double(f, s[a % 3]);

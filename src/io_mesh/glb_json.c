@@ -78,7 +78,6 @@ bvx_status bvxi_glb_check_size(bvx_context *ctx, uint64_t size, uint64_t levels)
 static size_t json_inner(const char *array, const char **inner)
 {
     size_t n = array != NULL ? bvxi_text_length(array) : 0, first = 0;
-
     while (first < n && array[first] != '[') first++;
     while (n > first && array[n - 1] != ']') n--;
     for (first++; first < n && (array[first] == ' ' || (array[first] >= '\t' && array[first] <= '\r'));)
@@ -219,30 +218,26 @@ static void glb_put_mesh(const bvxi_glb_file *file, uint64_t level, uint64_t *nu
     bvxi_output_print(out, "]}");
 }
 
-/* A material a mesh, with the mesh's name. */
-static void glb_put_colours_of_meshes(const bvxi_glb_file *file, bvxi_output *out)
-{
-    bvxi_output_print(out, "\"materials\":[");
-    for (uint64_t i = 0; i < file->levels; i++) {
-        const uint8_t *const colour = file->colours + 4 * i;
-        double rgb[3];
-        for (int c = 0; c < 3; c++) rgb[c] = (double)glb_linear_light[colour[c]] / UINT16_MAX;
-        bvxi_output_print(out, "%s{\"name\":%q%s", i > 0 ? "," : "", file->names[i],
-                          colour[3] < 255 ? ",\"alphaMode\":\"BLEND\"" : "");
-        bvxi_output_print(out,
-                          ",\"pbrMetallicRoughness\":{\"baseColorFactor\":[%v,%g],"
-                          "\"metallicFactor\":0,\"roughnessFactor\":1}}",
-                          rgb, ",", (double)colour[3] / UINT8_MAX);
-    }
-    bvxi_output_print(out, "],");
-}
-
 /* What the file's materials need. Views of images follow those of all levels. */
 static void glb_put_assets(const bvxi_glb_file *file, uint64_t view, bvxi_output *out)
 {
     const bvx_assets *const assets = file->assets;
 
-    if (file->colours != NULL) glb_put_colours_of_meshes(file, out);
+    if (file->colours != NULL) {
+        bvxi_output_print(out, "\"materials\":[");
+        for (uint64_t i = 0; i < file->levels; i++) {
+            const uint8_t *const colour = file->colours + 4 * i;
+            double rgb[3];
+            for (int c = 0; c < 3; c++) rgb[c] = (double)glb_linear_light[colour[c]] / UINT16_MAX;
+            bvxi_output_print(out, "%s{\"name\":%q%s", i > 0 ? "," : "", file->names[i],
+                              colour[3] < 255 ? ",\"alphaMode\":\"BLEND\"" : "");
+            bvxi_output_print(out,
+                              ",\"pbrMetallicRoughness\":{\"baseColorFactor\":[%v,%g],"
+                              "\"metallicFactor\":0,\"roughnessFactor\":1}}",
+                              rgb, ",", (double)colour[3] / UINT8_MAX);
+        }
+        bvxi_output_print(out, "],");
+    }
     if (file->matte)
         bvxi_output_print(out, "\"materials\":[{\"pbrMetallicRoughness\":"
                                "{\"metallicFactor\":0,\"roughnessFactor\":1}}],");
@@ -281,17 +276,6 @@ static void glb_put_level_views(const bvxi_glb *glb, bvxi_output *out)
     }
 }
 
-static void glb_put_bounds(const bvxi_glb *glb, bvxi_output *out)
-{
-    double low[3], high[3];
-
-    for (int a = 0; a < 3; a++) {
-        low[a] = (double)glb->low[a];
-        high[a] = (double)glb->high[a];
-    }
-    bvxi_output_print(out, ",\"min\":[%v],\"max\":[%v]", low, ",", high, ",");
-}
-
 /* An accessor but for its end; a part of an array begins at a byte of its view. */
 static void glb_put_accessor(const bvxi_glb_kind *kind, uint64_t view, uint64_t offset, uint64_t count,
                              bvxi_output *out)
@@ -311,7 +295,15 @@ static void glb_put_accessors(const bvxi_glb_file *file, const bvxi_glb *glb, ui
     for (int i = 0; i < BVXI_GLB_INDEX; i++) {
         if (glb->count[i] == 0) continue;
         glb_put_accessor(&glb->kind[i], (*view)++, 0, glb->count[i], out);
-        if (i == BVXI_GLB_POSITION) glb_put_bounds(glb, out);
+        if (i == BVXI_GLB_POSITION) {
+            double low[3], high[3];
+
+            for (int a = 0; a < 3; a++) {
+                low[a] = (double)glb->low[a];
+                high[a] = (double)glb->high[a];
+            }
+            bvxi_output_print(out, ",\"min\":[%v],\"max\":[%v]", low, ",", high, ",");
+        }
         bvxi_output_print(out, "}");
     }
 

@@ -89,7 +89,6 @@ static const char *gltf_put_members(const bvxi_gltf *f, uint32_t i, bvxi_output 
     const char *const text = gltf_put_place(out), *const type = gltf_image_type(image);
     const char *const before = gltf_put_others(&f->json, value, "bufferView",
                                                image->bytes != NULL ? "uri" : "bufferView", out);
-
     if (type != NULL && bvxi_json_member(&f->json, value, "mimeType") == BVXI_JSON_NONE)
         bvxi_output_print(out, "%s\"mimeType\":\"%s\"", before, type);
     bvxi_output_add(out, "", 1);

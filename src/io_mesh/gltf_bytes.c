@@ -127,16 +127,6 @@ void bvxi_gltf_close(bvxi_gltf *f)
 
 /* ---- buffers and their views ---- */
 
-/* The name of a uri that leads nowhere, for a message: short, and one line. */
-static void gltf_name_of_uri(const bvxi_gltf *f, uint32_t uri, char shown[64])
-{
-    uint32_t size, n;
-    const char *const text = bvxi_json_text(&f->json, uri, &size);
-    n = size < 60 ? size : 60;
-    memcpy(shown, text, n);
-    memcpy(shown + n, size > 60 ? "..." : "", size > 60 ? 4 : 1);
-}
-
 static bvx_status gltf_buffer(bvxi_gltf *f, uint64_t i, bvxi_gltf_bytes **buffer)
 {
     bvxi_gltf_bytes *b;
@@ -152,7 +142,11 @@ static bvx_status gltf_buffer(bvxi_gltf *f, uint64_t i, bvxi_gltf_bytes **buffer
     if (bvxi_json_kind(&f->json, uri) == BVXI_JSON_TEXT) {
         char shown[64];
         BVXI_TRY(bvxi_gltf_uri(f, uri, b));
-        gltf_name_of_uri(f, uri, shown);
+        uint32_t size, n;
+        const char *const text = bvxi_json_text(&f->json, uri, &size);
+        n = size < 60 ? size : 60;
+        memcpy(shown, text, n);
+        memcpy(shown + n, size > 60 ? "..." : "", size > 60 ? 4 : 1);
         if (b->bytes == NULL)
             return BVXI_FILE_FAIL(
                 f->source, BVX_ERR_FORMAT,

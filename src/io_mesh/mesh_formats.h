@@ -114,7 +114,6 @@ static inline uint8_t *bvxi_put_vertex(const bvx_mesh *mesh, uint64_t vertex, ui
 {
     int const f32 = bvxi_writes_f32(mesh);
     double p[3];
-
     bvxi_world_position(mesh, vertex, p);
     for (int a = 0; a < 3; a++) {
         if (a > 0) *at++ = ' ';

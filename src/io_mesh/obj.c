@@ -135,7 +135,6 @@ typedef struct obj_reader {
 static int obj_take_numbers(const obj_file *f, const char **p, int most, double *out)
 {
     int n = 0;
-
     /* A number that a slash or a letter follows is no number here, and stays at *p. */
     for (; n < most; n++) {
         const char *const at = obj_skip_blank(f, *p);
@@ -264,7 +263,6 @@ static inline void obj_add_triangle(obj_reader *r, const uint32_t first[2], cons
                                     const uint32_t corner[2])
 {
     bvx_mesh *const mesh = r->file->mesh;
-
     for (int k = 0; k < (mesh->uv_triangles != NULL ? 2 : 1); k++) {
         uint32_t *const t = (k == 0 ? mesh->triangles : mesh->uv_triangles) + (size_t)r->triangles * 3;
         t[0] = first[k];
@@ -354,7 +352,6 @@ static void obj_fill_piece(void *user, int32_t index)
 static int obj_first_has_colour(obj_file *f)
 {
     double number[3 + 5];
-
     for (int32_t i = 0; i < f->piece_count; i++) {
         const char *p = f->pieces[i].vertex;
         if (p == NULL) continue;
@@ -469,7 +466,6 @@ bvx_status bvxi_read_obj(bvxi_source *source, uint32_t *lost, bvx_mesh *mesh)
 static uint8_t *obj_put_colour(uint8_t *at, uint8_t value)
 {
     uint32_t const thousandths = ((uint32_t)value * 1000 + 254) / 255;
-
     *at++ = ' ';
     if (thousandths == 0 || thousandths == 1000) return bvxi_put_number(at, thousandths / 1000);
     *at++ = '0';
@@ -483,7 +479,6 @@ static uint8_t *obj_put_colour(uint8_t *at, uint8_t value)
 static uint8_t *obj_put_vertices(const void *user, uint64_t begin, uint64_t end, uint8_t *at)
 {
     const bvx_mesh *const mesh = ((const bvxi_written *)user)->mesh;
-
     for (uint64_t v = begin; v < end; v++) {
         at = bvxi_put_vertex(mesh, v, bvxi_put_char(bvxi_put_char(at, 'v'), ' '));
         if (mesh->colours != NULL)
@@ -496,7 +491,6 @@ static uint8_t *obj_put_vertices(const void *user, uint64_t begin, uint64_t end,
 static uint8_t *obj_put_uvs(const void *user, uint64_t begin, uint64_t end, uint8_t *at)
 {
     const bvx_mesh *const mesh = ((const bvxi_written *)user)->mesh;
-
     for (uint64_t i = begin; i < end; i++) {
         *at++ = 'v';
         *at++ = 't';

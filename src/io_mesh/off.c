@@ -425,7 +425,6 @@ bvx_status bvxi_read_off(bvxi_source *source, bvx_mesh *mesh)
 static uint8_t *off_put_vertices(const void *user, uint64_t begin, uint64_t end, uint8_t *at)
 {
     const bvx_mesh *const mesh = user;
-
     for (uint64_t v = begin; v < end; v++) {
         at = bvxi_put_vertex(mesh, v, at);
         if (mesh->colours != NULL)

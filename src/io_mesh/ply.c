@@ -89,7 +89,6 @@ static bvx_status ply_take_data(ply_file *f)
 {
     uint64_t const faces = f->header->face == NULL ? 0 : f->header->face->count;
     BVXI_TRY(ply_make_vertices(f));
-
     /* As if all faces were triangles; strips have no room at first, and so are read in the second pass. */
     BVXI_TRY(ply_make_room(f, faces, f->uvs_at_corners ? faces * 3 : 0));
     BVXI_TRY(ply_take_all(f));

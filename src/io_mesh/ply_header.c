@@ -234,7 +234,6 @@ static bvx_status ply_take_line(const bvxi_source *s, ply_line *line, ply_header
 static uint64_t ply_least_bytes(const ply_header *h, const ply_element *e)
 {
     uint64_t n = 0;
-
     for (uint32_t i = e->first; i < e->end; i++) {
         const ply_property *const p = &h->properties[i];
         uint64_t const items = p->count_type == PLY_NONE ? 1 : p->role == PLY_ROLE_CORNERS ? 3 : 0;
@@ -280,7 +279,6 @@ static void ply_find_attributes(ply_header *h)
     if (h->uvs == 0 && h->strips == NULL && h->face != NULL && ply_has_role(h, h->face, PLY_ROLE_UVS))
         h->uvs = 2;
     if (h->uvs == 2) return;
-
     /* Coordinates of corners are not used, so the rows need not keep them. */
     for (uint32_t i = 0; i < h->property_count; i++)
         if (h->properties[i].role == PLY_ROLE_UVS) h->properties[i].role = PLY_ROLE_NONE;

@@ -20,18 +20,15 @@ static uint64_t ply_place(const ply_file *f, const char *at)
                                             : bvxi_source_byte(f->source, at);
 }
 
-static const char *ply_row_name(const ply_element *e)
-{
-    return e->kind == PLY_VERTEX   ? "vertex"
-           : e->kind == PLY_FACE   ? "face"
-           : e->kind == PLY_STRIPS ? "strip"
-                                   : "row";
-}
-
 bvx_status bvxi_ply_fail_end(const ply_file *f, const ply_element *e, uint64_t row)
 {
     return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT, "the file ends (%s %u) inside %s %u of %u", ply_unit(f),
-                          ply_place(f, f->source->end), ply_row_name(e), row, e->count);
+                          ply_place(f, f->source->end),
+                          e->kind == PLY_VERTEX   ? "vertex"
+                          : e->kind == PLY_FACE   ? "face"
+                          : e->kind == PLY_STRIPS ? "strip"
+                                                  : "row",
+                          row, e->count);
 }
 
 bvx_status bvxi_ply_fail_finite(const ply_file *f, const char *at, uint64_t row, int32_t role)
@@ -156,16 +153,6 @@ static inline bvx_status ply_text_integer(ply_file *f, const char *expected, int
     return BVX_OK;
 }
 
-static bvx_status ply_text_corners(ply_file *f, const ply_property *property, uint64_t row, int64_t count)
-{
-    int64_t corner = 0;
-    for (int64_t i = 0; i < count; i++) {
-        BVXI_TRY(ply_text_integer(f, "a vertex index", &corner));
-        BVXI_TRY(bvxi_ply_take_corner(f, property, f->p, row, corner));
-    }
-    return BVX_OK;
-}
-
 /* A number of type float, or a coordinate that is one in the mesh, is rounded once. */
 static bvx_status ply_text_number(ply_file *f, const ply_property *property, uint64_t row)
 {
@@ -183,25 +170,9 @@ static bvx_status ply_text_number(ply_file *f, const ply_property *property, uin
     return ply_put(f, property, at, row, is_float ? (double)v32 : v);
 }
 
-static bvx_status ply_text_numbers(ply_file *f, const ply_property *property, uint64_t row, int64_t count)
-{
-    for (int64_t i = 0; i < count; i++) BVXI_TRY(ply_text_number(f, property, row));
-    return BVX_OK;
-}
-
-static bvx_status ply_text_skip(ply_file *f, const ply_element *e, uint64_t row, int64_t count)
-{
-    const char *const end = f->source->end;
-    for (int64_t i = 0; i < count; i++) {
-        f->p = bvxi_skip_space(f->p, end);
-        if (f->p == end) return bvxi_ply_fail_end(f, e, row);
-        f->p = bvxi_skip_word(f->p, end);
-    }
-    return BVX_OK;
-}
-
 static bvx_status ply_take_text_row(ply_file *f, const ply_element *e, uint64_t row)
 {
+    const char *const end = f->source->end;
     bvxi_ply_begin_row(f);
     for (uint32_t i = e->first; i < e->end; i++) {
         const ply_property *const property = &f->header->properties[i];
@@ -211,10 +182,19 @@ static bvx_status ply_take_text_row(ply_file *f, const ply_element *e, uint64_t 
         if (property->count_type != PLY_NONE) BVXI_TRY(ply_text_integer(f, "the length of a list", &count));
         if (property->count_type != PLY_NONE && count < bvxi_ply_least_length(property))
             return bvxi_ply_fail_length(f, e, row, count);
-        if (property->role == PLY_ROLE_CORNERS || property->role == PLY_ROLE_STRIP)
-            BVXI_TRY(ply_text_corners(f, property, row, count));
-        else if (property->role != PLY_ROLE_NONE) BVXI_TRY(ply_text_numbers(f, property, row, count));
-        else BVXI_TRY(ply_text_skip(f, e, row, count));
+        for (int64_t k = 0; k < count; k++) {
+            int64_t corner = 0;
+            if (property->role == PLY_ROLE_CORNERS || property->role == PLY_ROLE_STRIP) {
+                BVXI_TRY(ply_text_integer(f, "a vertex index", &corner));
+                BVXI_TRY(bvxi_ply_take_corner(f, property, f->p, row, corner));
+            } else if (property->role != PLY_ROLE_NONE) {
+                BVXI_TRY(ply_text_number(f, property, row));
+            } else {
+                f->p = bvxi_skip_space(f->p, end);
+                if (f->p == end) return bvxi_ply_fail_end(f, e, row);
+                f->p = bvxi_skip_word(f->p, end);
+            }
+        }
     }
     return ply_end_row(f, e, row);
 }
@@ -350,7 +330,6 @@ static void ply_take_bytes(ply_file *f, const ply_element *e, const uint8_t *p, 
 {
     size_t const size = (size_t)e->least_bytes;
     uint8_t *out = f->mesh->colours + (size_t)row * 4;
-
     for (uint64_t i = 0; i < count; i++, p += size, out += 4) {
         out[0] = p[0];
         out[1] = p[1];

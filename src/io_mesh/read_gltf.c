@@ -281,7 +281,6 @@ static bvx_status gltf_put_bounds(void *user, uint64_t element, const double *v)
 {
     gltf_target *const t = user;
     double p[3];
-
     (void)element;
     gltf_world_position(t->world, v, p);
     for (int a = 0; a < 3; a++) {
@@ -379,7 +378,6 @@ static bvx_status gltf_put_corner(void *user, uint64_t element, const double *v)
 {
     const gltf_target *const t = user;
     const bvxi_source *const s = t->r->f.source;
-
     if (!(v[0] < (double)t->limit))
         return BVXI_FILE_FAIL_FOR(s, BVX_ERR_RANGE, BVX_REASON_INDEX,
                                   "mesh %u: index %i is %u; there are %u vertices", (uint64_t)t->mesh,
@@ -526,7 +524,6 @@ static bvx_status gltf_make_parts(gltf_reader *r)
 {
     bvxi_gltf *const f = &r->f;
     bvx_context *const ctx = f->source->ctx;
-
     if (!f->options->keep_file || f->source->takes_any || r->unkept || r->out->position_type != BVX_F32 ||
         f->list_count[BVXI_GLTF_BUFFER] != 1 || f->buffer[0].bytes == NULL)
         return BVX_OK;

@@ -8,7 +8,6 @@
 static int is_utf16(const bvxi_source *source)
 {
     const unsigned char *const b = (const unsigned char *)source->begin;
-
     if (source->end - source->begin < 4) return 0;
     if ((b[0] == 0xff && b[1] == 0xfe && b[3] == 0) || (b[0] == 0xfe && b[1] == 0xff && b[2] == 0)) return 1;
     return (b[0] == 0) != (b[1] == 0) && (b[0] == 0) == (b[2] == 0) && (b[1] == 0) == (b[3] == 0);

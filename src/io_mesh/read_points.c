@@ -51,7 +51,6 @@ static const char *xyz_skip_head(const char *p, const char *end)
 static bvx_status xyz_take_point(const bvxi_source *s, const char *p, uint64_t i, double to[3])
 {
     const char *const line = p;
-
     for (int32_t a = 0; a < 3; a++) {
         if (!xyz_take_number(&p, s->end, &to[a])) return bvxi_fail_expected(s, p, "a coordinate");
         if (!(to[a] - to[a] == 0.0))

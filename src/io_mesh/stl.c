@@ -226,7 +226,6 @@ static bvx_status soup_weld(stl_soup *s)
     BVXI_TRY(s->table != NULL ? soup_weld_by_table(s, out) : soup_weld_by_tree(s, out));
     s->triangle_count += s->waiting;
     s->waiting = 0;
-
     /* Long searches are the sign of a table that was attacked
      * or is unlucky; the limit grows with the corners. */
     return s->table != NULL && s->probes > bvxi_probe_limit(3 * s->triangle_count) ? soup_plant_tree(s)
@@ -286,7 +285,6 @@ static bvx_status stl_take_batch(stl_soup *soup, const uint8_t *p, uint64_t firs
 static bvx_status stl_read_binary(stl_soup *soup, uint64_t count)
 {
     const uint8_t *const data = (const uint8_t *)soup->source->begin + STL_HEADER;
-
     for (uint64_t t = 0; t < count; t += SOUP_BATCH) {
         const uint8_t *const p = data + t * STL_TRIANGLE;
         uint32_t const n = count - t < SOUP_BATCH ? (uint32_t)(count - t) : SOUP_BATCH;

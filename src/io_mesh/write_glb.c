@@ -191,7 +191,6 @@ static uint8_t *glb_put_indices(const void *user, uint64_t begin, uint64_t end, 
 {
     const bvxi_glb *const glb = user;
     const uint32_t *const index = glb->seams.triangles != NULL ? glb->seams.triangles : glb->mesh->triangles;
-
     for (uint64_t i = begin; i < end; i++) {
         uint64_t const from = glb->order != NULL ? (uint64_t)glb->order[i / 3] * 3 + i % 3 : i;
         if (glb->kind[BVXI_GLB_INDEX].size == 2) bvxi_store_u16(at, (uint16_t)index[from]);
@@ -373,21 +372,6 @@ static bvx_status glb_plan_level(bvx_context *ctx, const bvxi_glb_file *glb, uin
     return bvxi_sum_normals(ctx, &view, 1.0, &level->normal);
 }
 
-/* The file's materials are those of the source, or of the first level that has some. */
-static void glb_find_assets(const bvx_mesh *source, bvxi_glb_file *glb)
-{
-    int colours = 0;
-
-    if (source != NULL) glb->assets = source->assets;
-    for (uint64_t l = 0; l < glb->levels; l++) {
-        const bvx_mesh *const mesh = glb->level[l].mesh;
-        if (source == NULL && glb->assets == NULL) glb->assets = mesh->assets;
-        colours |= mesh->colours != NULL;
-    }
-    if (glb->assets != NULL && glb->assets->materials != NULL) glb->materials = glb->assets->material_count;
-    glb->matte = colours && glb->materials == 0;
-}
-
 bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count,
                           const bvx_write_options *options, bvx_buffer *file)
 {
@@ -404,7 +388,18 @@ bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *levels, uint64_t lev
     }
     glb.names = options->names;
     glb.colours = options->names != NULL ? options->colours : NULL;
-    if (glb.colours == NULL) glb_find_assets(options->source, &glb);
+    /* The file's materials are those of the source, or of the first level that has some. */
+    if (glb.colours == NULL) {
+        int colours = 0;
+        if (options->source != NULL) glb.assets = options->source->assets;
+        for (uint64_t l = 0; l < glb.levels; l++) {
+            const bvx_mesh *const mesh = glb.level[l].mesh;
+            if (options->source == NULL && glb.assets == NULL) glb.assets = mesh->assets;
+            colours |= mesh->colours != NULL;
+        }
+        if (glb.assets != NULL && glb.assets->materials != NULL) glb.materials = glb.assets->material_count;
+        glb.matte = colours && glb.materials == 0;
+    }
 
     for (uint64_t l = 0; l < level_count; l++) BVXI_TRY(glb_plan_level(ctx, &glb, l));
     glb.end = glb.level[level_count - 1].end;

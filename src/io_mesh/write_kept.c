@@ -9,7 +9,6 @@ enum { KEPT_HEAD = 20, KEPT_CHUNK = 8, KEPT_TRIANGLE = 12 };
 int bvxi_glb_keeps(const bvx_mesh *level, const bvx_write_options *options)
 {
     const bvx_mesh *const source = options->source;
-
     if (source == NULL || source->assets == NULL || source->assets->document == NULL) return 0;
     if (options->turn != BVX_TURN_NONE || options->quantize || options->names != NULL) return 0;
     if (level->vertex_count != source->vertex_count || level->position_type != source->position_type)

@@ -203,7 +203,6 @@ static void put_file_positions(const bvx_mesh *mesh, int rounded, const bvxi_fil
 static bvx_status count_positions(bvx_context *ctx, const bvx_mesh_view *view, uint64_t *different)
 {
     uint32_t *representative;
-
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * sizeof *representative,
                         "the vertices' positions", &representative));
     BVXI_TRY(bvxi_weld(ctx, view, representative, different));
@@ -274,7 +273,6 @@ static bvx_status check_levels(bvx_context *ctx, const char *function, const bvx
                                uint64_t level_count)
 {
     char name[BVXI_LEVEL_NAME];
-
     if (level_count == 0 || level_count > WRITTEN_LEVELS)
         return bvxi_fail_for(ctx, level_count == 0 ? BVX_ERR_ARGUMENT : BVX_ERR_RANGE,
                              level_count == 0 ? BVX_REASON_RANGE : BVX_REASON_TOO_MANY,

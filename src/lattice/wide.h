@@ -35,7 +35,6 @@ static inline bvxi_limbs bvxi_limbs_mul(int64_t a, int64_t b)
     uint64_t const p00 = a0 * b0, p01 = a0 * b1, p10 = a1 * b0, p11 = a1 * b1;
     uint64_t const middle = (p00 >> 32) + (p01 & 0xffffffffu) + (p10 & 0xffffffffu);
     bvxi_limbs r;
-
     r.low = (p00 & 0xffffffffu) | middle << 32;
     r.high = p11 + (p01 >> 32) + (p10 >> 32) + (middle >> 32);
     return (a < 0) != (b < 0) ? bvxi_limbs_negate(r) : r;
@@ -109,7 +108,6 @@ static inline double bvxi_wide_double(bvxi_wide a)
 static inline int64_t bvxi_wide_floor_div_scaled(bvxi_wide a, int64_t b, int64_t c, int64_t limit)
 {
     double const estimate = bvxi_wide_double(a) / ((double)b * (double)c);
-
     if (estimate > (double)limit) return limit;
     if (estimate < -(double)limit) return -limit;
     int64_t q = (int64_t)estimate;

@@ -18,7 +18,6 @@ bvx_status bvxi_trace_reserve(const bvxi_trace *t, void *array, uint64_t count, 
 bvx_status bvxi_trace_open_loop(bvxi_trace *t, uint64_t count)
 {
     uint64_t room[4] = {t->loop_room, t->loop_room, t->loop_room, t->loop_room};
-
     BVXI_TRY(bvxi_trace_reserve(t, &t->faces, count, &room[0], sizeof *t->faces));
     BVXI_TRY(bvxi_trace_reserve(t, (void *)&t->at, count, &room[1], sizeof *t->at));
     BVXI_TRY(bvxi_trace_reserve(t, &t->next, count, &room[2], sizeof *t->next));

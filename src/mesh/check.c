@@ -57,11 +57,8 @@ static void collect_task(void *user, int32_t task, uint64_t from, uint64_t to)
         if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0]) continue;
         for (int k = 0; k < 3; k++) {
             bvxi_view_position(c->view, raw[k], p[k]);
-            for (int a = 0; a < 3; a++) {
-                least[a] = p[k][a] < least[a] ? p[k][a] : least[a];
-                most[a] = p[k][a] > most[a] ? p[k][a] : most[a];
-                p[k][a] *= w->scale;
-            }
+            bvxi_widen(least, most, p[k], 3);
+            for (int a = 0; a < 3; a++) p[k][a] *= w->scale;
         }
 
         /* Twice the area is the length of the normal, so one cross product serves area and volume. */
@@ -135,12 +132,6 @@ static bvx_status collect_triangles(bvx_context *ctx, checker *c, double progres
     return BVX_OK;
 }
 
-static int check_same_bounds(const bvx_certificate *r, const double low[3], const double high[3])
-{
-    return r->box.low[0] == low[0] && r->box.low[1] == low[1] && r->box.low[2] == low[2] &&
-           r->box.high[0] == high[0] && r->box.high[1] == high[1] && r->box.high[2] == high[2];
-}
-
 /* low and high are the bounds of all triangles, also those that do not count. */
 static bvx_status check_whole_mesh(bvx_context *ctx, checker *c, int weld, const double low[3],
                                    const double high[3])
@@ -167,7 +158,8 @@ static bvx_status check_whole_mesh(bvx_context *ctx, checker *c, int weld, const
         }
     }
     BVXI_TRY(collect_triangles(ctx, c, 0.3, low, high));
-    if (c->triangle_count != 0 && !check_same_bounds(&c->result, low, high)) {
+    if (c->triangle_count != 0 &&
+        !(bvxi_vec_is_same(c->result.box.low, low) && bvxi_vec_is_same(c->result.box.high, high))) {
         memcpy(kept_low, c->result.box.low, sizeof kept_low);
         memcpy(kept_high, c->result.box.high, sizeof kept_high);
         BVXI_TRY(collect_triangles(ctx, c, 0.35, kept_low, kept_high));

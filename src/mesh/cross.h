@@ -26,10 +26,8 @@ static inline int bvxi_cross_sides(const bvxi_orient_plane *plane, const double 
                                    const double *const q[3])
 {
     int side = 0, unsure = 0;
-
     for (int k = 0; k < 3; k++) {
         int const s = bvxi_orient_side(plane, q[k]);
-
         if (s == 0) unsure |= (q[k] != p[0]) & (q[k] != p[1]) & (q[k] != p[2]);
         else if (s == -side) return BVXI_CROSS_OPEN;
         else side = s;
@@ -44,7 +42,6 @@ static inline int bvxi_triangles_cross_beside(int sides, const bvxi_orient_plane
     if (BVXI_LIKELY(sides == BVXI_CROSS_APART)) return 0;
     if (sides == BVXI_CROSS_OPEN) {
         bvxi_orient_plane other;
-
         bvxi_orient_plane_of(q, &other);
         if (bvxi_cross_sides(&other, q, p) == BVXI_CROSS_APART) return 0;
     }
@@ -63,7 +60,6 @@ static inline int bvxi_triangles_cross_at(const bvxi_orient_plane *plane, const 
 static inline int bvxi_triangles_cross(const double *const p[3], const double *const q[3])
 {
     bvxi_orient_plane plane;
-
     bvxi_orient_plane_of(p, &plane);
     return bvxi_triangles_cross_at(&plane, p, q);
 }

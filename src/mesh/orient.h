@@ -67,10 +67,8 @@ static inline int bvxi_orient_side(const bvxi_orient_plane *plane, const double 
     double const height = plane->normal[0] * x + plane->normal[1] * y + plane->normal[2] * z;
     double const size = plane->error[0] * bvxi_absolute(x) + plane->error[1] * bvxi_absolute(y) +
                         plane->error[2] * bvxi_absolute(z);
-
     /* A height within the bound may have either sign. */
     double const bound = BVXI_ORIENT_ERROR * size + BVXI_ORIENT_TINY;
-
     return (height > bound) - (height < -bound);
 }
 
@@ -80,11 +78,9 @@ static inline int bvxi_orient(const double a[3], const double b[3], const double
 {
     const double *const t[3] = {a, b, c};
     bvxi_orient_plane plane;
-
     /* The filter says on which side of the normal, the determinant the opposite. */
     bvxi_orient_plane_of(t, &plane);
     int const side = bvxi_orient_side(&plane, d);
-
     return BVXI_LIKELY(side != 0) ? -side : bvxi_orient_exact(a, b, c, d);
 }
 
@@ -94,7 +90,6 @@ static inline int bvxi_orient_flat_side(const double a[3], const double b[3], co
     int const k = axis == 2 ? 0 : axis + 1, l = axis == 0 ? 2 : axis - 1;
     double const x = (a[k] - c[k]) * (b[l] - c[l]), y = (a[l] - c[l]) * (b[k] - c[k]);
     double const bound = BVXI_ORIENT_FLAT_ERROR * (bvxi_absolute(x) + bvxi_absolute(y)) + BVXI_ORIENT_TINY;
-
     return (x - y > bound) - (x - y < -bound);
 }
 

@@ -276,16 +276,6 @@ static int polygon_lay_flat(bvxi_ring *ring, const double (*corner)[3], uint32_t
     return 1;
 }
 
-/* The turn at the lowest corner, which is the sense of a simple ring. */
-static int32_t polygon_sense(const bvxi_ring *ring)
-{
-    /* The lowest corner is on the hull, so its turn cannot be a reflex one in a simple ring. */
-    uint32_t lowest = 0;
-    for (uint32_t i = 1; i < ring->count; i++)
-        if (bvxi_place_order(ring->xy[i], ring->xy[lowest]) < 0) lowest = i;
-    return bvxi_ring_side(ring, bvxi_ring_previous(ring, lowest), lowest, bvxi_ring_next(ring, lowest));
-}
-
 static void polygon_turn_round(bvxi_ring *ring)
 {
     for (uint32_t i = 0; i < ring->count; i++) ring->xy[i][1] = -ring->xy[i][1];
@@ -371,7 +361,12 @@ static bvx_status polygon_cut_flat(bvxi_polygon *work, const double (*corner)[3]
         /* Seen along this axis there may be nothing but a line; the next one shows more. */
         if (!polygon_lay_flat(&ring, corner, (uint32_t)count, factors, axes[a]) || polygon_is_line(&ring))
             continue;
-        int32_t const sense = polygon_sense(&ring);
+        /* The lowest corner is on the hull, so its turn cannot be a reflex one in a simple ring. */
+        uint32_t lowest = 0;
+        for (uint32_t i = 1; i < ring.count; i++)
+            if (bvxi_place_order(ring.xy[i], ring.xy[lowest]) < 0) lowest = i;
+        int32_t const sense = bvxi_ring_side(&ring, bvxi_ring_previous(&ring, lowest), lowest,
+                                             bvxi_ring_next(&ring, lowest));
         if (sense < 0) polygon_turn_round(&ring);
         if (polygon_ring_is_convex(&ring)) break;
         return polygon_cut_ring(work, &ring, count, sense, component > 0.0 ? 1 : component < 0.0 ? -1 : 0);

@@ -37,7 +37,6 @@ static void list_facets(const bvx_mesh_view *mesh, const uint32_t *representativ
     for (uint64_t t = 0; t < mesh->triangle_count; t++, facet += 4) {
         double p[3][3];
         uint32_t v[3];
-
         welded_triangle(mesh, representative, t, v);
         for (int k = 0; k < 3; k++) bvxi_view_position(mesh, v[k], p[k]);
         facet[3] = bvxi_facet_normal((const double(*)[3])p, facet);

@@ -111,14 +111,6 @@ bvx_status bvxi_view_check_uvs(bvx_context *ctx, const char *function, const bvx
 
 /* ---- plain loops: the specification ---- */
 
-static bvx_status check_every_index(bvx_context *ctx, const char *function, const bvx_mesh_view *v)
-{
-    uint32_t c[3];
-    for (uint64_t t = 0; t < v->triangle_count; t++)
-        if (!bvxi_view_triangle(v, t, c)) return bvxi_view_fail_index(ctx, function, v, t);
-    return BVX_OK;
-}
-
 static bvx_status check_every_position(bvx_context *ctx, const char *function, const bvx_mesh_view *v)
 {
     double p[3];
@@ -265,7 +257,6 @@ static int bounds_packed(const bvx_mesh_view *v, double low[3], double high[3])
 {
     uint32_t want[6];
     int within;
-
     return bvxi_view_packed_u32(v) && bvxi_view_outer_bounds(v, low, high, want) &&
            triangles_mention(v, want, &within) && within;
 }
@@ -292,7 +283,9 @@ bvx_status bvxi_view_bounds(bvx_context *ctx, const char *function, const bvx_me
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", function);
     /* The fast way answers only where it is certain; else the specification decides and reports. */
     if (!bounds_packed(view, lo, hi)) {
-        BVXI_TRY(check_every_index(ctx, function, view));
+        uint32_t c[3];
+        for (uint64_t t = 0; t < view->triangle_count; t++)
+            if (!bvxi_view_triangle(view, t, c)) return bvxi_view_fail_index(ctx, function, view, t);
         BVXI_TRY(check_every_position(ctx, function, view));
         bvxi_view_used_bounds(view, lo, hi);
     }

@@ -137,7 +137,6 @@ static inline int bvxi_view_triangle(const bvx_mesh_view *v, uint64_t t, uint32_
 static inline void bvxi_view_move(const double m[12], double p[3])
 {
     double const x = p[0], y = p[1], z = p[2];
-
     for (int a = 0; a < 3; a++, m += 4) p[a] = ((m[0] * x + m[1] * y) + m[2] * z) + m[3];
 }
 
@@ -160,7 +159,6 @@ static inline void bvxi_view_position(const bvx_mesh_view *v, uint64_t vertex, d
 static inline void bvxi_view_corners(const bvx_mesh_view *v, uint64_t t, double p[3][3])
 {
     uint32_t c[3];
-
     bvxi_view_triangle(v, t, c);
     for (int k = 0; k < 3; k++) bvxi_view_position(v, c[k], p[k]);
 }
@@ -195,7 +193,6 @@ bvx_status bvxi_mesh_drop_nonfinite(bvx_context *ctx, const char *function, bvx_
 static inline double bvxi_unit_scale(const double low[3], const double high[3])
 {
     double largest = 0.0, s = 1.0;
-
     for (int a = 0; a < 3; a++) {
         largest = high[a] > largest ? high[a] : largest;
         largest = -low[a] > largest ? -low[a] : largest;

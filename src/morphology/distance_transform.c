@@ -146,18 +146,6 @@ static bvx_status check_distance(bvx_context *ctx, const char *function, const b
     return BVX_OK;
 }
 
-/* Floats have less room, for the distances themselves. */
-static bvx_status check_floats(bvx_context *ctx, const char *function, const double spacing[3])
-{
-    for (int32_t a = 0; a < 3; a++)
-        if (spacing[a] < DISTANCE_LEAST_FLOAT || spacing[a] > DISTANCE_MOST_FLOAT)
-            return bvxi_fail_for(
-                ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
-                "%s: floats do not hold distances of voxels with a spacing of %g; take BVX_F64", function,
-                spacing[a]);
-    return BVX_OK;
-}
-
 static bvx_status check_squares(bvx_context *ctx, const char *function, const distance_job *job)
 {
     const double *const s = job->grid->lattice.spacing;
@@ -193,7 +181,16 @@ static bvx_status run_grid_distance(bvx_context *context, const bvx_grid *grid,
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
                              "%s: value_type is %d; it must be BVX_F32, BVX_F64 or BVX_SQUARES", function,
                              (int64_t)value_type);
-    if (value_type == BVX_F32) BVXI_TRY(check_floats(context, function, grid->lattice.spacing));
+    /* Floats have less room, for the distances themselves. */
+    if (value_type == BVX_F32) {
+        for (int32_t a = 0; a < 3; a++)
+            if (grid->lattice.spacing[a] < DISTANCE_LEAST_FLOAT ||
+                grid->lattice.spacing[a] > DISTANCE_MOST_FLOAT)
+                return bvxi_fail_for(
+                    context, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                    "%s: floats do not hold distances of voxels with a spacing of %g; take BVX_F64", function,
+                    grid->lattice.spacing[a]);
+    }
     if (value_type == BVX_SQUARES) BVXI_TRY(check_squares(context, function, &job));
     job.values = values;
     job.value_type = value_type;

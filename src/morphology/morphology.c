@@ -131,29 +131,6 @@ static const bvxi_option morph_rows[] = {
     BVXI_RESERVED(bvx_morph_options, reserved),
 };
 
-static bvx_status take_morph_options(bvx_context *ctx, const char *function, const bvx_grid *grid,
-                                     const bvx_morph_options *options, bvxi_morph *morph)
-{
-    bvx_morph_options o;
-
-    BVXI_TRY(bvxi_take_options(ctx, function, options, &o, sizeof o));
-    BVXI_TRY(bvxi_check_options(ctx, function, &o, BVXI_OPTIONS(morph_rows)));
-
-    /* A ball has a radius, neighbourhoods have steps; the other one has to be left out. */
-    if (o.neighbourhood == BVX_BALL && o.steps != 1)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                             "%s: steps is %d; a ball takes 1", function, (int64_t)o.steps);
-    if (o.neighbourhood != BVX_BALL && o.radius != 0.0)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                             "%s: radius is %g; it must be 0 unless neighbourhood is BVX_BALL", function,
-                             o.radius);
-    morph->neighbourhood = o.neighbourhood == BVX_BALL ? 0 : o.neighbourhood;
-    morph->steps = o.steps;
-    morph->beyond = o.beyond;
-    return o.neighbourhood == BVX_BALL ? bvxi_ball_set(ctx, function, &grid->lattice, o.radius, morph)
-                                       : BVX_OK;
-}
-
 /* What each operation is made of, by BVX_MORPH_... */
 static const bvxi_morph morphs[] = {
     {.stage = "dilate", .operation = {BVXI_DILATE, BVXI_DILATE}, .operations = 1},
@@ -173,7 +150,24 @@ static bvx_status change_grid(bvx_context *ctx, const bvx_grid *grid, int32_t op
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
                              "%s: operation is %d; it must be BVX_MORPH_...", function, (int64_t)operation);
     bvxi_morph morph = morphs[operation];
-    BVXI_TRY(take_morph_options(ctx, function, grid, options, &morph));
+    bvx_morph_options o;
+
+    BVXI_TRY(bvxi_take_options(ctx, function, options, &o, sizeof o));
+    BVXI_TRY(bvxi_check_options(ctx, function, &o, BVXI_OPTIONS(morph_rows)));
+
+    /* A ball has a radius, neighbourhoods have steps; the other one has to be left out. */
+    if (o.neighbourhood == BVX_BALL && o.steps != 1)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: steps is %d; a ball takes 1", function, (int64_t)o.steps);
+    if (o.neighbourhood != BVX_BALL && o.radius != 0.0)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: radius is %g; it must be 0 unless neighbourhood is BVX_BALL", function,
+                             o.radius);
+    morph.neighbourhood = o.neighbourhood == BVX_BALL ? 0 : o.neighbourhood;
+    morph.steps = o.steps;
+    morph.beyond = o.beyond;
+    BVXI_TRY(o.neighbourhood == BVX_BALL ? bvxi_ball_set(ctx, function, &grid->lattice, o.radius, &morph)
+                                         : BVX_OK);
     memcpy(window.low, grid->low, sizeof window.low);
     memcpy(window.size, grid->size, sizeof window.size);
     bvxi_grid_renew(ctx, &grid->lattice, &window, result);

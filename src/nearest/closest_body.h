@@ -93,7 +93,6 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(take_triangles)(closest_search *s, u
 {
     for (; bits != 0; bits &= bits - 1) {
         uint32_t const place = first + (uint32_t)bvxi_lowest(bits);
-
         s->wait[s->waiting++] = place;
         if (s->waiting == 4) BVXI_SIMD(look_at_waiting)(s);
     }

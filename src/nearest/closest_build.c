@@ -38,16 +38,6 @@ static void turn_to_lowest(const bvx_mesh_view *view, uint32_t c[3])
     for (int k = 0; k < 3; k++) c[k] = was[(first + k) % 3];
 }
 
-static uint64_t hash_of_corners(const bvx_mesh_view *view, uint64_t triangle)
-{
-    double p[3][3];
-    uint32_t c[3];
-    bvxi_view_triangle(view, triangle, c);
-    turn_to_lowest(view, c);
-    for (int k = 0; k < 3; k++) bvxi_view_position(view, c[k], p[k]);
-    return bvxi_corners_hash((const double(*)[3])p, 1.0);
-}
-
 /* A few triangles of one key by their hashes, which are in keys. */
 static void order_few(uint64_t *keys, uint32_t *order, uint64_t count)
 {
@@ -73,8 +63,14 @@ static bvx_status order_by_positions(bvx_context *ctx, closest_builder *b)
 
     for (uint64_t first = 0; first < n; first = end) {
         for (end = first + 1; end < n && keys[end] == keys[first];) end++;
-        for (uint64_t i = first; i < end && end - first > 1; i++)
-            keys[i] = hash_of_corners(b->curve.view, order[i]);
+        for (uint64_t i = first; i < end && end - first > 1; i++) {
+            double p[3][3];
+            uint32_t c[3];
+            bvxi_view_triangle(b->curve.view, order[i], c);
+            turn_to_lowest(b->curve.view, c);
+            for (int k = 0; k < 3; k++) bvxi_view_position(b->curve.view, c[k], p[k]);
+            keys[i] = bvxi_corners_hash((const double(*)[3])p, 1.0);
+        }
         if (end - first <= CLOSEST_FEW) order_few(keys + first, order + first, end - first);
         else BVXI_TRY(bvxi_radix_sort(ctx, keys + first, order + first, end - first));
     }

@@ -26,32 +26,17 @@ typedef struct pairs_job {
 static void pairs_positions(void *user, uint64_t begin, uint64_t end)
 {
     const pairs_job *const job = user;
-
     for (uint64_t v = begin; v < end; v++) bvxi_view_position(job->mesh->view, v, job->at + 3 * v);
 }
 
 static void pairs_corners(void *user, uint64_t begin, uint64_t end)
 {
     const pairs_job *const job = user;
-
     for (uint64_t t = begin; t < end; t++) {
         uint32_t *const v = job->vertex + 3 * t;
-
         bvxi_view_triangle(job->mesh->view, t, v);
         for (int k = 0; k < 3; k++) v[k] = job->mesh->representative[v[k]];
     }
-}
-
-/* The order of the curve, without its keys. */
-static bvx_status order_pairs(bvx_context *ctx, pairs_job *job)
-{
-    uint64_t const n = job->mesh->view->triangle_count;
-
-    BVXI_TRY(BVXI_ARRAY(ctx, n, "the crossings' order", job->curve.order));
-    BVXI_TRY(BVXI_ARRAY(ctx, n, "the crossings' keys", job->curve.keys));
-    BVXI_TRY(bvxi_curve_sort(bvxi_call_of(ctx, NULL, "crossings", 0.0, 0.2), &job->curve));
-    bvxi_drop(ctx, job->curve.keys);
-    return BVX_OK;
 }
 
 static bvx_status open_pairs(bvx_context *ctx, pairs_job *job)
@@ -72,7 +57,12 @@ static bvx_status open_pairs(bvx_context *ctx, pairs_job *job)
         size = high - low > size ? high - low : size;
     }
     job->curve.units = bvxi_unit_scale(minus, half);
-    BVXI_TRY(order_pairs(ctx, job));
+    uint64_t const n = job->mesh->view->triangle_count;
+
+    BVXI_TRY(BVXI_ARRAY(ctx, n, "the crossings' order", job->curve.order));
+    BVXI_TRY(BVXI_ARRAY(ctx, n, "the crossings' keys", job->curve.keys));
+    BVXI_TRY(bvxi_curve_sort(bvxi_call_of(ctx, NULL, "crossings", 0.0, 0.2), &job->curve));
+    bvxi_drop(ctx, job->curve.keys);
     BVXI_TRY(BVXI_ARRAY(ctx, 3 * view->vertex_count, "the crossings' positions", job->at));
     BVXI_TRY(BVXI_ARRAY(ctx, 3 * view->triangle_count, "the crossings' corners", job->vertex));
     BVXI_TRY(BVXI_SHARE(ctx, 0.2, 0.25,
@@ -96,7 +86,6 @@ bvx_status bvxi_mesh_crossings(bvx_context *ctx, const bvxi_welded *mesh, uint64
                                uint64_t *count)
 {
     pairs_job job = {.mesh = mesh};
-
     BVXI_TRY(open_pairs(ctx, &job));
     BVXI_TRY(bvxi_crossings_find(ctx, &job.tree, 0.3, 1.0, most, pairs, count));
     bvxi_drop(ctx, job.tree.node[0]);

@@ -15,6 +15,7 @@
 #include "nearest/crossing_tree.h"
 #include "bits/bits.h"
 #include "core/simd_shorts.h"
+#include "core/vec3.h"
 #include "mesh/cross.h"
 #include "mesh/mesh.h"
 
@@ -64,7 +65,6 @@ static void put_query(const triangle_box *box, int count, box_query *q)
 BVXI_VECTOR_INLINE uint32_t overlaps_along(const int16_t *bound, const bvxi_shorts *most, int count)
 {
     bvxi_shorts apart = bvxi_shorts_all(0);
-
     for (int i = 0; i < count; i++)
         apart = bvxi_shorts_or(apart, bvxi_shorts_more(bvxi_shorts_load(bound + i * WIDTH), most[i]));
     return ~bvxi_shorts_bits(apart) & 0xff;
@@ -78,7 +78,6 @@ BVXI_VECTOR_INLINE uint32_t overlaps(const box_node *node, const box_query *q)
 BVXI_VECTOR_INLINE uint32_t overlaps_leaf(const crossing_tree *tree, uint64_t node, const box_query *q)
 {
     uint32_t const bits = overlaps(&tree->node[0][node], q);
-
     if (bits == 0 || !tree->slanted) return bits;
     return bits & overlaps_along(tree->slant[node].bound[0], q->bound + 6, 2 * CROSSING_SLANTS);
 }
@@ -87,7 +86,6 @@ BVXI_VECTOR_INLINE uint32_t overlaps_leaf(const crossing_tree *tree, uint64_t no
 static triangle_box box_of_all(const box_node *node)
 {
     triangle_box box;
-
     for (int i = 0; i < 6; i++) {
         box.bound[i] = node->bound[i][0];
         for (int k = 1; k < WIDTH; k++)
@@ -100,21 +98,18 @@ static triangle_box box_of_all(const box_node *node)
 static int16_t box_step(double at)
 {
     double const above = at > 0 ? at : 0;
-
     return (int16_t)(int32_t)(above < BOX_HIGHEST ? above : BOX_HIGHEST);
 }
 
 static double least_of(double x, double y, double z)
 {
     double const less = x < y ? x : y;
-
     return less < z ? less : z;
 }
 
 static double most_of(double x, double y, double z)
 {
     double const more = x > y ? x : y;
-
     return more > z ? more : z;
 }
 
@@ -200,7 +195,6 @@ static void put_above(const crossing_tree *tree, int32_t level, uint64_t begin, 
 {
     for (uint64_t i = begin; i < end; i++) {
         triangle_box const box = box_of_all(&tree->node[level][i]);
-
         put_box(&tree->node[level + 1][i / WIDTH], i, &box);
     }
 }
@@ -258,10 +252,8 @@ bvx_status bvxi_crossing_tree_open(bvx_context *ctx, crossing_tree *tree)
 static int grow_box(box_node *node, uint64_t child, const triangle_box *box)
 {
     int grown = 0;
-
     for (int i = 0; i < 6; i++) {
         int16_t *const bound = &node->bound[i][child % WIDTH];
-
         grown |= box->bound[i] < *bound;
         if (box->bound[i] < *bound) *bound = box->bound[i];
     }
@@ -294,11 +286,6 @@ typedef struct held_triangle {
     box_query query;
 } held_triangle;
 
-static int same_position(const double *p, const double *q)
-{
-    return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
-}
-
 static int crosses(const crossing_tree *tree, const bvxi_orient_plane *plane, const double *const p[3],
                    const uint32_t *v)
 {
@@ -313,7 +300,7 @@ static int crosses(const crossing_tree *tree, const bvxi_orient_plane *plane, co
     /* Equal positions are one pointer to the exact test. */
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++) {
-            if (q[k] == p[i] || !same_position(q[k], p[i])) continue;
+            if (q[k] == p[i] || !bvxi_vec_is_same(q[k], p[i])) continue;
             q[k] = p[i];
             joined = 1;
         }
@@ -325,7 +312,6 @@ static int crosses(const crossing_tree *tree, const bvxi_orient_plane *plane, co
 static int share_fan(const uint32_t *fan, const uint32_t *v)
 {
     int shared = 0;
-
     for (int k = 0; k < 3; k++) shared |= (v[k] == fan[0]) | (v[k] == fan[1]) | (v[k] == fan[2]);
     return shared;
 }
@@ -333,7 +319,6 @@ static int share_fan(const uint32_t *fan, const uint32_t *v)
 static int held_crosses(const crossing_tree *tree, held_triangle *held, const uint32_t *v)
 {
     const double *p[3];
-
     corners_in(tree, held->vertex, p);
     if (!held->planed) bvxi_orient_plane_of(p, &held->plane);
     held->planed = 1;
@@ -484,7 +469,6 @@ static void pairs_piece(void *user, int32_t index)
     uint64_t *const keys = job->keys + job->begins[index];
     uint64_t const room = job->begins[index + 1] - job->begins[index];
     uint64_t begin, end, found = 0;
-
     if (job->written[index]) return;
     bvxi_piece(job->tree->nodes[0], job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) found = pairs_of_node(job, i, keys, room, found);
@@ -601,7 +585,6 @@ int bvxi_crossing_pair(const crossing_tree *tree, uint32_t s, uint32_t t)
 {
     const double *p[3];
     bvxi_orient_plane plane;
-
     corners_in(tree, tree->vertex + s * tree->vertex_step, p);
     bvxi_orient_plane_of(p, &plane);
     return crosses(tree, &plane, p, tree->vertex + t * tree->vertex_step);

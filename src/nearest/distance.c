@@ -150,17 +150,6 @@ typedef struct distance_pair {
     double scale;
 } distance_pair;
 
-static double distance_scale(const distance_side *a, const distance_side *b)
-{
-    double low[3], high[3];
-    /* Around both, as points of either are measured to the other. */
-    for (int k = 0; k < 3; k++) {
-        low[k] = a->low[k] < b->low[k] ? a->low[k] : b->low[k];
-        high[k] = a->high[k] > b->high[k] ? a->high[k] : b->high[k];
-    }
-    return bvxi_unit_scale(low, high);
-}
-
 /* Samples need an area to lie on. */
 static bvx_status require_area(bvx_context *ctx, const char *function, const bvx_mesh_view *v, double scale)
 {
@@ -240,7 +229,13 @@ bvx_status bvxi_mesh_distance(bvx_context *context, const bvx_mesh_view *a, bvxi
                              "bvx_mesh_distance: samples is %u, not 1 to 2147483647", samples);
     BVXI_TRY(bvxi_view_bounds(context, function_a, a, pair.a.low, pair.a.high));
     BVXI_TRY(bvxi_view_bounds(context, function_b, b, pair.b.low, pair.b.high));
-    pair.scale = distance_scale(&pair.a, &pair.b);
+    double low[3], high[3];
+    /* Around both, as points of either are measured to the other. */
+    for (int k = 0; k < 3; k++) {
+        low[k] = pair.a.low[k] < pair.b.low[k] ? pair.a.low[k] : pair.b.low[k];
+        high[k] = pair.a.high[k] > pair.b.high[k] ? pair.a.high[k] : pair.b.high[k];
+    }
+    pair.scale = bvxi_unit_scale(low, high);
 
     /* One scale for both, a power of two, so that distances of both ways compare. */
     BVXI_TRY(require_area(context, function_a, a, pair.scale));

@@ -93,7 +93,6 @@ typedef struct palette_cell {
 static uint32_t cell_of(uint64_t key, int bits)
 {
     uint32_t cell = 0;
-
     for (int a = 0; a < 3; a++) {
         int const own = (bits + (a == 0 ? 1 : a == 1 ? 2 : 0)) / 3;
         cell = cell << own | (uint32_t)(key >> (24 - 8 * a - own) & ((1u << own) - 1));

@@ -314,7 +314,6 @@ static bvx_status check_mesh_rays(bvx_context *ctx, const char *function, const 
                                   const double *rays, uint64_t count, double t_max)
 {
     mesh_ray r;
-
     if (closest == NULL) return bvxi_fail_null(ctx, function, "closest");
     BVXI_TRY(bvxi_check_rays(ctx, function, rays, count, t_max, sizeof(bvx_mesh_hit)));
     for (uint64_t i = 0; i < count; i++)

@@ -164,12 +164,11 @@ bvx_status bvxi_nearest_band(bvxi_call call, const bvxi_nearest *nearest, double
                              uint64_t *first)
 {
     band_work w = {nearest, band, bvxi_near_plan_of(band), width, NULL, NULL, first, 0};
-    bvx_status status = bvxi_near_workers(call.ctx, 1, &w.workers);
+    BVXI_TRY(bvxi_near_workers(call.ctx, 1, &w.workers));
+    BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, w.plan.cubes, "the field's cubes", &w.reached));
     /* Small tasks: runs near the mesh take far longer than others. */
     w.pieces = bvxi_piece_count(bvxi_near_plan_runs(&w.plan), 1);
-    if (status == BVX_OK)
-        status = bvxi_alloc(call.ctx, BVXI_SCRATCH, w.plan.cubes, "the field's cubes", &w.reached);
-    if (status == BVX_OK) status = make_near_band(call.ctx, call.stage, call.from, call.to, &w);
+    bvx_status const status = make_near_band(call.ctx, call.stage, call.from, call.to, &w);
     bvxi_drop(call.ctx, w.reached);
     bvxi_drop(call.ctx, w.workers);
     if (status != BVX_OK) bvxi_near_forget(call.ctx, nearest->memo);

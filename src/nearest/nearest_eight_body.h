@@ -63,7 +63,6 @@ BVXI_SIMD_CODE static inline uint32_t BVXI_SIMD(near_boxes)(const floats8 x[2], 
     eight_mask const q = BVXI_SIMD(near_either)(c, d, z[0], drop2 + 2);
     eight_mask const r = BVXI_SIMD(near_either)(a, b, z[1], drop2 + 4);
     eight_mask const s = BVXI_SIMD(near_either)(c, d, z[1], drop2 + 6);
-
     return eight_bits(eight_or(eight_or(p, q), eight_or(r, s)));
 }
 
@@ -76,7 +75,6 @@ BVXI_SIMD_CODE static inline uint32_t BVXI_SIMD(near_leaves)(
     floats8 const x[2] = {eight_load(sx[0]), eight_load(sx[1])};
     floats8 const y[2] = {eight_load(sy[0]), eight_load(sy[1])};
     floats8 const z[2] = {eight_load(sz[0]), eight_load(sz[1])};
-
     return BVXI_SIMD(near_boxes)(x, y, z, e->drop2);
 }
 
@@ -119,10 +117,8 @@ BVXI_SIMD_CODE static inline uint32_t BVXI_SIMD(near_triangles)(const bvxi_near_
                                                                 const bvxi_near_eight *e)
 {
     floats8 s[3][2];
-
     for (int a = 0; a < 3; a++) {
         floats8 const low = eight_load(leaf->low[a]), high = eight_load(leaf->high[a]);
-
         for (int i = 0; i < 2; i++)
             s[a][i] = BVXI_SIMD(near_outside)(low, high, e->ends[a][i] - b->low[a][slot]);
     }

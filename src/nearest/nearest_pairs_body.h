@@ -32,7 +32,6 @@ BVXI_SIMD_CODE static void BVXI_SIMD(evaluate_near_fours)(bvxi_near_pairs *p)
         for (int a = 0; a < 3; a++) p->point[a][i] = p->point[a][p->count - 1];
         for (int v = 0; v < 9; v++) p->corner[v][i] = p->corner[v][p->count - 1];
     }
-
     for (int32_t i = 0; i < p->count; i += 4) {
         uint32_t left = BVXI_SIMD(evaluate_near_four)(p, i);
         for (; left != 0; left &= left - 1) evaluate_near_pair(p, i + bvxi_lowest(left));

@@ -176,7 +176,6 @@ static inline int bvxi_oblique_kind_of(const bvxi_oblique *o, float value)
 static inline uint32_t bvxi_oblique_kind_bits(const bvxi_oblique *o)
 {
     uint32_t bits = 1;
-
     while (o->body_count >> bits != 0) bits++;
     return bits;
 }
@@ -434,7 +433,6 @@ static inline void bvxi_tetra_face(const bvxi_tetra *t, int corner, uint32_t v[3
 static inline int bvxi_on_contours(const bvxi_oblique *o, const bvxi_tetra *t)
 {
     int n = 0;
-
     for (int k = 0; k < 4; k++) n += o->vertex[t->v[k]].sign == 0;
     return n;
 }
@@ -443,7 +441,6 @@ static inline int bvxi_on_contours(const bvxi_oblique *o, const bvxi_tetra *t)
 static inline uint32_t bvxi_first_plane(const bvxi_oblique *o, uint32_t vertex)
 {
     const uint64_t *const on = bvxi_tetra_on(o, vertex);
-
     for (uint32_t w = 0; w < o->plane_words; w++) {
         uint32_t p = 64 * w;
         if (on[w] == 0) continue;

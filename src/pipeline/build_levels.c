@@ -81,31 +81,12 @@ static bvx_status check_levels_options(bvx_context *ctx, bvx_levels_options *o)
 static uint64_t finest_of(const bvx_levels_options *o, uint64_t level_count, uint64_t triangles)
 {
     uint64_t finest = 1;
-
     /* By error any triangle may be needed; without targets each level has half of the one before. */
     if (o->targets.errors != NULL) return triangles;
     if (o->targets.triangles == NULL) return triangles / 2;
     for (uint64_t i = 0; i < level_count; i++)
         if (o->targets.triangles[i] > finest) finest = o->targets.triangles[i];
     return finest;
-}
-
-/* From 256 to 320: so fine that the surface has about 16 times the triangles of the finest level. Marching cubes
- * makes about 2.6 triangles for each square of the surface as large as a voxel. */
-static bvx_status plan_resolution(const levels_job *job, int32_t *resolution)
-{
-    const bvx_mesh_view *const mesh = job->mesh;
-    double const area = bvxi_view_area(mesh);
-    double low[3], high[3], longest = 0, wanted = PLAN_LEAST;
-
-    BVXI_TRY(bvxi_view_bounds(job->ctx, levels_name, mesh, low, high));
-    for (int a = 0; a < 3; a++)
-        if (high[a] - low[a] > longest) longest = high[a] - low[a];
-    if (area > 0)
-        wanted = sqrt(PLAN_RATIO * (double)finest_of(job->options, job->chain.count, mesh->triangle_count) /
-                      2.6 * longest / area * longest);
-    *resolution = !(wanted > PLAN_LEAST) ? PLAN_LEAST : wanted < PLAN_MOST ? (int32_t)wanted : PLAN_MOST;
-    return BVX_OK;
 }
 
 /* ---- Levels ---- */
@@ -130,7 +111,6 @@ static bvx_repair_options repair_options(levels_job *job, int32_t resolution, in
 static bvx_status repair_surface(levels_job *job, int32_t resolution, int32_t thin, bvx_mesh *surface)
 {
     bvx_repair_options const r = repair_options(job, resolution, thin);
-
     return BVXI_SCOPE(job->ctx,
                       bvxi_repair_known(job->ctx, job->mesh, &job->report.before, &r, &job->facts, surface));
 }
@@ -144,7 +124,6 @@ static int64_t twice_the_handles(const bvx_certificate *c)
 static int has_new_handles(const levels_job *job)
 {
     const bvx_certificate *const c = &job->report.before;
-
     return job->report.repair.thin_kept && c->closed && c->edge_manifold && c->oriented &&
            twice_the_handles(&job->report.repair.after) > twice_the_handles(c);
 }
@@ -153,7 +132,6 @@ static int has_new_handles(const levels_job *job)
 static int is_better_without(const bvx_repair_report *with, const bvx_repair_report *without)
 {
     const bvx_certificate *const a = &with->after, *const b = &without->after;
-
     return b->components == a->components && twice_the_handles(b) < twice_the_handles(a) &&
            bvxi_absolute(a->area - b->area) <= FEW_WALLS * a->area;
 }
@@ -218,7 +196,22 @@ static bvx_status simplify_measured(levels_job *job)
     int const is_given = o->fit.lattice != NULL || o->fit.resolution != 0;
     bvx_status status;
 
-    if (!is_given) BVXI_TRY(plan_resolution(job, &resolution));
+    /* From 256 to 320: so fine that the surface has about 16 times the triangles of the finest level. Marching cubes
+     * makes about 2.6 triangles for each square of the surface as large as a voxel. */
+    if (!is_given) {
+        const bvx_mesh_view *const mesh = job->mesh;
+        double const area = bvxi_view_area(mesh);
+        double low[3], high[3], longest = 0, wanted = PLAN_LEAST;
+
+        BVXI_TRY(bvxi_view_bounds(job->ctx, levels_name, mesh, low, high));
+        for (int a = 0; a < 3; a++)
+            if (high[a] - low[a] > longest) longest = high[a] - low[a];
+        if (area > 0)
+            wanted = sqrt(PLAN_RATIO *
+                          (double)finest_of(job->options, job->chain.count, mesh->triangle_count) / 2.6 *
+                          longest / area * longest);
+        resolution = !(wanted > PLAN_LEAST) ? PLAN_LEAST : wanted < PLAN_MOST ? (int32_t)wanted : PLAN_MOST;
+    }
     job->report.planned_resolution = resolution;
     uint64_t const mark = bvxi_scratch_begin(job->ctx);
 
@@ -253,7 +246,6 @@ static bvx_status simplify_as_it_is(levels_job *job)
 static bvx_status levels_steps(levels_job *job)
 {
     bvx_certificate *const c = &job->report.before;
-
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.05, bvx_mesh_check(job->ctx, job->mesh, 1, c)));
     if (c->triangles == c->degenerate)
         return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: none of the mesh's %u triangles has an area",
@@ -270,7 +262,6 @@ static uint64_t bytes_as_it_is(const levels_job *job)
     /* By what each triangle and vertex takes at most. */
     uint64_t const n = job->mesh->triangle_count, finest = finest_of(job->options, job->chain.count, n);
     uint64_t bytes = (180 + 60) * n + 36 * job->report.before.boundary_edges + 400000;
-
     if ((job->options->targets.samples != 0 && job->options->reports != NULL) ||
         job->options->targets.errors != NULL) /* bvx_mesh_distance */
         bytes += 116 * (n + (finest < n ? finest : n));
@@ -281,7 +272,6 @@ static uint64_t bytes_as_it_is(const levels_job *job)
 static bvx_status explain_budget(const levels_job *job, uint64_t used)
 {
     uint64_t const needed = used + bytes_as_it_is(job), limit = bvxi_memory_limit(job->ctx);
-
     /* Something else was in the way: its message stays. */
     if (job->report.solid || limit >= needed) return BVX_ERR_BUDGET;
     return bvxi_fail_for(job->ctx, BVX_ERR_BUDGET, BVX_REASON_BUDGET,
@@ -293,7 +283,6 @@ static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
 {
     const bvx_levels_options *const o = job->options;
     bvxi_level_chain *const c = &job->chain;
-
     bvxi_chain_take(c, job->mesh, &o->targets, &o->collapse);
     c->function = levels_name;
     c->count = level_count;

@@ -208,7 +208,6 @@ static void mark_block_range(flatten_job *f, const int32_t low[3], const int32_t
                              uint8_t mark)
 {
     int32_t from[3], to[3];
-
     /* Cut to the window, wider by the blocks requested. */
     for (int a = 0; a < 3; a++) {
         from[a] = low[a] > more ? low[a] - more : 0;
@@ -226,7 +225,6 @@ static void mark_blocks_around(flatten_job *f, const bvx_mesh_view *all)
     for (uint64_t t = 0; t < all->triangle_count; t++) {
         const uint32_t *const c = f->mesh->triangles + 3 * t;
         int32_t low[3], high[3];
-
         if ((f->number[c[0]] | f->number[c[1]] | f->number[c[2]]) == 0) continue;
         blocks_of(f, all, c, low, high);
         mark_block_range(f, low, high, 0, FLATTEN_REACHED);
@@ -281,17 +279,6 @@ static void take_around(flatten_job *f, const bvx_mesh_view *all)
     f->near.vertex_count = vertices;
 }
 
-static void number_around(flatten_job *f, uint64_t vertices)
-{
-    /* Their own numbers, so that checks cost what lies around walls, not the mesh. */
-    for (uint64_t v = 0; v < vertices; v++)
-        if (f->local[v] != 0) f->vertex[f->local[v] - 1] = (uint32_t)v;
-    f->near.positions = f->position;
-    f->near.position_type = BVX_F64;
-    f->near.indices = f->corner;
-    f->near.index_type = BVX_U32;
-}
-
 static bvx_status open_around(flatten_job *f)
 {
     bvx_context *const ctx = f->ctx;
@@ -325,7 +312,13 @@ static bvx_status open_around(flatten_job *f)
                         &f->part_corner));
     /* Listed by now, with the numbers found before. */
     take_around(f, &all);
-    number_around(f, all.vertex_count);
+    /* Their own numbers, so that checks cost what lies around walls, not the mesh. */
+    for (uint64_t v = 0; v < all.vertex_count; v++)
+        if (f->local[v] != 0) f->vertex[f->local[v] - 1] = (uint32_t)v;
+    f->near.positions = f->position;
+    f->near.position_type = BVX_F64;
+    f->near.indices = f->corner;
+    f->near.index_type = BVX_U32;
     return BVX_OK;
 }
 
@@ -334,7 +327,6 @@ static bvx_status open_around(flatten_job *f)
 static void write_position(const flatten_job *f, const flatten_vertex *m)
 {
     static const double share[3] = {1.0, 0.5, 0.0};
-
     /* As it was, or a share of the way; rounded as the mesh holds it. */
     for (int a = 0; a < 3; a++) {
         double const p = m->step == FLATTEN_STAYS ? m->from[a]
@@ -349,7 +341,6 @@ static void write_position(const flatten_job *f, const flatten_vertex *m)
 static void mark_vertex(flatten_job *f, uint64_t v)
 {
     uint32_t const number = f->number[f->vertex[v]];
-
     if (number == 0) return;
     flatten_vertex *const m = &f->moved[number - 1];
     /* It cannot go back further, or does already. */
@@ -405,16 +396,6 @@ static void take_changed(flatten_job *f)
     for (uint64_t n = 0; n < f->count; n++) f->moved[n].changed = 0;
 }
 
-static void mark_flat(flatten_job *f, const bvx_mesh_view *view)
-{
-    for (uint64_t t = 0; t < view->triangle_count; t++) {
-        double p[3][3];
-        const double *const corner[3] = {p[0], p[1], p[2]};
-        bvxi_view_corners(view, t, p);
-        if (!bvxi_has_area(corner)) mark_triangle(f, f->part[t]);
-    }
-}
-
 static bvx_status mark_common_places(flatten_job *f, const bvx_mesh_view *view)
 {
     uint64_t const bytes = view->vertex_count * 4;
@@ -438,7 +419,6 @@ static void step_back(flatten_job *f, int32_t round)
 {
     for (uint64_t n = 0; n < f->count; n++) {
         flatten_vertex *const m = &f->moved[n];
-
         /* A change is what the next look goes by. */
         m->changed = m->back || (round >= FLATTEN_ROUNDS && m->step != FLATTEN_STAYS);
         if (round >= FLATTEN_ROUNDS) m->step = FLATTEN_STAYS;
@@ -480,7 +460,12 @@ static bvx_status move_around(flatten_job *f)
         for (uint64_t v = 0; v < f->near.vertex_count; v++)
             bvxi_view_position(&all, f->vertex[v], f->position + 3 * v);
         take_changed(f);
-        mark_flat(f, &f->around_change);
+        for (uint64_t t = 0; t < f->around_change.triangle_count; t++) {
+            double p[3][3];
+            const double *const corner[3] = {p[0], p[1], p[2]};
+            bvxi_view_corners(&f->around_change, t, p);
+            if (!bvxi_has_area(corner)) mark_triangle(f, f->part[t]);
+        }
         /* Of all of them: vertices meet wherever triangles are. */
         BVXI_TRY(mark_common_places(f, &f->near));
 

@@ -61,7 +61,6 @@ typedef struct inspect_job {
 static int other_side_faces(const inspect_job *job, const double *ray, const bvx_mesh_hit *hit, int kind)
 {
     double p[3][3], n[3], length;
-
     if (hit->side != (kind == BVX_FINDING_WALL ? -1 : 1)) return 0;
     bvxi_view_scaled(job->mesh, hit->triangle, job->scale, p);
     length = bvxi_facet_normal((const double(*)[3])p, n);
@@ -232,33 +231,29 @@ static bvx_status cast_all(inspect_job *job)
     return b->count != 0 ? cast_batch(job) : BVX_OK;
 }
 
-/* What a share of the surface with a thickness does not reach. */
-static void set_shares(inspect_job *job)
-{
-    static const double share[4] = {0.01, 0.05, 0.5, 0.95};
-    double all = 0.0, sum = 0.0;
-    int next = 0;
-
-    for (uint64_t i = 0; i < INSPECT_BINS; i++) all += job->binned[i];
-    for (int k = 0; k < 4; k++) job->report.thickness[k] = HUGE_VAL;
-    for (uint64_t i = 0; i < INSPECT_BINS && next < 4; i++) {
-        uint64_t const bits = i << INSPECT_DIGITS;
-        double length;
-
-        sum += job->binned[i];
-        memcpy(&length, &bits, sizeof length);
-        if (length < job->report.least_thickness) length = job->report.least_thickness;
-        while (next < 4 && sum > 0.0 && sum >= share[next] * all) job->report.thickness[next++] = length;
-    }
-}
-
 static bvx_status measure_walls(inspect_job *job)
 {
     BVXI_TRY(BVXI_ZEROS(job->ctx, INSPECT_BINS, "the surface by thickness", job->binned));
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.2, bvx_closest_create(job->ctx, job->mesh, &job->closest)));
     bvx_status const status = BVXI_SHARE(job->ctx, 0.2, 1.0, cast_all(job));
     bvx_closest_free(job->ctx, job->closest);
-    if (status == BVX_OK) set_shares(job);
+    if (status == BVX_OK) {
+        static const double share[4] = {0.01, 0.05, 0.5, 0.95};
+        double all = 0.0, sum = 0.0;
+        int next = 0;
+
+        for (uint64_t i = 0; i < INSPECT_BINS; i++) all += job->binned[i];
+        for (int k = 0; k < 4; k++) job->report.thickness[k] = HUGE_VAL;
+        for (uint64_t i = 0; i < INSPECT_BINS && next < 4; i++) {
+            uint64_t const bits = i << INSPECT_DIGITS;
+            double length;
+
+            sum += job->binned[i];
+            memcpy(&length, &bits, sizeof length);
+            if (length < job->report.least_thickness) length = job->report.least_thickness;
+            while (next < 4 && sum > 0.0 && sum >= share[next] * all) job->report.thickness[next++] = length;
+        }
+    }
     return status;
 }
 
@@ -283,7 +278,6 @@ typedef struct inspect_parts {
 static int rests_on(const inspect_parts *p, int32_t begin, int32_t end, int32_t y)
 {
     int32_t const first = begin > 0 ? begin - 1 : 0, last = end < p->grid->size[0] ? end : end - 1;
-
     for (int32_t row = y > 0 ? y - 1 : 0; row <= y + 1 && row < p->grid->size[1]; row++)
         for (int32_t k = first >> 6; k <= last >> 6; k++)
             if ((p->below[row * p->grid->words_per_row + k] & bvxi_run_mask(first, last + 1, k)) != 0)
@@ -350,7 +344,6 @@ static void list_part(inspect_job *job, const inspect_parts *p, const inspect_pa
 static bvx_status list_parts(inspect_job *job, inspect_parts *p, int32_t connectivity)
 {
     bvxi_spaces spaces;
-
     BVXI_TRY(bvxi_spaces_open(job->ctx, inspect_name, "parts", p->grid, p->kind == BVX_FINDING_CAVITY,
                               connectivity, &spaces));
     BVXI_TRY(BVXI_ZEROS(job->ctx, spaces.count, "the parts of voxels", p->part));
@@ -417,7 +410,6 @@ static bvx_status turn_and_list(inspect_job *job)
     int const up = job->options.up == BVX_UP_Z ? 2 : job->options.up - BVX_UP_X;
     int32_t const axes[3] = {(up + 1) % 3, (up + 2) % 3, up};
     bvx_grid turned = {0};
-
     if (up == 2) return list_islands(job, &job->solid, up);
     bvx_status status = BVXI_SHARE(job->ctx, 0.0, 0.2,
                                    bvx_grid_permute(job->ctx, &job->solid, axes, NULL, &turned));
@@ -450,7 +442,6 @@ static bvx_status drop_inspected_crumbs(inspect_job *job)
 {
     bvxi_crumb_source source = {.mesh = job->mesh};
     uint64_t dropped;
-
     for (int32_t empty = 0; empty < 2; empty++)
         BVXI_TRY(bvxi_drop_crumbs(job->ctx, inspect_name, &job->solid, empty, &source, 1, &dropped));
     return BVX_OK;

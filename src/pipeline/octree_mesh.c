@@ -89,7 +89,6 @@ static void choose_for_block(octree_mesh_job *job, const int32_t b[3])
     static const double local_origin[3] = {0, 0, 0};
     bvx_grid grid = {.lattice = job->tree->lattice};
     bvx_window w;
-
     if (job->options.position_type != BVX_POSITION_AUTO) return;
     block_window(job, b, &w);
     memcpy(grid.low, w.low, sizeof grid.low);

@@ -18,7 +18,6 @@ enum {
 static void add_to_piece(bvxi_mesh_piece *s, const double p[3][3])
 {
     s->volume6 += bvxi_vec_volume6(p[0], p[1], p[2]);
-
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 3; i++) {
             if ((s->triangles == 0 && k == 0) || p[k][i] < s->low[i]) s->low[i] = p[k][i];
@@ -49,7 +48,6 @@ static void add_triangles(const bvx_mesh_view *mesh, const bvxi_piece_marks *by,
 uint32_t bvxi_piece_mark(const bvx_mesh_view *mesh, const bvxi_piece_marks *by, uint64_t t)
 {
     uint32_t v[3];
-
     if (by->part != NULL) return by->part[t];
     bvxi_view_triangle(mesh, t, v);
     return by->piece[v[0]];
@@ -74,7 +72,6 @@ bvx_status bvxi_mesh_pieces_open(bvx_context *ctx, const bvx_mesh_view *mesh, co
 double bvxi_mesh_pieces_volume(const bvxi_mesh_piece *pieces, uint64_t count)
 {
     double sum = 0;
-
     for (uint64_t n = 0; n < count; n++) sum += bvxi_absolute(pieces[n].volume6);
     return sum / 6;
 }
@@ -195,7 +192,6 @@ static bvx_status join_crossing(bvx_context *ctx, apart_job *job, const bvxi_wel
 {
     uint64_t pairs;
     uint32_t *pair, a[3], b[3];
-
     BVXI_TRY(bvxi_mesh_crossings(ctx, welded, UINT64_MAX, &pair, &pairs));
     for (uint64_t i = 0; i < pairs; i++) {
         bvxi_view_triangle(job->mesh, pair[2 * i], a);

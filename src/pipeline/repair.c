@@ -24,7 +24,6 @@ static const bvxi_option repair_rows[] = {
 static bvx_status flatten_repaired(const bvxi_repair_job *job, bvx_mesh *repaired)
 {
     bvxi_flat_body const body = {&job->thin, NULL};
-
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.5, bvxi_flatten(job->ctx, bvxi_repair_name, &body, 1, repaired)));
     return BVXI_SHARE(job->ctx, 0.5, 1.0,
                       BVXI_SCOPE(job->ctx, bvxi_round_bars(job->ctx, bvxi_repair_name, &job->inside,
@@ -63,7 +62,6 @@ static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
 {
     const bvx_repair_options *const o = job->options;
     double const made = o->report == NULL ? 1.0 : o->samples != 0 ? 0.5 : 0.9;
-
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, made, make_repaired(job, repaired)));
     /* A copy is measured where it is made. */
     if (o->report == NULL || job->report.copied) return BVX_OK;
@@ -75,7 +73,6 @@ static bvx_status repair_and_warn(bvx_context *ctx, const bvx_mesh_view *mesh,
 {
     bvxi_repair_facts facts;
     bvx_repair_options o;
-
     BVXI_TRY(bvxi_repair_known(ctx, mesh, NULL, options, &facts, repaired));
     BVXI_TRY(bvxi_take_options(ctx, bvxi_repair_name, options, &o, sizeof o));
     if (o.report != NULL)

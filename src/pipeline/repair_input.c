@@ -13,7 +13,6 @@ bvx_status bvxi_repair_lattice(bvxi_repair_job *job, int32_t resolution)
     bvx_lattice_options const o = {.struct_size = sizeof o,
                                    .resolution = resolution,
                                    .padding = 2 + (int32_t)(job->options->shell * 0.5 + 0.5)};
-
     job->resolution = resolution;
     if (job->options->fit.lattice != NULL) {
         job->lattice = *job->options->fit.lattice;
@@ -65,7 +64,6 @@ void bvxi_repair_view(const bvxi_repair_job *job, const uint32_t *corner, uint64
 static bvx_status drop_duplicates(bvxi_repair_job *job, const uint32_t *representative)
 {
     uint64_t kept;
-
     if (job->report.before.duplicates + job->report.before.collapsed == 0) return BVX_OK;
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->triangle_count * 12, "the triangles once each",
                         &job->corner));
@@ -100,17 +98,6 @@ static bvx_status check_given(bvxi_repair_job *job, const double low[3], const d
         return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: none of the mesh's %u triangles has an area",
                          bvxi_repair_name, job->given->triangle_count);
     return BVX_OK;
-}
-
-/* Sharp edges: as requested, or as the mesh has them. */
-static bvx_status choose_sharp(bvxi_repair_job *job, const uint32_t *representative)
-{
-    int32_t const asked = job->options->placing.sharp;
-
-    job->report.sharp = asked == BVX_SHARP_ALWAYS;
-    return asked == BVX_SHARP_AUTO
-               ? bvxi_sharp_edges(job->ctx, &job->mesh, representative, &job->report.sharp)
-               : BVX_OK;
 }
 
 /* Pieces that cross others are bodies, whatever box they lie in, and face outward: no cavity crosses any. */
@@ -251,7 +238,13 @@ bvx_status bvxi_repair_take(bvxi_repair_job *job)
     }
     job->report.sign = job->fill = sign;
 
-    BVXI_TRY(choose_sharp(job, representative));
+    /* Sharp edges: as requested, or as the mesh has them. */
+    int32_t const asked = job->options->placing.sharp;
+
+    job->report.sharp = asked == BVX_SHARP_ALWAYS;
+    BVXI_TRY(asked == BVX_SHARP_AUTO
+                 ? bvxi_sharp_edges(job->ctx, &job->mesh, representative, &job->report.sharp)
+                 : BVX_OK);
     BVXI_TRY(take_pieces(job, representative));
     bvxi_drop(ctx, representative);
     return BVX_OK;

@@ -22,7 +22,6 @@ static bvx_status judge_pieces(bvxi_repair_job *job, int *right)
     bvxi_piece_marks by = {0};
     bvxi_mesh_piece *pieces = NULL;
     uint64_t count;
-
     by.piece = job->piece;
     BVXI_TRY(bvxi_mesh_pieces_open(job->ctx, &job->mesh, &by, &job->report.before, &pieces, &count));
     *right = bvxi_cavities_lie_within(pieces, count);
@@ -35,7 +34,6 @@ static bvx_status judge_nesting(bvxi_repair_job *job, int *right)
 {
     static const int32_t rule[2] = {BVX_FILL_PARITY, BVX_FILL_NONZERO};
     uint64_t *words[2];
-
     BVXI_TRY(bvxi_repair_lattice(job, job->options->fit.resolution));
     BVXI_TRY(bvxi_fill_twice(job->ctx, &job->mesh, &job->lattice, rule, words));
     *right = memcmp(words[0], words[1], (size_t)bvx_grid_bound(&job->lattice, NULL) * 8) == 0;

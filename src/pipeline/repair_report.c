@@ -14,15 +14,11 @@ void bvxi_longest_rim(const bvx_mesh_view *mesh, const bvxi_holes *holes, bvxi_r
         bvxi_rim rim = {0.0, {1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}};
         for (uint64_t i = begin; i < holes->loop_end[l]; i++) {
             uint64_t const next = i + 1 == holes->loop_end[l] ? begin : i + 1;
-            double p[3], q[3], sum = 0;
+            double p[3], q[3];
             bvxi_view_position(mesh, holes->vertex[i], p);
             bvxi_view_position(mesh, holes->vertex[next], q);
-            for (int a = 0; a < 3; a++) {
-                sum += (q[a] - p[a]) * (q[a] - p[a]);
-                rim.low[a] = p[a] < rim.low[a] ? p[a] : rim.low[a];
-                rim.high[a] = p[a] > rim.high[a] ? p[a] : rim.high[a];
-            }
-            rim.length += sqrt(sum);
+            bvxi_widen(rim.low, rim.high, p, 3);
+            rim.length += sqrt(bvxi_vec_distance2(q, p));
         }
         if (rim.length > longest->length) *longest = rim;
     }
@@ -55,7 +51,6 @@ static bvx_status count_overlaps(bvxi_repair_job *job)
 {
     static const int32_t rule[2] = {BVX_FILL_VOTE, BVX_FILL_WINDING};
     uint64_t *words[2];
-
     BVXI_TRY(bvxi_fill_twice(job->ctx, &job->mesh, &job->lattice, rule, words));
     for (uint64_t i = 0; i < job->grid_bytes / 8; i++)
         job->facts.overlaps += bvxi_popcount(words[1][i] & ~words[0][i]);
@@ -86,7 +81,6 @@ static bvx_status measure_distances(bvxi_repair_job *job, const bvx_mesh *repair
 static int has_other_size(const bvx_repair_report *r)
 {
     double const volume = bvxi_absolute(r->before.volume);
-
     if (!r->before.closed || !r->before.oriented) return 0;
     return bvxi_absolute(r->after.volume - volume) > REPAIR_OFF * volume ||
            bvxi_absolute(r->after.area - r->before.area) > REPAIR_CHANGED * r->before.area;
@@ -103,7 +97,6 @@ static bvx_status compare_handles(bvxi_repair_job *job)
 {
     bvx_repair_report *const r = &job->report;
     bvx_certificate c = r->before;
-
     if (r->turned + c.duplicates != 0) BVXI_TRY(bvx_mesh_check(job->ctx, &job->mesh, 1, &c));
     if (!c.edge_manifold || !c.vertex_manifold || !c.oriented) return BVX_OK;
     int64_t const handles = lidded_handles(&c, r->holes);
@@ -116,7 +109,6 @@ static bvx_status compare_handles(bvxi_repair_job *job)
 static bvx_status count_bodies(bvxi_repair_job *job)
 {
     const bvx_repair_report *const r = &job->report;
-
     if (!r->before.closed || r->needs == BVX_NEEDS_NOTHING || r->after.components >= r->before.components ||
         r->shelled_triangles != 0)
         return BVX_OK;
@@ -134,7 +126,6 @@ static double share_of_lids(const bvx_repair_report *r, const bvxi_repair_facts 
 {
     const double *const h = r->lattice.spacing;
     double const edges = 3.0 / (h[0] * h[1]) + 3.0 / (h[1] * h[2]) + 3.0 / (h[2] * h[0]);
-
     return (double)f->sheet_edges * 6.0 / (edges * r->after.area);
 }
 
@@ -183,25 +174,6 @@ static int has_lost_walls(const bvx_repair_report *r)
     return r->thin_voxels != 0 && !r->thin_kept;
 }
 
-/* Parts, and handles where walls, or gaps, thinner than voxels have met. Parts that cross may close a handle at each
- * curve where they do, and a curve takes a pair of triangles at least; the shell of an open sheet has its holes. */
-static void warn_of_topology(bvx_context *ctx, const bvx_repair_report *r, const bvxi_repair_facts *f,
-                             double finer)
-{
-    double const after = (double)r->after.components, before = (double)r->before.components;
-    double const apart = r->needs == BVX_NEEDS_NOTHING ? before : (double)f->bodies;
-    int64_t const has = lidded_handles(&r->after, 0);
-
-    if (after > before) BVXI_WARN(ctx, BVX_WARN_PARTS, after, before, finer);
-    if (after < apart && !changed_as_asked(r) && !has_lost_walls(r))
-        BVXI_WARN(ctx, BVX_WARN_JOINED, after, apart, finer);
-    if (f->handles >= 0 && (r->shelled_triangles == 0 || r->before.closed) &&
-        has > f->handles + (int64_t)r->crossings)
-        BVXI_WARN(ctx, BVX_WARN_HANDLES, (double)has, (double)f->handles, finer);
-    if (r->shelled_triangles != 0 && f->shelled_area > REPAIR_SHELLED * r->before.area)
-        BVXI_WARN(ctx, BVX_WARN_SHELLS, (double)r->shelled_triangles, f->shelled_area, r->before.area);
-}
-
 void bvxi_warn_of_lids(bvx_context *ctx, double share, uint64_t holes, const bvxi_rim *longest)
 {
     if (holes == 0 || share <= REPAIR_LIDS) return;
@@ -217,7 +189,6 @@ void bvxi_warn_of_lids(bvx_context *ctx, double share, uint64_t holes, const bvx
 static int encloses_inward(const bvx_repair_report *r, const bvxi_repair_facts *f)
 {
     double const inward = -r->before.volume, volume = r->after.volume;
-
     return r->before.boundary_edges != 0 && f->shelled_area < REPAIR_INWARD * r->before.area &&
            inward > REPAIR_INWARD * volume && volume >= REPAIR_INWARD * inward;
 }
@@ -259,7 +230,21 @@ void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *r, const bvxi_repair_
 
         bvxi_warn_box(w, &r->lattice, f->thin_low, f->thin_high);
     }
-    warn_of_topology(ctx, r, f, bvxi_advised(2.0 * longest));
+    /* Handles, where walls, or gaps, thinner than voxels have met. Parts that cross may close one at each curve where
+     * they do, and a curve takes a pair of triangles at least; the shell of an open sheet has its holes. */
+    double const finer = bvxi_advised(2.0 * longest);
+    double const after = (double)r->after.components, before = (double)r->before.components;
+    double const apart = r->needs == BVX_NEEDS_NOTHING ? before : (double)f->bodies;
+    int64_t const has = lidded_handles(&r->after, 0);
+
+    if (after > before) BVXI_WARN(ctx, BVX_WARN_PARTS, after, before, finer);
+    if (after < apart && !changed_as_asked(r) && !has_lost_walls(r))
+        BVXI_WARN(ctx, BVX_WARN_JOINED, after, apart, finer);
+    if (f->handles >= 0 && (r->shelled_triangles == 0 || r->before.closed) &&
+        has > f->handles + (int64_t)r->crossings)
+        BVXI_WARN(ctx, BVX_WARN_HANDLES, (double)has, (double)f->handles, finer);
+    if (r->shelled_triangles != 0 && f->shelled_area > REPAIR_SHELLED * r->before.area)
+        BVXI_WARN(ctx, BVX_WARN_SHELLS, (double)r->shelled_triangles, f->shelled_area, r->before.area);
     bvxi_warn_of_lids(ctx, share_of_lids(r, f), r->holes, &f->longest_rim);
     if (encloses_inward(r, f)) BVXI_WARN(ctx, BVX_WARN_TURNED, 0.0, -r->before.volume);
     warn_of_size(ctx, r, f, bvxi_advised(2.0 * longest), (double)collapsed);

@@ -166,7 +166,6 @@ static double normal_of(const bvxi_repair_job *job, const all_sums *sums, uint64
                         double p[3][3], double n[3])
 {
     uint32_t c[3];
-
     bvxi_view_triangle(&job->mesh, t, c);
     *piece = sums_of(job, sums, c[0]);
     for (int k = 0; k < 3; k++) bvxi_view_position(&job->mesh, c[k], p[k]);
@@ -175,14 +174,10 @@ static double normal_of(const bvxi_repair_job *job, const all_sums *sums, uint64
 
 static void take_into_piece(piece_sums *piece, const double p[3][3])
 {
-    for (int a = 0; a < 3; a++) {
-        /* The first triangle opens the box. */
-        if (piece->triangles == 0) piece->low[a] = piece->high[a] = piece->first[a] = p[0][a];
-        for (int k = 0; k < 3; k++) {
-            if (p[k][a] < piece->low[a]) piece->low[a] = p[k][a];
-            if (p[k][a] > piece->high[a]) piece->high[a] = p[k][a];
-        }
-    }
+    /* The first triangle opens the box. */
+    for (int a = 0; a < 3 && piece->triangles == 0; a++)
+        piece->low[a] = piece->high[a] = piece->first[a] = p[0][a];
+    for (int k = 0; k < 3; k++) bvxi_widen(piece->low, piece->high, p[k], 3);
     /* From a corner of the piece, so that large coordinates do not take the digits. */
     for (int a = 0; a < 3; a++) {
         int const i = (a + 1) % 3, j = (a + 2) % 3;
@@ -280,10 +275,8 @@ static int is_sheet(const piece_sums *s)
 static uint64_t count_thin_shelled(const all_sums *sums, double side)
 {
     uint64_t count = 0;
-
     for (uint64_t i = 0; i < sums->count; i++) {
         piece_sums const *const s = &sums->piece[i];
-
         if (is_sheet(s) && s->lid < SHEET_LID * s->area && s->kept < SHEET_KEPT * s->area &&
             bvxi_absolute(s->volume) >= SHEET_THIN * side * s->area)
             count += s->triangles;
@@ -329,7 +322,6 @@ static void sum_joined(const bvxi_repair_job *job, const uint8_t *answer, all_su
 {
     double p[3][3], n[3];
     piece_sums *piece;
-
     /* By the area of what lies on a common body's border. */
     for (uint64_t i = 0; i < sums->count; i++) sums->piece[i].joined = 0;
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
@@ -345,7 +337,6 @@ static void sum_open_bodies(const bvxi_repair_job *job, const all_sums *sums, do
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
         double p[3][3], n[3];
         piece_sums *piece;
-
         normal_of(job, sums, t, &piece, p, n);
         if (!piece->open || is_open_piece(piece) || is_sheet(piece)) continue;
         for (int a = 0; a < 3; a++) sum[a] += 0.5 * n[a];

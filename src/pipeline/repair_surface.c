@@ -44,7 +44,6 @@ static bvx_status open_values(bvxi_repair_job *job, bvxi_sparse *v)
 {
     int const shells = job->sheets.triangle_count != 0;
     uint32_t const triangles = job->report.sharp && !shells ? BVXI_TRIANGLES : 0;
-
     BVXI_TRY(bvxi_sparse_columns(job->ctx, v, BVX_F64, BVXI_VECTORS | BVXI_DISTANCES | triangles));
     if (job->body.triangle_count != 0)
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, shells ? 0.5 : 1.0,

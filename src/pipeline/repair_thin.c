@@ -13,7 +13,6 @@ typedef struct repair_walls {
 static int32_t longest_thin_side(const bvxi_repair_job *job)
 {
     int32_t longest = job->resolution;
-
     for (int a = 0; a < 3 && job->options->fit.lattice != NULL; a++)
         if (a == 0 || job->lattice.dims[a] > longest) longest = job->lattice.dims[a];
     return longest;

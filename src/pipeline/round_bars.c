@@ -62,10 +62,8 @@ static inline void bar_triangle(const bar_job *b, uint64_t t, const double *p[3]
 static int ends_along(const bar_job *b, const double p[3], const double way[3])
 {
     const bvx_grid *const g = b->inside;
-
     for (int step = 1; step <= BAR_THICK; step++) {
         double at[3];
-
         for (int a = 0; a < 3; a++) at[a] = p[a] + way[a] * step - g->low[a];
         if (!bvxi_grid_at(g, at)) return 1;
     }
@@ -273,7 +271,6 @@ static uint64_t list_targets(bar_job *b)
 {
     const bvx_lattice *const l = &b->inside->lattice;
     uint64_t count = 0;
-
     for (uint64_t n = 0; n < b->count; n++) {
         const bar_vertex *const v = &b->bar[n];
         double *const p = b->place + 3 * (uint64_t)v->vertex;
@@ -287,7 +284,6 @@ bvx_status bvxi_round_bars(bvx_context *ctx, const char *function, const bvx_gri
                            const bvx_mesh_view *body, bvx_mesh *surface)
 {
     bar_job b = {.inside = inside, .surface = surface, .vertices = surface->vertex_count};
-
     if (body->triangle_count == 0) return BVX_OK;
     BVXI_TRY(find_bars(ctx, &b));
     if (b.count == 0) return BVX_OK;

@@ -24,7 +24,6 @@ bvx_status bvxi_keep_large_parts(bvx_context *ctx, const bvx_parts *parts, bvx_g
                                    .at_least = parts->least_part,
                                    .largest = parts->keep_largest,
                                    .report = &report};
-
     if (parts->least_part <= 1 && parts->keep_largest == 0) return BVX_OK;
     BVXI_TRY(bvx_grid_keep(ctx, inside, &keep, inside));
     *dropped += report.dropped;

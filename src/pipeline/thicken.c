@@ -88,7 +88,6 @@ static int gather_crumb(const thin_job *t, uint64_t from, uint64_t found[THIN_CR
 static void drop_thin_crumbs(thin_job *t)
 {
     uint64_t found[THIN_CRUMB];
-
     for (uint64_t n = 0; n < t->walls->count; n++) {
         if ((t->inside->words[t->walls->at[n] / 64] >> (t->walls->at[n] & 63) & 1) == 0) continue;
         int const count = gather_crumb(t, t->walls->at[n], found);

@@ -29,7 +29,6 @@ static void leaves_of_octet(const leaves_job *job, int32_t level, uint64_t octet
 {
     const bvxi_octets *const o = &job->tree->octets[level];
     uint64_t below = o->split != NULL ? bvxi_octets_rank(o, 8 * octet) : 0;
-
     for (uint64_t bit = 8 * octet; bit < 8 * octet + 8; bit++) {
         int32_t child[3];
         bvxi_child_voxel(v, (uint32_t)(bit & 7), child);

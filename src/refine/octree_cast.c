@@ -162,7 +162,6 @@ static bvx_status run_octree_cast(bvx_context *context, const bvx_octree *tree, 
 {
     static const char *const function = "bvx_octree_cast";
     octree_cast job = {.tree = tree, .rays = rays, .hits = hits, .t_max = t_max};
-
     BVXI_TRY(bvxi_octree_check(context, function, tree));
     BVXI_TRY(bvxi_octree_check_states(context, function, states));
     if (hits == NULL && count != 0) return bvxi_fail_null(context, function, "hits");

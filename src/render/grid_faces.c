@@ -243,19 +243,6 @@ static voxel_row row_beside(const bvxi_grid_scene *s, int32_t j, int32_t k)
     return r;
 }
 
-/* Faces of word at[0] of row (at[1], at[2]) to draw: apart those laid bare by the cut, and of either set. */
-static void draw_faces_by_kind(const face_work *w, int axis, uint64_t faces, uint64_t bare,
-                               const voxel_row *row, const int32_t at[3])
-{
-    uint64_t const first = row->first[at[0]], second = row->second[at[0]];
-    uint64_t const member[3] = {first & second, first & ~second, second & ~first};
-    int32_t const x = at[0] * BVXI_WORD_BITS;
-    for (int m = 0; m < 3; m++) {
-        draw_faces_of_word(w, axis, bvxi_face_id(axis, 0, m), faces & ~bare & member[m], x, at[1], at[2]);
-        draw_faces_of_word(w, axis, bvxi_face_id(axis, 1, m), bare & member[m], x, at[1], at[2]);
-    }
-}
-
 /* Words [begin, end) of a row: a face shows where the neighbour towards the
  * eye is empty, cut away or outside the window. */
 static void draw_row(const face_work *w, int32_t j, int32_t k, int32_t begin, int32_t end)
@@ -284,7 +271,19 @@ static void draw_row(const face_work *w, int32_t j, int32_t k, int32_t begin, in
                 set = sign[0] > 0 ? set >> 1 | next_set << 63 : set << 1 | next_set >> 63;
                 kept = sign[0] > 0 ? kept >> 1 | next_kept << 63 : kept << 1 | next_kept >> 63;
             }
-            if ((word & ~kept) != 0) draw_faces_by_kind(w, axis, word & ~kept, word & ~kept & set, &here, at);
+            /* Faces of word at[0] of row (at[1], at[2]) to draw: apart those laid bare by the cut, and of either set. */
+            if ((word & ~kept) != 0) {
+                uint64_t const faces = word & ~kept;
+                uint64_t const bare = word & ~kept & set;
+                uint64_t const first = here.first[at[0]], second = here.second[at[0]];
+                uint64_t const member[3] = {first & second, first & ~second, second & ~first};
+                int32_t const x = at[0] * BVXI_WORD_BITS;
+                for (int m = 0; m < 3; m++) {
+                    draw_faces_of_word(w, axis, bvxi_face_id(axis, 0, m), faces & ~bare & member[m], x, at[1],
+                                       at[2]);
+                    draw_faces_of_word(w, axis, bvxi_face_id(axis, 1, m), bare & member[m], x, at[1], at[2]);
+                }
+            }
         }
     }
 }

@@ -30,21 +30,6 @@ static const bvxi_option picture_rows[] = {
     BVXI_RESERVED(bvx_render_options, reserved),
 };
 
-static void put_picture_defaults(bvx_render_options *o)
-{
-    static const double direction[3] = {3.0, -4.0, 2.0}, up[3] = {0.0, 0.0, 1.0};
-    static const uint8_t colour[4] = {200, 196, 188, 255}, background[4] = {255, 255, 255, 255},
-                         none[4] = {0};
-    if (memcmp(o->colour, none, sizeof none) == 0) memcpy(o->colour, colour, sizeof colour);
-    if (memcmp(o->background, none, sizeof none) == 0) memcpy(o->background, background, sizeof background);
-    if (bvxi_vec_is_zero(o->camera.direction)) memcpy(o->camera.direction, direction, sizeof direction);
-    if (bvxi_vec_is_zero(o->camera.up)) memcpy(o->camera.up, up, sizeof up);
-    for (int a = 0; a < 3; a++) {
-        if ((o->cut.sides & BVX_OPEN_X_LOW << 2 * a) == 0) o->cut.low[a] = -(double)INFINITY;
-        if ((o->cut.sides & BVX_OPEN_X_HIGH << 2 * a) == 0) o->cut.high[a] = (double)INFINITY;
-    }
-}
-
 static bvx_status take_picture_options(bvx_context *ctx, const char *function,
                                        const bvx_render_options *given, const bvx_image *image,
                                        bvx_render_options *options)
@@ -56,7 +41,19 @@ static bvx_status take_picture_options(bvx_context *ctx, const char *function,
                              "%s: image brings pixels, which are not used; zero it first", function);
     BVXI_TRY(bvxi_take_options(ctx, function, given, options, sizeof *options));
     BVXI_TRY(bvxi_check_options(ctx, function, options, BVXI_OPTIONS(picture_rows)));
-    put_picture_defaults(options);
+    static const double direction[3] = {3.0, -4.0, 2.0}, up[3] = {0.0, 0.0, 1.0};
+    static const uint8_t colour[4] = {200, 196, 188, 255}, background[4] = {255, 255, 255, 255},
+                         none[4] = {0};
+    if (memcmp(options->colour, none, sizeof none) == 0) memcpy(options->colour, colour, sizeof colour);
+    if (memcmp(options->background, none, sizeof none) == 0)
+        memcpy(options->background, background, sizeof background);
+    if (bvxi_vec_is_zero(options->camera.direction))
+        memcpy(options->camera.direction, direction, sizeof direction);
+    if (bvxi_vec_is_zero(options->camera.up)) memcpy(options->camera.up, up, sizeof up);
+    for (int a = 0; a < 3; a++) {
+        if ((options->cut.sides & BVX_OPEN_X_LOW << 2 * a) == 0) options->cut.low[a] = -(double)INFINITY;
+        if ((options->cut.sides & BVX_OPEN_X_HIGH << 2 * a) == 0) options->cut.high[a] = (double)INFINITY;
+    }
 
     static const char *const axis[3] = {"x", "y", "z"};
     for (int a = 0; a < 3; a++)

@@ -203,14 +203,6 @@ bvx_status bvxi_triangle_bins_open(bvx_context *ctx, uint64_t triangle_count, in
  * whichever way the polygon goes round, and lies on the plane exactly. Both triangles of an edge are clipped
  * by the same planes in the same order, so they keep the same piece of it. */
 
-static void cut_crossing(const double a[3], const double b[3], int axis, double plane, double p[3])
-{
-    const double *const from = bvxi_corner_before(b, a) ? b : a, *const to = from == a ? b : a;
-    double const share = (plane - from[axis]) / (to[axis] - from[axis]);
-    for (int k = 0; k < 3; k++) p[k] = from[k] + share * (to[k] - from[k]);
-    p[axis] = plane;
-}
-
 /* What lies on one side of a plane; sign 1: at or above it, -1: at or below. */
 static int32_t cut_by_plane(const double (*in)[3], int32_t n, int axis, double plane, double sign,
                             double (*out)[3])
@@ -221,8 +213,12 @@ static int32_t cut_by_plane(const double (*in)[3], int32_t n, int axis, double p
         const double *const p = in[i], *const q = in[i + 1 == n ? 0 : i + 1];
         double const here = sign * (p[axis] - plane), there = sign * (q[axis] - plane);
         if (here >= 0.0) memcpy(out[count++], p, 3 * sizeof *p);
-        if ((here < 0.0 && there > 0.0) || (here > 0.0 && there < 0.0))
-            cut_crossing(p, q, axis, plane, out[count++]);
+        if ((here < 0.0 && there > 0.0) || (here > 0.0 && there < 0.0)) {
+            const double *const from = bvxi_corner_before(q, p) ? q : p, *const to = from == p ? q : p;
+            double const share = (plane - from[axis]) / (to[axis] - from[axis]);
+            for (int k = 0; k < 3; k++) out[count][k] = from[k] + share * (to[k] - from[k]);
+            out[count++][axis] = plane;
+        }
     }
     return count < 3 ? 0 : count;
 }

@@ -67,7 +67,6 @@ static inline int bvxi_row_span(const uint64_t *row, const uint64_t *also, const
                                 const int32_t end[3], int32_t *first, int32_t *last)
 {
     int32_t i = begin[0] / BVXI_WORD_BITS, n = (end[0] - 1) / BVXI_WORD_BITS;
-
     while (i <= n && ((row[i] | also[i]) & bvxi_kept_mask(begin, end, i)) == 0) i++;
     if (i > n) return 0;
     while (((row[n] | also[n]) & bvxi_kept_mask(begin, end, n)) == 0) n--;

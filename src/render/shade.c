@@ -243,11 +243,6 @@ static double shade_strength(const bvxi_shade *s, int32_t x, int32_t y, int32_t 
 
 /* ---- pixels ---- */
 
-static uint8_t shade_byte(double v)
-{
-    return (uint8_t)(v <= 0.0 ? 0.0 : v >= 254.5 ? 255.0 : v + 0.5);
-}
-
 static void shade_pixel(const bvxi_shade *s, int32_t px, int32_t py, bvxi_seen *seen, uint8_t *pixel)
 {
     const bvxi_picture *const p = s->picture;
@@ -268,7 +263,10 @@ static void shade_pixel(const bvxi_shade *s, int32_t px, int32_t py, bvxi_seen *
         for (int a = 0; a < 3; a++)
             sum[a] += here->colour[a] * strength * (here->inside ? shade_inside[a] : 1.0);
     }
-    for (int a = 0; a < 3; a++) pixel[a] = shade_byte(sum[a] / (side * side));
+    for (int a = 0; a < 3; a++) {
+        double const v = sum[a] / (side * side);
+        pixel[a] = (uint8_t)(v <= 0.0 ? 0.0 : v >= 254.5 ? 255.0 : v + 0.5);
+    }
 }
 
 void bvxi_shade_rows(const bvxi_shade *shade, int32_t begin, int32_t end)

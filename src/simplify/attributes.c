@@ -39,7 +39,6 @@ static uint64_t given_corner(const bvxi_collapse *c, int32_t corner)
 {
     uint32_t const from = c->from[corner >> 2];
     uint64_t const at = 3 * (uint64_t)(from >> 2) + ((from & 3) + (uint64_t)(corner & 3)) % 3;
-
     return c->source != NULL ? c->source[at] : at;
 }
 
@@ -47,14 +46,8 @@ uint32_t bvxi_given_vertex(const bvxi_collapse *c, int32_t corner)
 {
     uint64_t const at = given_corner(c, corner);
     uint32_t v[3];
-
     bvxi_view_triangle(c->given, at / 3, v);
     return v[at % 3];
-}
-
-static uint32_t uv_index(const bvxi_collapse *c, int32_t corner, uint32_t vertex)
-{
-    return c->given->uv_indices != NULL ? c->given->uv_indices[given_corner(c, corner)] : vertex;
 }
 
 static int same_floats(const float *values, uint32_t i, uint32_t k, size_t count)
@@ -82,7 +75,8 @@ int bvxi_attributes_share(const bvxi_collapse *c, uint32_t row, uint32_t other)
 static uint32_t row_of(bvxi_collapse *c, int32_t corner, uint64_t first)
 {
     bvxi_attributes *const s = &c->attributes;
-    uint32_t const v = bvxi_given_vertex(c, corner), uv = uv_index(c, corner, v);
+    uint32_t const v = bvxi_given_vertex(c, corner),
+                   uv = c->given->uv_indices != NULL ? c->given->uv_indices[given_corner(c, corner)] : v;
     int const apart = c->options.given.vertices == BVX_VERTICES_KEPT &&
                       c->given->vertex_count < 3 * c->given->triangle_count;
 
@@ -125,7 +119,6 @@ static double row_value(const bvxi_collapse *c, uint32_t row, int32_t channel)
     const bvxi_attributes *const s = &c->attributes;
     const bvx_mesh_view *const m = c->given;
     size_t const v = s->vertex[row], k = (size_t)channel;
-
     if (channel < s->uv2_at) return (double)m->uvs[2 * (size_t)s->uv[row] + k];
     if (channel < s->normal_at) return (double)m->uvs2[2 * v + k - (size_t)s->uv2_at];
     if (channel < s->colour_at) return (double)m->normals[3 * v + k - (size_t)s->normal_at];
@@ -200,7 +193,6 @@ static void join_sums(const bvxi_attributes *s, uint32_t u, uint32_t v, const do
 {
     const double *const other = s->q + (size_t)s->stride * u;
     double const back[3] = {-offset[0], -offset[1], -offset[2]};
-
     memcpy(both, s->q + (size_t)s->stride * v, (size_t)s->stride * sizeof *both);
     move_sums(both, s->channels, back);
     for (int32_t i = 0; i < s->stride; i++) both[i] += other[i];
@@ -251,7 +243,6 @@ static int rows_of_edge(const bvxi_collapse *c, int32_t edge, uint32_t u[2], uin
 int bvxi_attributes_match(const bvxi_collapse *c, int32_t edge)
 {
     uint32_t u[2], v[2];
-
     return rows_of_edge(c, edge, u, v) < 2 || (u[0] != u[1] && v[0] != v[1]);
 }
 
@@ -261,7 +252,6 @@ void bvxi_attributes_add(const bvxi_collapse *c, int32_t edge, const double offs
     const bvxi_attributes *const s = &c->attributes;
     double both[QUADRIC_CHANNELS + 4 * ATTRIBUTE_CHANNELS];
     uint32_t u[2], v[2];
-
     for (int i = rows_of_edge(c, edge, u, v); i-- > 0;) {
         join_sums(s, u[i], v[i], offset, both);
         add_cost(s, both, c->options.given.attribute_weight * c->options.given.attribute_weight, a, b, cost);
@@ -277,7 +267,6 @@ static int gradient_of(const double u[3], const double v[3], const double value[
     double const uu = bvxi_vec_dot(u, u), uv = bvxi_vec_dot(u, v), vv = bvxi_vec_dot(v, v);
     double const rise_u = value[1] - value[0], rise_v = value[2] - value[0], det = uu * vv - uv * uv;
     double alpha, beta;
-
     if (!(det > uu * vv * 1e-12)) return 0;
     alpha = (rise_u * vv - rise_v * uv) / det;
     beta = (rise_v * uu - rise_u * uv) / det;
@@ -290,7 +279,6 @@ static void add_channel(double *q, int32_t channel, const double g[3], double va
 {
     double *const own = q + QUADRIC_CHANNELS + 4 * channel;
     int index = QUADRIC_A;
-
     for (int k = 0; k < 3; k++)
         for (int l = k; l < 3; l++) q[index++] += weight * g[k] * g[l];
     for (int k = 0; k < 3; k++) q[QUADRIC_B + k] += weight * value * g[k];
@@ -353,7 +341,6 @@ int bvxi_attributes_part(const bvxi_collapse *c, int32_t edge)
 {
     const bvxi_attributes *const s = &c->attributes;
     int32_t const across = bvxi_corner_opposite(&c->mesh, edge);
-
     if (s->material != NULL && s->material[edge >> 2] != s->material[across >> 2]) return 1;
     return s->row != NULL && (s->row[bvxi_corner_next(edge)] != s->row[bvxi_corner_previous(across)] ||
                               s->row[bvxi_corner_previous(edge)] != s->row[bvxi_corner_next(across)]);
@@ -442,7 +429,6 @@ static double value_now(const bvxi_collapse *c, uint32_t row, int32_t channel, i
     const bvxi_attributes *const s = &c->attributes;
     const double *const q = s->q + (size_t)s->stride * row;
     double const weight = q[QUADRIC_W] * s->length[channel];
-
     if (!moved || !(weight > 0)) return row_value(c, row, channel);
     return q[QUADRIC_CHANNELS + 4 * channel + 3] / weight;
 }

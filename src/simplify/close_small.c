@@ -119,7 +119,6 @@ static void find_hole(loop_work *w, int32_t ghost)
     const uint32_t *const v = m->triangle[ghost >> 2].vertex;
     int32_t const before = ghost_before(m, ghost), last = ghost_before(m, before);
     uint32_t const b = m->triangle[before >> 2].vertex[1];
-
     if (before > ghost && last > ghost && ghost_before(m, last) == ghost && kind[v[1]] == VERTEX_LINE &&
         kind[v[2]] == VERTEX_LINE && kind[b] == VERTEX_LINE)
         add_small_loop(w, v[1], v[2], b, ghost);
@@ -128,7 +127,6 @@ static void find_hole(loop_work *w, int32_t ghost)
 static void find_loops(loop_work *w)
 {
     const bvxi_corners *const m = &w->c->mesh;
-
     w->count = 0;
     for (uint32_t v = 0; v < m->vertices; v++)
         if (!bvxi_collapse_is_gone(w->c, v) && may_loop(w->c, v)) find_around(w, v);
@@ -158,7 +156,6 @@ static int may_put(const bvxi_collapse *c, const uint32_t v[3])
 {
     const bvxi_corner_vertex *const at = c->mesh.at;
     const double *const p[3] = {at[v[0]].p, at[v[1]].p, at[v[2]].p};
-
     return bvxi_has_area(p) &&
            !bvxi_crossing_tree_visit(&c->tree, p, BVXI_VERTEX_NONE, BVXI_VERTEX_NONE, NULL, NULL, NULL, NULL);
 }
@@ -245,7 +242,6 @@ static int lies_near(const bvxi_collapse *c, uint32_t v, const double *p)
 {
     const bvxi_corner_vertex *const at = &c->mesh.at[v];
     double d[3];
-
     for (int k = 0; k < 3; k++) d[k] = (p[k] - at->p[k]) * c->scale;
     return !bvxi_quadric_is_far(c, &at->q, d, c->mesh.left, CRUMPLED_MOST);
 }
@@ -256,7 +252,6 @@ static int lies_near(const bvxi_collapse *c, uint32_t v, const double *p)
 static int gather_loop(const bvxi_corners *m, loop_side *side)
 {
     collapse_star *const star = &side->star;
-
     /* Counter-clockwise around all three: from each to the one before it. */
     star->count = 0;
     for (int k = 2; k >= 0; k--)
@@ -413,7 +408,6 @@ static int drop_knob(loop_work *w, const loop_side side[2])
 static int cut_loop(loop_work *w, const uint32_t v[3])
 {
     loop_side side[2];
-
     if (!find_left(w->c, v[0], v[1], v[2], &side[0]) || !find_left(w->c, v[1], v[0], v[2], &side[1]))
         return 0;
     if (sides_meet(w, side)) return cut_handle(w, side);

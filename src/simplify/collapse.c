@@ -85,7 +85,6 @@ int bvxi_star_close(collapse_star *star)
 static int gather_star(const bvxi_corners *m, const bvxi_edge_planned *plan, collapse_star *star)
 {
     int32_t const most = COLLAPSE_STAR, across = bvxi_corner_opposite(m, plan->edge);
-
     star->count = 0;
     if (!bvxi_star_gather_side(m, bvxi_corner_next(across), plan->u, most, star)) return 0;
     star->of_v = star->count;
@@ -121,7 +120,6 @@ int bvxi_collapse_drop_triangle(bvxi_corners *m, int32_t corner)
 {
     int32_t const left = bvxi_corner_turn_left(m, corner);
     int32_t const beyond = bvxi_corner_turn_left(m, bvxi_corner_next(corner));
-
     bvxi_corner_put_left(m, bvxi_corner_next(left), beyond);
     bvxi_corner_put_left(m, bvxi_corner_next(beyond), left);
     m->triangle[corner >> 2].vertex[1] = ~m->triangle[corner >> 2].vertex[1];
@@ -225,7 +223,6 @@ static int judge_at(const collapse_sweep *s, const bvxi_edge_planned *plan, cons
 {
     const bvxi_collapse *const c = s->c;
     const double *const from = c->mesh.at[plan->u].p, *const box = c->options.box;
-
     for (int k = 0; k < 3; k++) p[k] = bvxi_collapse_rounded(c, from[k] + d[k] / c->scale);
     if (d[0] == 0 && d[1] == 0 && d[2] == 0) memcpy(p, from, 3 * sizeof *p);
     for (int k = 0; box != NULL && k < 3; k++)
@@ -260,7 +257,6 @@ static void refuse(const collapse_sweep *s, int32_t edge, float cost)
     float const more = 4 * (cost > c->reached ? cost : c->reached) + 1e-37f;
     uint32_t const x = bvxi_corner_vertex_of(&c->mesh, edge);
     uint32_t const y = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_next(edge));
-
     bvxi_edge_put_cost(&c->mesh, edge, more < COLLAPSE_NEVER ? more : COLLAPSE_NEVER);
     bvxi_edge_find_least(c, x);
     bvxi_edge_find_least(c, y);
@@ -276,7 +272,6 @@ static int in_range(const collapse_sweep *s, uint64_t range, uint32_t v)
 static int star_in_range(const collapse_sweep *s, uint64_t range, const collapse_star *star)
 {
     int within = 1;
-
     for (int32_t i = 0; i < star->count; i++) within &= in_range(s, range, star->link[i]);
     return within;
 }
@@ -287,7 +282,6 @@ enum { RANGE_ALL = -1 };
 static int has_edge_to(const bvxi_corners *m, int32_t corner, uint32_t source)
 {
     int32_t at = corner;
-
     do {
         uint32_t const x = bvxi_corner_vertex_of(m, bvxi_corner_next(at));
         if (x != BVXI_VERTEX_GHOST && m->source[x] == source) return 1;
@@ -361,7 +355,6 @@ static void try_vertex(const collapse_sweep *s, collapse_range *r, int64_t range
 static uint32_t cost_bits(float cost)
 {
     uint32_t bits;
-
     memcpy(&bits, &cost, sizeof bits);
     return bits;
 }
@@ -377,7 +370,6 @@ uint64_t bvxi_collapse_cost_pieces(const bvxi_collapse *c)
 {
     int32_t const pieces = bvxi_piece_count(c->mesh.vertices, COST_GRAIN), threads = bvxi_threads(c->ctx);
     int32_t const most = threads < COST_PIECES ? threads : COST_PIECES;
-
     return (uint64_t)(pieces < most ? pieces : most);
 }
 
@@ -402,7 +394,6 @@ static void count_costs(cost_counts *k)
 {
     uint64_t const looked = (k->c->mesh.vertices + k->step - 1) / k->step;
     uint64_t const pieces = looked < COST_GRAIN ? 1 : bvxi_collapse_cost_pieces(k->c);
-
     bvxi_ranges(k->c->ctx, (int32_t)pieces, looked, costs_of_piece, k);
     for (uint64_t i = COST_BUCKETS; i < pieces * COST_BUCKETS; i++)
         k->c->costs[i & (COST_BUCKETS - 1)] += k->c->costs[i];
@@ -542,7 +533,6 @@ static bvx_status sweep_ranges(collapse_sweep *s)
 static int any_of_eight(const float *least, float threshold)
 {
     int cheap = 0;
-
     for (int k = 0; k < 8; k++) cheap |= least[k] <= threshold;
     return cheap;
 }
@@ -553,7 +543,6 @@ static void block_piece(void *user, int32_t block)
     uint64_t const begin = (uint64_t)block * s->size;
     uint64_t const end = begin + s->size < s->c->mesh.vertices ? begin + s->size : s->c->mesh.vertices;
     uint64_t v = begin;
-
     while (v + 8 <= end && !any_of_eight(s->c->least + v, s->threshold)) v += 8;
     while (v < end && !(s->c->least[v] <= s->threshold)) v++;
     s->cheap[block] = v < end;

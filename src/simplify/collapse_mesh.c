@@ -102,7 +102,6 @@ static bvx_status collapse_edges(bvxi_collapse *c, uint64_t target, int last, do
 {
     /* Strips between seams meet before they crumple: what looks like the source goes first there. */
     int const seams = c->attributes.row != NULL;
-
     if (last && !seams && may_crumple(c, target))
         BVXI_TRY(collapse_crumpling(c, target, CRUMPLED_MOST, from, to));
     c->crumpled = c->options.even <= EVEN_LITTLE ? CRUMPLED_LITTLE : CRUMPLED_ANY;
@@ -118,7 +117,6 @@ static bvx_status close_small(bvxi_collapse *c, uint64_t target, int last, doubl
 {
     double const longest = 3 * sqrt(EDGE_SQUARE * c->area / (double)target) / c->scale;
     uint64_t closed = 1;
-
     while (closed != 0 && (!last || c->mesh.left > target)) {
         BVXI_TRY(bvxi_collapse_close_small(c, longest, &closed));
         if (closed != 0) BVXI_TRY(collapse_edges(c, target, last, at, at));
@@ -131,7 +129,6 @@ static bvx_status close_small(bvxi_collapse *c, uint64_t target, int last, doubl
 static bvx_status keep_enclosed(bvxi_collapse *c, uint32_t order, double at)
 {
     uint64_t escaped, undone;
-
     BVXI_TRY(BVXI_SCOPE(c->ctx, bvxi_collapse_escaped(c, &escaped)));
     if (escaped == 0) return BVX_OK;
     memset(c->fresh, 0, (size_t)c->mesh.vertices);
@@ -193,7 +190,6 @@ static uint64_t judged_next(const bvxi_collapse *c, uint64_t triangles, uint64_t
 {
     int const seldom = c->options.enclosed != NULL || (triangles >= COLLAPSE_MANY && c->mesh.ghosts == 0);
     uint64_t const next = triangles / (seldom ? 2 * COLLAPSE_JUDGED : COLLAPSE_JUDGED);
-
     return next > (seldom ? 2 * last : last) ? next : last;
 }
 
@@ -265,7 +261,6 @@ static int position_before(const double p[3], const double q[3])
 static int ranked_triangle(const collapse_order *o, uint64_t t, uint32_t to[3])
 {
     uint32_t v[5]; /* the first two again after the third */
-
     if (o->packed != NULL) memcpy(v, o->packed + 3 * t, 12);
     else bvxi_view_triangle(o->view, t, v);
     for (int k = 0; k < 3; k++) v[k] = o->rank[v[k]];
@@ -313,11 +308,9 @@ static void order_bucket(bvxi_corner_triangle *t, uint64_t begin, uint64_t end)
 static void buckets_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     const collapse_order *const o = user;
-
     (void)piece;
     for (uint64_t i = begin; i < end; i++) {
         uint64_t const from = i == 0 ? 0 : o->begin[i - 1];
-
         if (o->begin[i] - from <= COLLAPSE_BUCKET) order_bucket(o->c->mesh.triangle, from, o->begin[i]);
     }
 }
@@ -326,7 +319,6 @@ static void buckets_piece(void *user, int32_t piece, uint64_t begin, uint64_t en
 static void ranks_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     const collapse_order *const o = user;
-
     (void)piece;
     for (uint64_t t = begin; t < end; t++)
         o->index[t] = (uint32_t)(t << 2) | (uint32_t)ranked_triangle(o, t, o->c->origin + 3 * t);
@@ -491,7 +483,6 @@ static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const 
 static void add_plane(bvxi_corner_vertex *at, const double n[3], double weight)
 {
     int index = 0;
-
     /* The upper half of n n', row by row. */
     for (int i = 0; i < 3; i++)
         for (int j = i; j < 3; j++) at->q.a[index++] += weight * n[i] * n[j];
@@ -593,7 +584,6 @@ static int is_folded(const bvxi_corners *m, int32_t corner)
 {
     uint32_t const own = bvxi_corner_vertex_of(m, corner);
     uint32_t const other = bvxi_corner_vertex_of(m, bvxi_corner_opposite(m, corner));
-
     return own != BVXI_VERTEX_GHOST && other != BVXI_VERTEX_GHOST &&
            memcmp(m->at[own].p, m->at[other].p, sizeof m->at[own].p) == 0;
 }
@@ -603,7 +593,6 @@ static void mark_line(bvxi_collapse *c, int32_t corner, int count)
 {
     uint32_t const ends[2] = {bvxi_corner_vertex_of(&c->mesh, bvxi_corner_next(corner)),
                               bvxi_corner_vertex_of(&c->mesh, bvxi_corner_previous(corner))};
-
     add_upright(c, corner);
     for (int k = 0; k < 2 && count; k++)
         c->kind[ends[k]] = (uint8_t)(c->kind[ends[k]] + (c->kind[ends[k]] < 3));

@@ -156,7 +156,6 @@ int bvxi_collapse_is_feature(const bvxi_collapse *c, int32_t edge);
 static inline int bvxi_any_marked(const uint8_t *mark, uint64_t count)
 {
     uint64_t i = 0;
-
     while (i < count && mark[i] == 0) i++;
     return i < count;
 }

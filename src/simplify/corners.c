@@ -43,7 +43,6 @@ typedef struct edge_job {
 static int32_t across_edge(const bvxi_corners *m, int32_t c)
 {
     int32_t const left = bvxi_corner_turn_left(m, bvxi_corner_previous(c));
-
     return left < 0 ? left : bvxi_corner_previous(left);
 }
 
@@ -51,7 +50,6 @@ static bvx_status fail_edge(bvx_context *ctx, const char *function, const bvxi_c
 {
     const double *const p = m->at[bvxi_corner_vertex_of(m, bvxi_corner_next(corner))].p;
     const double *const q = m->at[bvxi_corner_vertex_of(m, bvxi_corner_previous(corner))].p;
-
     return bvxi_fail_for(
         ctx, BVX_ERR_ARGUMENT, BVX_REASON_TOPOLOGY,
         "%s: the mesh is not closed, manifold and oriented: the edge from (%g, %g, %g) to (%g, %g, "
@@ -64,7 +62,6 @@ static bvx_status fail_edge(bvx_context *ctx, const char *function, const bvxi_c
 static void cut_both_sides(bvxi_corners *m, int32_t waiting)
 {
     int32_t const other = across_edge(m, waiting);
-
     if (other >= 0) bvxi_corner_put_left(m, bvxi_corner_previous(other), -1);
     bvxi_corner_put_left(m, bvxi_corner_previous(waiting), CORNER_CUT);
 }
@@ -153,7 +150,6 @@ static void edges_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 static int is_border(const bvxi_corners *m, int32_t c)
 {
     int32_t const opposite = across_edge(m, c);
-
     return opposite < 0 || bvxi_corner_is_ghost(m, opposite);
 }
 
@@ -162,7 +158,6 @@ static int is_border(const bvxi_corners *m, int32_t c)
 static int32_t next_border(const bvxi_corners *m, int32_t c, int32_t *triangles)
 {
     int32_t at = bvxi_corner_previous(c);
-
     /* Turning around the vertex until an edge has no triangle beyond it. */
     for (*triangles = 1; !is_border(m, bvxi_corner_previous(at)); ++*triangles)
         at = bvxi_corner_next(bvxi_corner_turn_left(m, bvxi_corner_next(at)));
@@ -190,7 +185,6 @@ static void lengthen_cut(bvxi_corners *m, int32_t c)
 static void open_triangles_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     const edge_job *const job = user;
-
     (void)piece;
     for (uint64_t t = begin; t < end; t++)
         for (int k = 0; k < 3; k++) job->m->triangle[t].left[k] = -1;
@@ -216,7 +210,6 @@ static void borders_piece(void *user, int32_t piece, uint64_t begin, uint64_t en
 static int32_t first_failed(const edge_job *job, int32_t pieces)
 {
     int32_t failed = job->failed[0];
-
     for (int32_t i = 1; i < pieces; i++) failed = job->failed[i] < failed ? job->failed[i] : failed;
     return failed;
 }
@@ -269,7 +262,6 @@ static void walk_fans_piece(void *user, int32_t piece, uint64_t begin, uint64_t 
 static bvx_status grow_triangles(bvx_context *ctx, const char *function, bvxi_corners *m)
 {
     uint64_t const room = m->triangles + m->ghosts;
-
     /* Corners are numbers of 31 bits, four a triangle. */
     if (room > INT32_MAX / 4)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
@@ -304,11 +296,9 @@ static void put_ghosts(bvxi_corners *m)
 static void join_ghosts(bvxi_corners *m)
 {
     int32_t const end = (int32_t)(4 * (m->triangles + m->ghosts));
-
     for (int32_t ghost = (int32_t)(4 * m->triangles); ghost < end; ghost += 4) {
         int32_t fan;
         int32_t const next = next_border(m, bvxi_corner_opposite(m, ghost), &fan);
-
         bvxi_corners_join(m, ghost + 2, bvxi_corner_opposite(m, next) + 1);
     }
 }

@@ -22,7 +22,6 @@ enum { FREE_NOWHERE, FREE_JUNCTION, FREE_LINE, FREE_ALL };
 static int freedom(const bvxi_collapse *c, uint32_t v)
 {
     uint8_t const kind = c->kind[v];
-
     if (kind == 0) return FREE_ALL;
     if (kind == VERTEX_LINE) return FREE_LINE;
     /* A junction takes attributes along that no vertex has which was given. */
@@ -73,7 +72,6 @@ static void join_ends(const bvxi_collapse *c, bvxi_edge_planned *plan)
 {
     for (int k = 0; k < 3; k++)
         plan->offset[k] = (c->mesh.at[plan->v].p[k] - c->mesh.at[plan->u].p[k]) * c->scale;
-
     bvxi_quadrics_join(&c->mesh.at[plan->u].q, &c->mesh.at[plan->v].q, plan->offset, &plan->q);
     plan->all = plan->q;
     if (c->attributes.channels > 0 && c->options.given.attribute_weight > 0)
@@ -147,7 +145,6 @@ int bvxi_edge_plan(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *plan
 static void put_cost(bvxi_corners *m, int32_t from, double cost)
 {
     float const rounded = (float)cost;
-
     bvxi_edge_put_cost(m, from, rounded < COLLAPSE_NEVER ? rounded : COLLAPSE_NEVER);
 }
 
@@ -256,7 +253,6 @@ void bvxi_edge_find_least(bvxi_collapse *c, uint32_t v)
 static void evaluate_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     bvxi_collapse *const c = user;
-
     (void)piece;
     for (uint64_t v = begin; v < end; v++)
         if (!bvxi_collapse_is_gone(c, (uint32_t)v) && c->stale[v] != 0) bvxi_edges_around(c, (uint32_t)v, 1);
@@ -265,7 +261,6 @@ static void evaluate_piece(void *user, int32_t piece, uint64_t begin, uint64_t e
 static void least_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     bvxi_collapse *const c = user;
-
     (void)piece;
     for (uint64_t v = begin; v < end; v++)
         if (!bvxi_collapse_is_gone(c, (uint32_t)v) && (c->stale[v] != 0 || c->edge[v] < 0))
@@ -276,7 +271,6 @@ static void index_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     const bvxi_collapse *const c = user;
     const bvxi_corners *const m = &c->mesh;
-
     (void)piece;
     memset(c->edge + begin, 0xff, (size_t)(end - begin) * sizeof *c->edge); /* -1 */
     bvxi_corners_any(m, begin, end, c->any);

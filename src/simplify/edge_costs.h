@@ -15,7 +15,6 @@ static inline void bvxi_half_gradient(const bvxi_quadric *q, const double d[3], 
 static inline double bvxi_quadric_at(const bvxi_quadric *q, const double d[3])
 {
     double g[3], value;
-
     bvxi_half_gradient(q, d, g);
     value = (g[0] + q->b[0]) * d[0] + (g[1] + q->b[1]) * d[1] + (g[2] + q->b[2]) * d[2] + q->c;
     return value > 0 ? value : 0;
@@ -50,7 +49,6 @@ static inline int bvxi_quadric_solve(const double a[6], const double b[3], doubl
     double const by_x = 1 / a[0], to_y = a[1] * by_x, to_z = a[2] * by_x;
     double const y = a[3] - to_y * a[1], yz = a[4] - to_y * a[2], by_y = 1 / y, y_to_z = yz * by_y;
     double const z = (a[5] - to_z * a[2]) - y_to_z * yz, right_y = to_y * b[0] - b[1];
-
     if (!((a[0] > least) & (y > least) & (z > least))) return 0;
     d[2] = ((to_z * b[0] - b[2]) - y_to_z * right_y) / z;
     d[1] = right_y * by_y - y_to_z * d[2];
@@ -98,7 +96,6 @@ void bvxi_edge_settle(bvxi_collapse *c, const bvxi_edge_planned *plan, const dou
 static inline void bvxi_edge_put_cost(bvxi_corners *m, int32_t from, float cost)
 {
     int32_t const back = bvxi_corner_turn_left(m, bvxi_corner_next(from));
-
     m->triangle[(uint32_t)from >> 2].cost[from & 3] = cost;
     m->triangle[(uint32_t)back >> 2].cost[back & 3] = cost;
 }

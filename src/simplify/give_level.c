@@ -20,18 +20,11 @@ static void put_position(const bvxi_collapse *c, bvx_mesh *level, uint64_t at, c
 static void give_triangles(const bvxi_collapse *c, const uint32_t *index, int rows, uint32_t *to)
 {
     const bvxi_corners *const m = &c->mesh;
-
     for (uint64_t t = 0; t < m->triangles; t++) {
         if (bvxi_corner_gone(m, (int32_t)(4 * t))) continue;
         for (uint64_t k = 0; k < 3; k++)
             *to++ = index[rows ? c->attributes.row[4 * t + k] : m->triangle[t].vertex[k]];
     }
-}
-
-static void put_materials(const bvxi_collapse *c, uint32_t *to)
-{
-    for (uint64_t t = 0; t < c->mesh.triangles; t++)
-        if (!bvxi_corner_gone(&c->mesh, (int32_t)(4 * t))) *to++ = c->attributes.material[t];
 }
 
 bvx_status bvxi_collapse_give_plain(bvxi_collapse *c, bvx_mesh *level)
@@ -107,7 +100,6 @@ static bvx_status give_kept(bvxi_collapse *c, int owned, bvx_mesh *level)
 static int has_moved(const bvxi_collapse *c, uint32_t row, uint32_t v)
 {
     double p[3];
-
     if (c->kind[v] > VERTEX_LINE) return 0;
     bvxi_view_position(c->given, c->attributes.vertex[row], p);
     for (int k = 0; k < 3; k++)
@@ -154,20 +146,6 @@ static uint64_t number_shared_rows(const bvxi_collapse *c, const uint32_t *index
     return count;
 }
 
-static void put_row(const bvxi_collapse *c, bvx_mesh *level, uint32_t row, uint32_t v, uint64_t to,
-                    uint64_t uv_to)
-{
-    float uv[2], uv2[2], normal[3];
-    uint8_t colour[4];
-
-    bvxi_attributes_give(c, row, has_moved(c, row, v), uv, uv2, normal, colour);
-    put_position(c, level, to, c->mesh.at[v].p);
-    if (level->uvs != NULL) memcpy(level->uvs + 2 * uv_to, uv, sizeof uv);
-    if (level->uvs2 != NULL) memcpy(level->uvs2 + 2 * to, uv2, sizeof uv2);
-    if (level->normals != NULL) memcpy(level->normals + 3 * to, normal, sizeof normal);
-    if (level->colours != NULL) memcpy(level->colours + 4 * to, colour, sizeof colour);
-}
-
 static bvx_status give_rows(bvxi_collapse *c, bvx_mesh *level)
 {
     int const apart = c->given->uv_indices != NULL;
@@ -184,7 +162,18 @@ static bvx_status give_rows(bvxi_collapse *c, bvx_mesh *level)
 
     /* Of rows that share a vertex the first one remains. */
     for (uint64_t r = rows; r-- > 0;)
-        if (index[r] != UINT32_MAX) put_row(c, level, (uint32_t)r, at[r], place[r], index[r]);
+        if (index[r] != UINT32_MAX) {
+            uint32_t const row = (uint32_t)r;
+            float uv[2], uv2[2], normal[3];
+            uint8_t colour[4];
+
+            bvxi_attributes_give(c, row, has_moved(c, row, at[r]), uv, uv2, normal, colour);
+            put_position(c, level, place[r], c->mesh.at[at[r]].p);
+            if (level->uvs != NULL) memcpy(level->uvs + 2 * index[r], uv, sizeof uv);
+            if (level->uvs2 != NULL) memcpy(level->uvs2 + 2 * place[r], uv2, sizeof uv2);
+            if (level->normals != NULL) memcpy(level->normals + 3 * place[r], normal, sizeof normal);
+            if (level->colours != NULL) memcpy(level->colours + 4 * place[r], colour, sizeof colour);
+        }
     give_triangles(c, place, 1, level->triangles);
     if (level->uv_triangles != NULL) give_triangles(c, index, 1, level->uv_triangles);
     bvxi_drop(c->ctx, index);
@@ -207,6 +196,8 @@ bvx_status bvxi_collapse_give(bvxi_collapse *c, bvx_mesh *level)
 
     BVXI_TRY(
         bvxi_alloc(c->ctx, BVXI_RESULT, level->triangle_capacity * 4, "the materials", &level->materials));
-    put_materials(c, level->materials);
+    uint32_t *to = level->materials;
+    for (uint64_t t = 0; t < c->mesh.triangles; t++)
+        if (!bvxi_corner_gone(&c->mesh, (int32_t)(4 * t))) *to++ = c->attributes.material[t];
     return BVX_OK;
 }

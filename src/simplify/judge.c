@@ -36,7 +36,6 @@ typedef struct fan_walk {
 BVXI_VECTOR_INLINE void fan_neighbour(fan_walk *w, int32_t corner, int i)
 {
     const double *const q = w->m->at[bvxi_corner_vertex_of(w->m, corner)].p;
-
     for (int k = 0; k < 3; k++) w->way[k][i] = q[k] - w->p[k];
 }
 
@@ -142,7 +141,6 @@ static void fans_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     const judge_level *const l = user;
     const bvxi_collapse *const c = l->c;
-
     (void)piece;
     for (uint64_t v = begin; v < end; v++)
         if (!bvxi_collapse_is_gone(c, (uint32_t)v))
@@ -199,7 +197,6 @@ static bvx_status search_level(bvxi_collapse *c, const uint8_t *fresh, double fr
 static int is_fresh_pair(const bvxi_collapse *c, const uint32_t *pair)
 {
     int fresh = 0;
-
     for (int k = 0; k < 6; k++) fresh |= c->fresh[c->mesh.triangle[pair[k > 2]].vertex[k % 3]];
     return fresh;
 }
@@ -223,7 +220,6 @@ typedef struct judge_origin {
 static void near_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     const judge_origin *const o = user;
-
     (void)piece;
     for (uint64_t v = begin; v < end; v++) {
         o->near[v] = o->beside[bvxi_collapse_now(o->c, (uint32_t)v)];
@@ -251,7 +247,6 @@ static void origin_piece(void *user, int32_t piece, uint64_t begin, uint64_t end
 static bvx_status list_origin(bvxi_collapse *c, judge_origin *o)
 {
     int32_t const pieces = bvxi_piece_count(c->first_triangles, JUDGE_GRAIN);
-
     bvxi_ranges(c->ctx, pieces, c->first_triangles, origin_piece, o);
     o->tree.triangles = bvxi_place_counts(o->begin, (uint64_t)pieces);
     BVXI_TRY(BVXI_ARRAY(c->ctx, o->tree.triangles, "triangles beside crossings", o->triangle));
@@ -299,7 +294,6 @@ static bvx_status gather_origin(bvxi_collapse *c, judge_origin *o)
 static int has_come(const bvxi_collapse *c, uint32_t triangle)
 {
     const uint32_t *const v = c->mesh.triangle[triangle].vertex;
-
     return c->came != NULL && (c->came[v[0]] | c->came[v[1]] | c->came[v[2]]) != 0;
 }
 
@@ -378,7 +372,6 @@ typedef struct judge_found {
 static int add_pair(void *user, uint32_t t)
 {
     judge_found *const list = user;
-
     /* What failed once is not covered by what follows. */
     if (list->status != BVX_OK) return 1;
     list->status = BVXI_GROW_BY(list->c, list->pair, list->count, list->capacity, 8, "crossing pairs");
@@ -427,7 +420,6 @@ static bvx_status look_at_undone(judge_found *list)
 {
     bvxi_collapse *const c = list->c;
     int boxes = c->tree.node[0] != NULL;
-
     if (!boxes) BVXI_TRY(open_tree(c, NULL, c->mesh.triangles));
     for (; boxes >= 0; boxes--)
         for (uint32_t v = 0; v < c->mesh.vertices; v++)
@@ -441,10 +433,8 @@ static bvx_status look_at_undone(judge_found *list)
 static uint32_t latest_of(const bvxi_collapse *c, const uint32_t *a, const uint32_t *b)
 {
     uint32_t latest = BVXI_VERTEX_NONE;
-
     for (int k = 0; k < 6; k++) {
         uint32_t const went = c->last[k < 3 ? a[k] : b[k - 3]];
-
         if (went != BVXI_VERTEX_NONE &&
             (latest == BVXI_VERTEX_NONE || c->undo[went].order > c->undo[latest].order))
             latest = went;
@@ -456,7 +446,6 @@ static uint32_t latest_of(const bvxi_collapse *c, const uint32_t *a, const uint3
 static uint64_t unsettle(bvxi_collapse *c, const uint32_t *v)
 {
     uint64_t count = 0;
-
     for (int k = 0; k < 3; k++) {
         if (!c->settled[v[k]]) continue;
         bvxi_collapse_unsettle(c, v[k]);
@@ -507,7 +496,6 @@ static bvx_status list_leaving(judge_found *list, double at)
 {
     const bvxi_collapse *const c = list->c;
     uint8_t *leaves;
-
     BVXI_TRY(bvxi_collapse_mark_leaving(c, at, &leaves));
     for (uint64_t t = 0; t < c->mesh.triangles; t++) {
         list->triangle = (uint32_t)t;

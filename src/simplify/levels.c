@@ -57,7 +57,6 @@ static bvx_status measure_level(bvx_context *ctx, bvxi_level_chain *c, const bvx
                                 uint64_t samples, bvx_distance_report *d)
 {
     bvx_mesh_view view;
-
     bvx_mesh_view_of(level, &view);
     return bvxi_mesh_distance(ctx, c->original, &c->kept, &view, samples, LEVEL_SEED, d);
 }
@@ -154,7 +153,6 @@ static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
 static bvx_status make_by_count(bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse, int *met)
 {
     uint64_t const wanted = target_of(c, i), target = wanted < c->halve_from ? wanted : c->halve_from;
-
     BVXI_TRY(bvxi_collapse_to(collapse, target, 0.0, 1.0));
     *met = collapse->mesh.left <= wanted;
     c->closed = collapse->closed;
@@ -174,7 +172,6 @@ static bvx_status measure_now(bvx_context *ctx, bvxi_level_chain *c, bvxi_collap
     uint64_t const samples = c->targets.samples != 0 ? c->targets.samples : LEVEL_ERROR_SAMPLES;
     bvx_mesh now = {0};
     bvx_status status = bvxi_collapse_give(collapse, &now);
-
     if (status == BVX_OK) status = measure_level(ctx, c, &now, samples, d);
     bvx_mesh_free(ctx, &now);
     return status;
@@ -183,14 +180,12 @@ static bvx_status measure_now(bvx_context *ctx, bvxi_level_chain *c, bvxi_collap
 uint64_t bvxi_collapse_next_try(uint64_t triangles, double part)
 {
     double const half_way = part < 0.25 ? 0.5 : sqrt(part);
-
     return (uint64_t)((double)triangles * (half_way < 0.95 ? half_way : 0.95));
 }
 
 static bvx_status copy_array(bvx_context *ctx, const void *from, uint64_t bytes, void *to)
 {
     void *copy;
-
     if (from == NULL) return BVX_OK;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, bytes, "the level's attributes", &copy));
     memcpy(copy, from, (size_t)bytes);
@@ -223,7 +218,6 @@ static bvx_status hand_over(bvx_context *ctx, const bvxi_level_chain *c, bvx_mes
 {
     if (level->owned == 1) bvx_mesh_free(ctx, level);
     if (level->positions != NULL || level->triangles != NULL) return copy_into(ctx, c, made, level);
-
     *level = *made;
     memset(made, 0, sizeof *made);
     return BVX_OK;
@@ -283,24 +277,9 @@ static bvx_status make_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
 {
     bvx_mesh found = {0};
     bvx_status status = find_by_error(ctx, c, i, collapse, &found, met);
-
     if (status == BVX_OK) status = hand_over(ctx, c, &found, &c->levels[i]);
     bvx_mesh_free(ctx, &found);
     return status;
-}
-
-/* By count the collapse went as far as it could; by error it had nothing to take back. */
-static bvx_status refuse_missed(bvx_context *ctx, const bvxi_level_chain *c, uint64_t i)
-{
-    if (c->targets.errors != NULL)
-        return bvxi_fail_for(
-            ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
-            "%s: level %i cannot keep its target: what it is made from is off by more than %g already",
-            c->function, i, c->targets.errors[i]);
-    return bvxi_fail_for(
-        ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
-        "%s: level %i cannot keep its target: %u triangles are the fewest that keep the guarantee",
-        c->function, i, c->levels[i].triangle_count);
 }
 
 static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse)
@@ -312,7 +291,18 @@ static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, 
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, made,
                         c->targets.errors != NULL ? make_by_error(ctx, c, i, collapse, &met)
                                                   : make_by_count(c, i, collapse, &met)));
-    if (c->targets.strict && !met) return refuse_missed(ctx, c, i);
+    /* By count the collapse went as far as it could; by error it had nothing to take back. */
+    if (c->targets.strict && !met) {
+        if (c->targets.errors != NULL)
+            return bvxi_fail_for(
+                ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
+                "%s: level %i cannot keep its target: what it is made from is off by more than %g already",
+                c->function, i, c->targets.errors[i]);
+        return bvxi_fail_for(
+            ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
+            "%s: level %i cannot keep its target: %u triangles are the fewest that keep the guarantee",
+            c->function, i, c->levels[i].triangle_count);
+    }
     return BVXI_SHARE(ctx, made, 1.0, report_level(ctx, c, i, collapse, met));
 }
 
@@ -362,7 +352,6 @@ bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *c, const bvx_mes
                             bvxi_sheets_report *sheets)
 {
     bvxi_sheets_report unused;
-
     if (sheets == NULL) sheets = &unused;
     memset(sheets, 0, sizeof *sheets);
     sheets->triangles = mesh->triangle_count;
@@ -390,7 +379,6 @@ static void note_fact(level_fact *f, int holds, uint64_t level)
 static double level_volume_change(const bvx_certificate *level, const bvx_certificate *from)
 {
     double const volume = bvxi_absolute(from->volume);
-
     if (!from->closed || !from->oriented || volume <= LEVEL_HOLLOW * from->area * sqrt(from->area))
         return 0.0;
     return bvxi_absolute(level->volume) / volume - 1.0;

@@ -7,7 +7,6 @@
 bvx_status bvxi_collapse_number(bvxi_collapse *c, uint32_t **index)
 {
     uint32_t next = 0;
-
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertices * 4, "the vertices' indices", index));
     for (uint64_t v = 0; v < c->mesh.vertices; v++) {
         (*index)[v] = next;

@@ -118,7 +118,6 @@ static void settle_piece(void *user, int32_t piece)
 {
     const settle_level *const l = user;
     uint64_t begin, end;
-
     bvxi_piece(l->count, bvxi_piece_count(l->count, SETTLE_GRAIN), piece, &begin, &end);
     for (uint64_t i = begin; i < end; i++) ask_triangle(l->c, (l->first + i) * l->step, &l->asked[i]);
 }
@@ -126,7 +125,6 @@ static void settle_piece(void *user, int32_t piece)
 static void move_vertex(bvxi_collapse *c, uint32_t v, const double p[3])
 {
     double way[3];
-
     for (int k = 0; k < 3; k++) way[k] = (p[k] - c->mesh.at[v].p[k]) * c->scale;
     if (c->attributes.row != NULL) bvxi_attributes_move(c, c->attributes.row[c->any[v]], way, NULL, 0);
     bvxi_collapse_move_quadric(c, v, p);
@@ -136,7 +134,6 @@ void bvxi_collapse_unsettle(bvxi_collapse *c, uint32_t v)
 {
     const double *const from = c->undo[v].p;
     double p[3];
-
     for (int k = 0; k < 3; k++) p[k] = bvxi_collapse_rounded(c, 0.5 * (c->mesh.at[v].p[k] + from[k]));
     c->settled[v] = c->settled[v] < SETTLE_HALVES ? c->settled[v] + 1 : 0;
     move_vertex(c, v, c->settled[v] != 0 ? p : from);
@@ -145,7 +142,6 @@ void bvxi_collapse_unsettle(bvxi_collapse *c, uint32_t v)
 static void settle_at(bvxi_collapse *c, uint32_t v, const double at[3])
 {
     double p[3];
-
     for (int k = 0; k < 3; k++) p[k] = bvxi_collapse_rounded(c, at[k]);
     /* Where it was waits where a vertex that is gone has what undoes that. */
     memcpy(c->undo[v].p, c->mesh.at[v].p, sizeof p);
@@ -157,7 +153,6 @@ static void settle_vertex(bvxi_collapse *c, uint32_t v, bvxi_quadric *q)
 {
     double const held = SETTLE_HELD * (q->a[0] + q->a[3] + q->a[5]);
     double d[3];
-
     q->a[0] += held;
     q->a[3] += held;
     q->a[5] += held;

@@ -71,7 +71,6 @@ static int has_equal_corners(const uint32_t *v)
 static uint64_t drop_where(const sheet_work *w, uint64_t triangles, const uint8_t *copy)
 {
     uint64_t kept = 0;
-
     for (uint64_t t = 0; t < triangles; t++) {
         if (copy != NULL ? copy[t] == COPY_DROPPED : has_equal_corners(w->corner + 3 * t)) continue;
         memmove(w->corner + 3 * kept, w->corner + 3 * t, 12);
@@ -145,7 +144,6 @@ static bvx_status weld(sheet_work *w, const bvx_mesh_view *mesh, int sources)
 static uint64_t edge_halves(const sheet_work *w, uint64_t begin)
 {
     uint64_t end = begin + 1;
-
     while (end < 3 * w->triangles && w->keys[end] == w->keys[begin]) end++;
     return end - begin;
 }
@@ -185,7 +183,6 @@ static int order_by_index(const uint32_t *corner, uint32_t *sorted)
 {
     int const least = corner[0] < corner[1] ? (corner[0] < corner[2] ? 0 : 2) : corner[1] < corner[2] ? 1 : 2;
     uint32_t const a = corner[(least + 1) % 3], b = corner[(least + 2) % 3];
-
     sorted[0] = corner[least];
     sorted[1] = a < b ? a : b;
     sorted[2] = a < b ? b : a;
@@ -261,7 +258,6 @@ static int join_sheets(uint32_t *link, uint32_t s, uint32_t t, uint32_t differ)
 {
     uint32_t ds, dt;
     uint32_t const a = bvxi_link_root(link, s, &ds), b = bvxi_link_root(link, t, &dt);
-
     if (a == b) return (ds ^ dt) == differ;
     /* The least triangle is the root, so the result does not depend on the order of edges. */
     link[a < b ? b : a] = (a < b ? a : b) << 1 | (ds ^ dt ^ differ);
@@ -271,7 +267,6 @@ static int join_sheets(uint32_t *link, uint32_t s, uint32_t t, uint32_t differ)
 static double triangle_area(const sheet_work *w, uint64_t t)
 {
     double p[3][3], n[3];
-
     for (int k = 0; k < 3; k++) bvxi_view_position(w->view, w->corner[3 * t + (uint64_t)k], p[k]);
     bvxi_order_corners(p);
     return bvxi_facet_normal((const double(*)[3])p, n);
@@ -289,7 +284,6 @@ static void join_all_sheets(sheet_work *w, patch_area *area)
 {
     for (uint64_t i = 0, n; i < 3 * w->triangles; i += n) {
         uint32_t differs;
-
         n = edge_halves(w, i);
         if (n != 2 || apex_of(w, w->half[i]) == apex_of(w, w->half[i + 1])) continue;
         if (!join_sheets(w->link, w->half[i] / 3, w->half[i + 1] / 3,
@@ -411,7 +405,6 @@ static bvx_status sort_crowd(sheet_work *w)
 static uint64_t run_length(const sheet_work *w, uint64_t m, uint64_t *up)
 {
     uint64_t end = m;
-
     for (*up = 0; end < w->crowded && w->order[end] == w->order[m]; end++)
         *up += (uint64_t)runs_up(w, w->at[w->crowd[end]]);
     return end - m;
@@ -426,29 +419,6 @@ static void join_halves(sheet_work *w, uint32_t a, uint32_t b)
     bvxi_join(w->parent, next_of(a), b);
 }
 
-/* Pair n half-edges, as many up as down, like brackets; stack receives each pair's first and second. */
-static void pair_run(sheet_work *w, uint64_t m, uint64_t n)
-{
-    int const outside = w->outside[w->crowd[m]];
-    uint64_t first = 0, held = 0;
-    int64_t depth = 0, least = 0;
-    uint32_t *const stack = w->stack + m;
-
-    /* What runs down opens an inside. The brackets begin where the least of them are open. */
-    for (uint64_t i = 0; i < n; i++) {
-        depth += runs_up(w, w->at[w->crowd[m + i]]) == outside ? 1 : -1;
-        if (depth >= least) continue;
-        least = depth;
-        first = i + 1;
-    }
-    for (uint64_t i = 0; i < n; i++) {
-        uint32_t const half = w->at[w->crowd[m + (first + i) % n]];
-
-        if (runs_up(w, half) == outside) stack[held++] = half;
-        else join_halves(w, stack[--held], half);
-    }
-}
-
 static void pair_edges(sheet_work *w)
 {
     for (uint32_t h = 0; h < 3 * w->triangles; h++) w->parent[h] = h;
@@ -460,7 +430,27 @@ static void pair_edges(sheet_work *w)
 
     for (uint64_t m = 0, n, up; m < w->crowded; m += n) {
         n = run_length(w, m, &up);
-        if (2 * up == n) pair_run(w, m, n);
+        /* As many up as down are paired like brackets; the stack receives each pair's first and second. */
+        if (2 * up == n) {
+            int const outside = w->outside[w->crowd[m]];
+            uint64_t first = 0, held = 0;
+            int64_t depth = 0, least = 0;
+            uint32_t *const stack = w->stack + m;
+
+            /* What runs down opens an inside. The brackets begin where the least of them are open. */
+            for (uint64_t i = 0; i < n; i++) {
+                depth += runs_up(w, w->at[w->crowd[m + i]]) == outside ? 1 : -1;
+                if (depth >= least) continue;
+                least = depth;
+                first = i + 1;
+            }
+            for (uint64_t i = 0; i < n; i++) {
+                uint32_t const half = w->at[w->crowd[m + (first + i) % n]];
+
+                if (runs_up(w, half) == outside) stack[held++] = half;
+                else join_halves(w, stack[--held], half);
+            }
+        }
     }
 }
 
@@ -488,7 +478,6 @@ static int is_run_double(sheet_work *w, uint64_t m, uint64_t n)
 static void turn_copies(sheet_work *w)
 {
     uint64_t doubles = 0;
-
     for (uint64_t m = 0, n, up; m < w->crowded; m += n) {
         n = run_length(w, m, &up);
         if (2 * up != n || !is_run_double(w, m, n)) continue;
@@ -617,7 +606,6 @@ bvx_status bvxi_sheets_open(bvx_context *ctx, const bvx_mesh_view *mesh, int sou
                             bvxi_sheets_report *report)
 {
     sheet_work w = {.ctx = ctx, .view = &sheets->view, .report = report};
-
     sheets->view = *mesh;
     BVXI_TRY(weld(&w, mesh, sources));
     sheets->corner = w.corner;

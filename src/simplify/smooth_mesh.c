@@ -171,7 +171,6 @@ static bvx_status smooth_step(bvx_context *ctx, mesh_filter *w, int32_t step, in
 {
     uint64_t const vertices = w->view->vertex_count;
     double *const at = w->at;
-
     BVXI_TRY(bvxi_for_ranges(ctx, "smooth", 0.3 + 0.7 * (double)step / (double)steps,
                              0.3 + 0.7 * (double)(step + 1) / (double)steps,
                              bvxi_piece_count(vertices, SMOOTH_GRAIN), vertices, smooth_range, w));
@@ -185,7 +184,6 @@ static bvx_status filter_taubin(bvx_context *ctx, mesh_filter *w)
 {
     int32_t const steps = 2 * w->options->iterations;
     double const factor[2] = {TAUBIN_STEP, 1.0 / (w->options->pass_band - 1.0 / TAUBIN_STEP)};
-
     for (int32_t i = 0; i < steps; i++) {
         w->mean = factor[i & 1];
         w->own = 1.0 - w->mean;
@@ -264,7 +262,6 @@ typedef struct pair_list {
 static bvx_status list_pairs(bvx_context *ctx, const bvx_mesh_view *view, pair_list *list)
 {
     bvx_status status = BVX_ERR_CAPACITY;
-
     /* Far more than there are; else they are searched for again. */
     list->count = view->triangle_count / 4 + 64;
     for (int i = 0; i < 2 && status == BVX_ERR_CAPACITY; i++) {
@@ -279,7 +276,6 @@ static bvx_status list_pairs(bvx_context *ctx, const bvx_mesh_view *view, pair_l
 static void strike(mesh_filter *w, uint32_t place)
 {
     uint8_t *const state = &w->lines[place];
-
     if ((*state & STRUCK) != 0) return;
     *state = (uint8_t)((*state & ~STRUCK) + 1);
     for (uint64_t i = 3 * (uint64_t)place; i < 3 * (uint64_t)place + 3; i++)

@@ -38,7 +38,6 @@ static void restore_triangle(bvxi_collapse *c, int32_t corner)
 {
     bvxi_corners *const m = &c->mesh;
     bvxi_corner_triangle *const t = &m->triangle[corner >> 2];
-
     t->vertex[1] = ~t->vertex[1];
     for (int k = 0; k < 3; k++) {
         t->cost[k] = COLLAPSE_NEVER;
@@ -50,7 +49,6 @@ static void restore_triangle(bvxi_collapse *c, int32_t corner)
 void bvxi_collapse_move_quadric(bvxi_collapse *c, uint32_t u, const double p[3])
 {
     bvxi_edge_planned const plan = {.u = u, .q = c->mesh.at[u].q};
-
     bvxi_edge_settle(c, &plan, p);
 }
 

@@ -50,7 +50,6 @@ static uint64_t used_own_corners(const bvxi_faces *f, const face_voxels *v, int3
 static inline uint64_t used_corners(const bvxi_faces *f, const face_voxels *v, int32_t w)
 {
     uint64_t any = 0, all = ~UINT64_C(0);
-
     if (f->own != f->grid) return used_own_corners(f, v, w);
     /* A corner is used where its eight voxels are not alike. */
     for (int32_t n = 0; n < 4; n++) {

@@ -129,7 +129,6 @@ static inline int bvxi_slot_has(const bvxi_march *m, int32_t what, int32_t j, in
 {
     int const j_cell = j >= m->cell_low[1] && j <= m->cell_high[1];
     int const k_cell = k >= m->cell_low[2] && k <= m->cell_high[2];
-
     if (m->no_cells) return 0;
     switch (what) {
     case 0: return j >= 0 && k >= 0;

@@ -72,7 +72,6 @@ static inline void touch_points(bvxi_surface_tile *tile, const sample_triangle *
     sample_walk x = start[0], y = start[1], z = start[2];
     sample_walk const dx = step_of(s->to_c[0], s->divisor), dy = step_of(s->to_c[1], s->divisor);
     sample_walk const dz = step_of(s->to_c[2], s->divisor);
-
     for (int64_t n = 0; n < points; n++) {
         bvxi_touch_voxel(tile->job, (int32_t)x.voxel, (int32_t)y.voxel, (int32_t)z.voxel, s->number);
         walk_on(&x, &dx, s->divisor);

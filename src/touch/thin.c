@@ -51,7 +51,6 @@ static inline int32_t line_crossing(thin_lines *l, int32_t u, int32_t v, double 
 {
     int32_t const f = l->tile->job->fraction_bits;
     double const step = (double)(1 << f), half = 0.5 * step;
-
     /* Set up for the first line that is hit: most triangles have none. */
     if (!l->ready) {
         bvxi_divider_setup(&l->t, f, thin_extent(&l->t, 1), thin_extent(&l->t, 2), &l->divider);
@@ -65,7 +64,6 @@ static inline int is_solid_on_line(const thin_lines *l, int32_t w, int32_t u, in
 {
     const bvx_grid *const solid = l->tile->job->solid;
     uint64_t const bit = (uint64_t)w * l->bits[0] + (uint64_t)u * l->bits[1] + (uint64_t)v * l->bits[2];
-
     return w >= 0 && w < solid->size[l->axis[0]] && (solid->words[bit >> 6] >> (bit & 63) & 1) != 0;
 }
 
@@ -489,7 +487,6 @@ BVXI_VECTOR_INLINE uint32_t take_batch(const bvxi_surface_job *job, const uint32
 {
     int32_t const half = 1 << job->fraction_bits >> 1;
     uint32_t const n = (uint32_t)(count - done < BVXI_TOUCH_BATCH ? count - done : BVXI_TOUCH_BATCH);
-
     bvxi_batch_gather(job, id, done, n, b);
     bvxi_batch_boxes(b, n, job->fraction_bits, half - 1, -half - 1);
     return n;

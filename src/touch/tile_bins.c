@@ -58,7 +58,6 @@ static inline int tiles_of_triangle(const bvxi_tiles *tiles, uint32_t p, uint32_
 {
     int32_t const y0 = (int32_t)least_byte(p, q, r, 0), y1 = 255 - (int32_t)least_byte(p, q, r, 16);
     int32_t const z0 = (int32_t)least_byte(p, q, r, 8), z1 = 255 - (int32_t)least_byte(p, q, r, 24);
-
     /* Wholly before the window or after it, along y or z. */
     if (y1 == 0 || z1 == 0 || y0 == OUTSIDE || z0 == OUTSIDE) return 0;
     range[0] = y0 > 0 ? y0 - 1 : 0;

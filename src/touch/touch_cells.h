@@ -135,7 +135,6 @@ BVXI_VECTOR_INLINE int64_t bvxi_plane_cells(const double a[3], const double b[3]
     double const nx = (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]);
     double const ny = (b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2]);
     double const nz = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-
     /* The value at the middle, what it changes from cell to cell, and half of all three changes. */
     double const at = -(nx * a[0] + ny * a[1] + nz * a[2]), sx = nx * side, sy = ny * side, sz = nz * side;
     double const reach = 0.5 * ((sx < 0 ? -sx : sx) + (sy < 0 ? -sy : sy) + (sz < 0 ? -sz : sz));

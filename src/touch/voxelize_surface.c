@@ -205,8 +205,8 @@ static bvx_status attach_triangles(bvx_context *ctx, bvxi_surface_job *job, bvx_
                              surface_name, voxels);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the voxels' ranks", &prefix));
     bvxi_rank_build(&job->rank, job->grid->words, words, prefix);
-    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 4, "the voxels' last triangles", &job->last);
-    if (status == BVX_OK) status = fill_lists(ctx, job, voxels, &made);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 4, "the voxels' last triangles", &job->last));
+    bvx_status const status = fill_lists(ctx, job, voxels, &made);
 
     /* Filled in apart from the caller's lists, which stay until these are complete. */
     if (status != BVX_OK) {

@@ -103,7 +103,6 @@ static inline uint64_t bvxi_gather_bits(uint64_t bytes)
 static inline uint64_t bvxi_flags_to_word(const uint8_t p[64])
 {
     uint64_t w = 0;
-
     for (int32_t i = 0; i < 8; i++) {
         const uint8_t *const q = p + 8 * i;
         uint64_t const v = (uint64_t)q[0] | (uint64_t)q[1] << 8 | (uint64_t)q[2] << 16 |

@@ -60,7 +60,6 @@ BVXI_SIMD_CODE static void BVXI_SIMD(range_rows_f32)(const void *rule, void *tal
     const bvxi_range *const r = rule;
     int32_t const whole = stride == 4 && !r->empty ? BVXI_SIMD(range_words_f32)(r, tally, p, n >> 6, words)
                                                    : 0;
-
     if (64 * whole < n)
         BVXI_SIMD(range_run_f32)(rule, tally, p + (size_t)whole * 256, stride, n - 64 * whole, words + whole);
 }

@@ -117,7 +117,6 @@ void bvxi_sheet_turns_four(const bvxi_sheet *s, const int64_t p[4][3], int32_t w
                            bvxi_sheet_answer answer[4])
 {
     double turns[4], error[4];
-
     angles_of_four(s, p, sheet_near[0], 0, turns, error);
     for (int l = 0; l < 4; l++)
         if (!conclude_turns(turns[l], error[l], want_clear, &answer[l]))

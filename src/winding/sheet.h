@@ -86,7 +86,6 @@ static inline double bvxi_sheet_join_balls(const double a[3], double radius_a, c
     double const d = bvxi_sheet_distance(a, b), radius = 0.5 * (radius_a + radius_b + d);
     double const t = d > 0 ? (radius - radius_a) / d : 0; /* on the way from a to b */
     double most = radius > radius_a ? radius : radius_a;
-
     for (int i = 0; i < 3; i++) centre[i] = a[i] + (t < 0 ? 0 : t > 1 ? 1 : t) * (b[i] - a[i]);
     if (most < radius_b) most = radius_b;
     return most * (1.0 + 1e-12);

@@ -134,7 +134,6 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(begin_sum)(const bvxi_sheet *s, cons
 BVXI_SIMD_CODE static inline void BVXI_SIMD(end_sum)(four_sum *sum)
 {
     double re[sheet_lanes], im[sheet_lanes], turns[sheet_lanes];
-
     four_store(re, sum->re);
     four_store(im, sum->im);
     /* The angle needs a branch and a polynomial, so it is taken lane by lane, once. */
@@ -182,7 +181,6 @@ BVXI_SIMD_CODE static void BVXI_SIMD(angles)(const bvxi_sheet *s, const int64_t 
                                              int alone, double *turns, double *error)
 {
     four_sum sum;
-
     sum.look = NULL;
     sum.reach = 0;
     if (alone) BVXI_SIMD(add_sheet)(s, p, near, 1, &sum);
@@ -226,7 +224,6 @@ BVXI_SIMD_CODE static void BVXI_SIMD(around)(const bvxi_sheet *s, const int64_t 
                                              double near, double edge_rest, bvxi_sheet_look *look)
 {
     four_sum sum;
-
     BVXI_SIMD(begin_looks)(reach, edge_rest, look, &sum);
     BVXI_SIMD(add_sheet)(s, p, near, 0, &sum);
     BVXI_SIMD(end_looks)(&sum);

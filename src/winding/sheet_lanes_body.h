@@ -35,7 +35,6 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(see_four)(const bvxi_sheet *s, uint6
                                                       four_point *p)
 {
     const double *const q = bvxi_sheet_point(s, i);
-
     p->v[0] = four_sub(four_all(q[0]), sum->at[0]);
     p->v[1] = four_sub(four_all(q[1]), sum->at[1]);
     p->v[2] = four_sub(four_all(q[2]), sum->at[2]);
@@ -46,7 +45,6 @@ BVXI_SIMD_CODE static void BVXI_SIMD(lane_of_point)(const four_point *p, int32_t
 {
     /* Stored first, as lanes cannot be read one by one. */
     double x[4][sheet_lanes];
-
     for (int a = 0; a < 3; a++) four_store(x[a], p->v[a]);
     four_store(x[3], p->length);
     for (int a = 0; a < 3; a++) to->v[a] = x[a][lane];

@@ -138,7 +138,6 @@ static inline void put_answer(bvxi_turns_block *block, const bvxi_sheet_answer *
                               int32_t z)
 {
     uint32_t const row = bvxi_turns_row(y, z);
-
     set_turns(block, row, x, a->whole, block->want_clear && a->clear);
     if (block->ties && a->tie != 0) {
         block->turns[row * BVXI_TURNS_SIDE + (uint32_t)x] = 2 * a->whole + a->tie;
@@ -153,7 +152,6 @@ static inline void ask_centre(bvxi_turns_block *block, int32_t x, int32_t y, int
     int64_t const p[3] = {(block->low[0] + x) * step + step / 2, (block->low[1] + y) * step + step / 2,
                           (block->low[2] + z) * step + step / 2};
     bvxi_sheet_answer const a = bvxi_sheet_turns(block->sheet, p, block->want_clear);
-
     put_answer(block, &a, x, y, z);
 }
 
