@@ -241,7 +241,7 @@ typedef struct bvx_error {
 BVX_API const bvx_error *bvx_last_error(const bvx_context *context);
 
 /** What a call that succeeded has cost, or could not do. The program alone gives those from BVX_WARN_UNJOINED on,
- *  but BVX_WARN_LOST of bvx_label_voxels. */
+ *  and bvx_label_voxels BVX_WARN_LOST. */
 /* clang-format off */
 #define BVX_WARN_LIST(X) \
     X(BVX_WARN_NONE, 0) \
@@ -1062,8 +1062,8 @@ BVX_API bvx_status bvx_closest_links(bvx_context *context, const bvx_closest *cl
 BVX_API bvx_status bvx_mesh_carry(bvx_context *context, const bvx_mesh *source, bvx_mesh *target);
 /** Label the set voxels of a grid by the point of a mesh that is closest to their centres. Where the mesh has colours of
  *  vertices, or more than 254 materials, a label is a colour, base colour of the material times that of the vertices;
- *  beyond 255 colours close ones become their mean. Else it is 1 + the index of the material. Textures are not looked up,
- *  of which BVX_WARN_LOST tells.
+ *  beyond 255 colours close ones become their mean. Else it is 1 + the index of the material. Textures are not looked up
+ *  (BVX_WARN_LOST).
  *  grid     in the mesh's coordinates, without its frame
  *  labels   0 where no voxel is set [Size: size[0] * size[1] * size[2]] x fastest
  *  palette  red, green, blue, alpha of each label [Size: 1024]

@@ -211,4 +211,13 @@ static inline uint32_t bvxi_rank_before(const bvxi_rank *rank, uint64_t bit)
     return n;
 }
 
+/* 1 where the highest byte of a number comes first. */
+static inline int bvxi_machine_is_big(void)
+{
+    uint16_t const one = 1;
+    uint8_t first;
+    memcpy(&first, &one, 1);
+    return first == 0;
+}
+
 #endif

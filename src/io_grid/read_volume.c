@@ -52,14 +52,6 @@ static bvx_status find_raw(const bvxi_grid_source *source, bvxi_dense *d)
 
 /* ---- samples turned into this machine's ---- */
 
-static int machine_is_big(void)
-{
-    uint16_t const one = 1;
-    uint8_t first;
-    memcpy(&first, &one, 1);
-    return first == 0;
-}
-
 /* A half's value as a float's bits: exact. */
 static uint32_t widen_half(uint16_t h)
 {
@@ -182,7 +174,7 @@ static int put_text_sample(double v, int32_t type, uint8_t *out)
 /* Samples that are needed as they stand: in bytes that are there, or in those just unpacked. */
 static int stands_ready(const bvxi_samples *s)
 {
-    return s->kind != BVXI_SAMPLE_F16 && (bvxi_sample_size(s->kind) == 1 || s->big == machine_is_big());
+    return s->kind != BVXI_SAMPLE_F16 && (bvxi_sample_size(s->kind) == 1 || s->big == bvxi_machine_is_big());
 }
 
 static bvx_status unpack_volume(const bvxi_grid_source *source, const bvxi_dense *d, uint8_t *to)

@@ -655,7 +655,6 @@ static bvx_status make_complex(label_work *w)
     bvx_context *const ctx = w->ctx;
     bvx_complex *const c = w->made;
     uint64_t vertices, faces, line = ((uint64_t)w->n[0] + 1) * w->sample;
-    uint16_t const one = 1;
     uint8_t *outside;
     label_scan unused;
 
@@ -667,7 +666,7 @@ static bvx_status make_complex(label_work *w)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, line, "a row of background", &outside));
     /* The low bytes, wherever the machine has them. */
     const uint8_t *const value = (const uint8_t *)&w->background +
-                                 (*(const uint8_t *)&one ? 0 : 8 - w->sample);
+                                 (bvxi_machine_is_big() ? 8 - w->sample : 0);
     for (uint64_t i = 0; i < line; i += w->sample) memcpy(outside + i, value, w->sample);
     w->outside = outside;
     BVXI_TRY(make_splits(w));

@@ -127,8 +127,8 @@ static void split_faces(void *user, uint64_t begin, uint64_t end)
 }
 
 /* 36 times the volume that a triangle sweeps; last gets twice its area vector at the end. That is a quadratic of the
- * share of the way, whose mean is the mean of both ends less a sixth of the quadratic term. Bits: 55, as ways are
- * shorter than 2 voxels. */
+ * share of the way, whose mean is the mean of both ends less a sixth of the quadratic term. Up to 55 bits, as ways are
+ * shorter than 2 voxels: a double may round the last two, everywhere alike. */
 static inline double swept(const bvxi_face *f, int32_t b, int32_t c, double last[3])
 {
     double place[2][3], moved[2][3], bent[3], sum = 0.0;
@@ -149,8 +149,8 @@ static inline double swept(const bvxi_face *f, int32_t b, int32_t c, double last
     return sum;
 }
 
-/* A face in the order of pairs. These lie wide apart in memory, so what the next ones need is requested: their
- * corners, then what those have. */
+/* A face in the order of pairs. These lie wide apart in memory, so corners of the next ones are requested ahead,
+ * and offsets and areas of their vertices. */
 static inline uint32_t take_face(const net_work *w, uint64_t i, uint64_t end, int areas)
 {
     const uint32_t *const triangles = w->net->complex->mesh.triangles;

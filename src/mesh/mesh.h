@@ -70,7 +70,7 @@ struct bvx_assets {
     const char *materials, *textures, *samplers;
     const char *extensions_used; /* JSON array of those that materials and textures use */
     const uint8_t *base_colours; /* red, green, blue, alpha of materials, as sRGB; NULL: none are known */
-    uint64_t material_count, image_count, textured; /* materials whose colour is that of a texture */
+    uint64_t material_count, image_count, textured; /* materials with a texture of their colour */
     const bvxi_asset_image *images;
     /* The whole file, where it is kept: its JSON without buffers, views and accessors, whose items are beside it, and
      * with the indices of parts that are to come as the last accessors. */

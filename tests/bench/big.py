@@ -6,6 +6,7 @@ together (processor seconds; voxels a second of them), bytes written, and the mo
 levels are joined where they fit: closed, without crossings, and their volume against the formula's.
 """
 
+import contextlib
 import os
 import resource
 import sys
@@ -80,11 +81,21 @@ def written(folder):
     return sum(os.path.getsize(os.path.join(path, name)) for path, _, names in os.walk(folder) for name in names)
 
 
-def main():
-    given = sys.argv[1:4]
-    side, chunk, workers = (int(one) for one in (*given, *(512, 256, 2)[len(given) :]))
-    with tempfile.TemporaryDirectory() as folder, distributed.LocalCluster(
+def numbers_of(given, usual):
+    return (int(one) for one in (*given, *usual[len(given) :]))
+
+
+@contextlib.contextmanager
+def at_work(workers, parent=None):
+    """A folder of its own, and a client of so many processes of one thread."""
+    with tempfile.TemporaryDirectory(dir=parent) as folder, distributed.LocalCluster(
             n_workers=workers, threads_per_worker=1, dashboard_address=None, memory_limit=0, local_directory=folder) as cluster, distributed.Client(cluster) as client:
+        yield folder, client
+
+
+def main():
+    side, chunk, workers = numbers_of(sys.argv[1:4], (512, 256, 2))
+    with at_work(workers) as (folder, client):
 
         def seconds():
             return sum(each[0] for each in client.run(spent).values()) + spent()[0]

@@ -9,13 +9,11 @@ each stage took of all processes together, voxels a processor second, what it wr
 import os
 import resource
 import sys
-import tempfile
 import threading
 import time
 
-import distributed
 import numpy as np
-from big import spent, written
+from big import at_work, numbers_of, spent, written
 
 import bitvox
 from bitvox import big
@@ -33,11 +31,9 @@ def held(pids):
 
 
 def main():
-    given = sys.argv[2:5]
     source = sys.argv[1]
-    resolution, chunk, workers = (int(n) for n in (*given, *(2048, 512, 2)[len(given) :]))
-    with tempfile.TemporaryDirectory(dir=sys.argv[5] if len(sys.argv) > 5 else None) as folder, distributed.LocalCluster(
-            n_workers=workers, threads_per_worker=1, dashboard_address=None, memory_limit=0, local_directory=folder) as cluster, distributed.Client(cluster) as client:
+    resolution, chunk, workers = numbers_of(sys.argv[2:5], (2048, 512, 2))
+    with at_work(workers, sys.argv[5] if len(sys.argv) > 5 else None) as (folder, client):
         at = {name: os.path.join(folder, name) for name in ("mesh.ply", "bits.zarr")}
         mesh = bitvox.Mesh.of(source)
         if not mesh.check().closed:

@@ -12,11 +12,9 @@ The bits are compared with those of MESH: a file of a surface gives the voxels t
 import os
 import resource
 import sys
-import tempfile
 import time
 
-import distributed
-from big import spent, written
+from big import at_work, numbers_of, spent, written
 
 import bitvox
 from bitvox import big
@@ -30,11 +28,9 @@ def same(one, other):
 
 
 def main():
-    given = sys.argv[2:5]
     source = sys.argv[1]
-    resolution, chunk, workers = (int(n) for n in (*given, *(1024, 512, 2)[len(given) :]))
-    with tempfile.TemporaryDirectory(dir=sys.argv[5] if len(sys.argv) > 5 else None) as folder, distributed.LocalCluster(
-            n_workers=workers, threads_per_worker=1, dashboard_address=None, memory_limit=0, local_directory=folder) as cluster, distributed.Client(cluster) as client:
+    resolution, chunk, workers = numbers_of(sys.argv[2:5], (1024, 512, 2))
+    with at_work(workers, sys.argv[5] if len(sys.argv) > 5 else None) as (folder, client):
         at = {name: os.path.join(folder, name) for name in ("mesh.ply", "given.zarr", "fine", "huge.ply", "columns", "bits.zarr", "levels")}
 
         def seconds():
