@@ -123,36 +123,18 @@ void bvxi_sheet_turns_four(const bvxi_sheet *s, const int64_t p[4][3], int32_t w
             answer[l] = turns_from_level(s, p[l], 1, want_clear);
 }
 
-/* All triangles of these cells, one by one: nothing of them is far. */
-static void add_cells(const bvxi_sheet *s, const int64_t p[3], const uint32_t *cells, uint64_t count,
-                      bvxi_four_sum_one *sum)
-{
-    const uint32_t *const all = s->tree->corner;
-
-    begin_sum_one(s, (const int64_t(*)[3])p, -1, 0, sum);
-    for (uint64_t i = 0; i < count; i++) {
-        int const single = cells[i] >= s->tree->cells;
-        const bvxi_sheet_cell *const c = &s->tree->cell[single ? 0 : cells[i]];
-        uint64_t const first = single ? cells[i] - s->tree->cells : c->first;
-        for (uint64_t t = first; t < (single ? first + 1 : c->end); t++) {
-            uint64_t const corner[3] = {all[3 * t], all[3 * t + 1], all[3 * t + 2]};
-            bvxi_four_point_one seen[3];
-            const bvxi_four_point_one *const three[3] = {&seen[0], &seen[1], &seen[2]};
-            for (int k = 0; k < 3; k++) see_four_one(s, corner[k], sum, &seen[k]);
-            for (int k = 0; k < 3 && sum->reach > 0; k++)
-                add_edge_to_four_one(&seen[k], &seen[(k + 1) % 3], sum);
-            add_triangle_to_four_one(s, corner, three, sum);
-        }
-    }
-    end_sum_one(sum);
-}
-
 double bvxi_sheet_cells_angle(const bvxi_sheet *s, const int64_t p[3], const uint32_t *cells, uint64_t count)
 {
-    bvxi_four_sum_one sum;
-    sum.reach = 0;
-    add_cells(s, p, cells, count, &sum);
-    return sum.turns;
+    double turns;
+    cells_angles_one(s, (const int64_t(*)[3])p, cells, count, &turns);
+    return turns;
+}
+
+void bvxi_sheet_cells_angles_four(const bvxi_sheet *s, const int64_t p[4][3], const uint32_t *cells,
+                                  uint64_t count, double turns[4])
+{
+    BVXI_PATH(s->fast, cells_angles_base(s, p, cells, count, turns),
+              cells_angles_avx2(s, p, cells, count, turns));
 }
 
 void bvxi_sheet_cells_around(const bvxi_sheet *s, const int64_t p[3], const uint32_t *cells, uint64_t count,
@@ -160,6 +142,6 @@ void bvxi_sheet_cells_around(const bvxi_sheet *s, const int64_t p[3], const uint
 {
     bvxi_four_sum_one sum;
     begin_looks_one(reach, edge_rest, look, &sum);
-    add_cells(s, p, cells, count, &sum);
+    add_cells_one(s, (const int64_t(*)[3])p, cells, count, &sum);
     end_looks_one(&sum);
 }

@@ -197,9 +197,10 @@ typedef struct bvxi_series_table {
     uint8_t axis[BVXI_SERIES_TERMS];                   /* the first that the term has */
     uint8_t less[BVXI_SERIES_TERMS][3];                /* the term with one less of each axis, if it has it */
     uint8_t end[BVXI_SERIES_ORDER + 1];                /* by degree: behind its last term */
+    int32_t fast;                                      /* 1: vectors of the processor */
 } bvxi_series_table;
 
-void bvxi_series_open(bvxi_series_table *t);
+void bvxi_series_open(int32_t fast, bvxi_series_table *t);
 
 /* value[i] = v^i / i!, terms of them. */
 void bvxi_series_powers(const bvxi_series_table *t, const double v[3], int32_t terms, double *value);
@@ -210,9 +211,24 @@ void bvxi_series_move_moments(const bvxi_series_table *t, const double *m, const
 /* The local series about p + v of what has c about p. */
 void bvxi_series_move_local(const bvxi_series_table *t, const double *c, const double v[3], double *moved);
 
-/* Add to local series c (or to its first term only) what the part with the moments does that is r away. */
-void bvxi_series_add(const bvxi_series_table *t, const double *m, const double r[3], int32_t first_only,
-                     double *c);
+/* Up to four parts that are added together; way[a][i]: how far part i is along axis a. */
+typedef struct bvxi_series_parts {
+    int32_t count;
+    const double *moment[4];
+    double way[3][4];
+} bvxi_series_parts;
+
+/* Add to the first locals terms of series c what the parts do, one after the other, and take them all out. */
+void bvxi_series_add(const bvxi_series_table *t, bvxi_series_parts *parts, int32_t locals, double *c);
+
+/* One part more; the terms get those of before when four would be too many. */
+static inline void bvxi_series_put(const bvxi_series_table *t, const double *moment, const double r[3],
+                                   int32_t locals, bvxi_series_parts *parts, double *c)
+{
+    if (parts->count == 4) bvxi_series_add(t, parts, locals, c);
+    for (int a = 0; a < 3; a++) parts->way[a][parts->count] = r[a];
+    parts->moment[parts->count++] = moment;
+}
 
 /* The bound above but for the area, A = 1. */
 static inline double bvxi_series_rest(double d2, double q)

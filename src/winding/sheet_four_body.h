@@ -175,7 +175,42 @@ BVXI_SIMD_CODE BVXI_VECTOR_INLINE void BVXI_SIMD(add_sheet)(const bvxi_sheet *s,
     BVXI_SIMD(end_sum)(sum);
 }
 
+/* All triangles of these cells, one by one: nothing of them is far. */
+BVXI_SIMD_CODE BVXI_VECTOR_INLINE void BVXI_SIMD(add_cells)(const bvxi_sheet *s, const int64_t (*p)[3],
+                                                            const uint32_t *cells, uint64_t count,
+                                                            four_sum *sum)
+{
+    const uint32_t *const all = s->tree->corner;
+
+    BVXI_SIMD(begin_sum)(s, p, -1, 0, sum);
+    for (uint64_t i = 0; i < count; i++) {
+        int const single = cells[i] >= s->tree->cells;
+        const bvxi_sheet_cell *const c = &s->tree->cell[single ? 0 : cells[i]];
+        uint64_t const first = single ? cells[i] - s->tree->cells : c->first;
+        for (uint64_t t = first; t < (single ? first + 1 : c->end); t++) {
+            uint64_t const corner[3] = {all[3 * t], all[3 * t + 1], all[3 * t + 2]};
+            four_point seen[3];
+            const four_point *const three[3] = {&seen[0], &seen[1], &seen[2]};
+            for (int k = 0; k < 3; k++) BVXI_SIMD(see_four)(s, corner[k], sum, &seen[k]);
+            for (int k = 0; k < 3 && sum->reach > 0; k++)
+                BVXI_SIMD(add_edge_to_four)(&seen[k], &seen[(k + 1) % 3], sum);
+            BVXI_SIMD(add_triangle_to_four)(s, corner, three, sum);
+        }
+    }
+    BVXI_SIMD(end_sum)(sum);
+}
+
 /* ---- Questions ---- */
+
+BVXI_SIMD_CODE static void BVXI_SIMD(cells_angles)(const bvxi_sheet *s, const int64_t (*p)[3],
+                                                   const uint32_t *cells, uint64_t count, double *turns)
+{
+    four_sum sum;
+    sum.look = NULL;
+    sum.reach = 0;
+    BVXI_SIMD(add_cells)(s, p, cells, count, &sum);
+    four_store(turns, sum.turns);
+}
 
 BVXI_SIMD_CODE static void BVXI_SIMD(angles)(const bvxi_sheet *s, const int64_t (*p)[3], double near,
                                              int alone, double *turns, double *error)

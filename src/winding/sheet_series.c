@@ -3,16 +3,18 @@
  *
  * Source: Greengard, Rokhlin. A Fast Algorithm for Particle Simulations. 1987; here in Cartesian
  * coordinates. */
+#include "core/simd.h"
 #include "winding/sheet.h"
 
 #include <math.h>
 
-void bvxi_series_open(bvxi_series_table *t)
+void bvxi_series_open(int32_t fast, bvxi_series_table *t)
 {
     uint8_t number[BVXI_SERIES_ORDER + 1][BVXI_SERIES_ORDER + 1][BVXI_SERIES_ORDER + 1] = {{{0}}};
     uint8_t n = 0;
 
     memset(t, 0, sizeof *t);
+    t->fast = fast;
     /* By degree, so that the terms up to a degree are the first so many. */
     for (int degree = 0; degree <= BVXI_SERIES_ORDER; degree++) {
         for (int x = degree; x >= 0; x--)
@@ -78,47 +80,24 @@ void bvxi_series_move_local(const bvxi_series_table *t, const double *c, const d
     }
 }
 
-/* Derivatives of 1 / |r| up to a degree: n r^2 D[i] = -(2n - 1) sum i_a r_a D[i less a] - (n - 1) sum i_a
- * (i_a - 1) D[i less a twice]; and those with x twice, y twice and z twice more than any sum up to 0. */
-static void series_derivatives(const bvxi_series_table *t, const double r[3], double *d)
-{
-    double const inverse = 1 / (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
-    int const xx = t->sum[1][1], yy = t->sum[2][2];
-    int i = 1;
+#define BVXI_SIMD_LEVEL _base
+#include "winding/sheet_series_body.h"
+#undef BVXI_SIMD_LEVEL
 
-    d[0] = sqrt(inverse);
-    for (int n = 1; n <= BVXI_SERIES_ORDER; n++) {
-        double const once = -(2 * n - 1) * inverse / n, twice = -(n - 1) * inverse / n;
-        for (; i < t->end[n]; i++) {
-            const uint8_t *const p = t->power[i], *const less = t->less[i];
-            double first = 0, second = 0;
-            /* The sum of the second derivatives is 0, so z twice follows from x twice and y twice. */
-            if (p[2] >= 2) { /* both are before it */
-                const uint8_t *const sum = t->sum[t->less[less[2]][2]];
-                d[i] = -d[sum[xx]] - d[sum[yy]];
-                continue;
-            }
-            for (int a = 0; a < 3; a++) {
-                first += p[a] * r[a] * d[less[a]];
-                second += p[a] * (p[a] - 1) * d[t->less[less[a]][a]];
-            }
-            d[i] = once * first + twice * second;
-        }
-    }
-}
+#if BVXI_HAVE_AVX2
+#define BVXI_SIMD_LEVEL _avx2
+#include "winding/sheet_series_body.h"
+#undef BVXI_SIMD_LEVEL
+#endif
 
-void bvxi_series_add(const bvxi_series_table *t, const double *m, const double r[3], int32_t first_only,
-                     double *c)
+void bvxi_series_add(const bvxi_series_table *t, bvxi_series_parts *parts, int32_t locals, double *c)
 {
-    int const locals = first_only ? 1 : BVXI_SERIES_LOCAL;
-    double d[BVXI_SERIES_TERMS];
-    series_derivatives(t, r, d);
-    for (int k = 0; k < locals; k++) {
-        /* The terms of moments and of the local series go together up to the order. */
-        int const degree = series_degree(t, k), end = t->end[BVXI_SERIES_ORDER - degree];
-        const uint8_t *const at = t->sum[k];
-        double sum = 0;
-        for (int i = 1; i < end; i++) sum += m[i] * d[at[i]];
-        c[k] += sum * ((degree & 1) != 0 ? 1 : -1) / (4 * BVXI_PI);
+    if (parts->count == 0) return;
+    /* Lanes that are left over do what the first does, and count for nothing. */
+    for (int32_t i = parts->count; i < 4; i++) {
+        parts->moment[i] = parts->moment[0];
+        for (int a = 0; a < 3; a++) parts->way[a][i] = parts->way[a][0];
     }
+    BVXI_PATH(t->fast, series_add_base(t, parts, locals, c), series_add_avx2(t, parts, locals, c));
+    parts->count = 0;
 }

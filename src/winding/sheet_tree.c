@@ -205,7 +205,7 @@ bvx_status bvxi_sheet_tree_open(bvx_context *ctx, const bvxi_sheet *sheet, bvxi_
     if (holes->loops < TREE_LOOPS || holes->points / holes->loops >= TREE_LOOP_POINTS) return BVX_OK;
     if (holes->points == 2 * holes->loops) return BVX_OK; /* no triangle */
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *t, "the sheet's tree", &t));
-    bvxi_series_open(&t->table);
+    bvxi_series_open(sheet->fast, &t->table);
     t->triangles = holes->points - 2 * holes->loops;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, t->triangles * 12, "the sheet's triangles", &t->corner));
     BVXI_TRY(BVXI_ARRAY(ctx, t->triangles, "the triangles' shapes", t->shape));
@@ -236,6 +236,7 @@ double bvxi_sheet_tree_angle(const bvxi_sheet *s, const int64_t p[3], double q, 
     const bvxi_sheet_tree *const tree = s->tree;
     uint32_t stack[TREE_STACK], near[TREE_NEAR];
     int32_t count = 1, nears = 0;
+    bvxi_series_parts far = {0};
     double turns = 0, at[3];
 
     for (int a = 0; a < 3; a++) at[a] = (double)p[a] * s->scale[a];
@@ -249,7 +250,7 @@ double bvxi_sheet_tree_angle(const bvxi_sheet *s, const int64_t p[3], double q, 
         double const r[3] = {c->centre[0] - at[0], c->centre[1] - at[1], c->centre[2] - at[2]};
         double const d2 = r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
         if (c->radius * c->radius < q * q * d2) {
-            bvxi_series_add(&tree->table, c->moment, r, 1, &turns);
+            bvxi_series_put(&tree->table, c->moment, r, 1, &far, &turns);
             *error += c->area * bvxi_series_rest(d2, c->radius / sqrt(d2));
         } else if (c->second != 0) {
             stack[count++] = c->second;
@@ -258,9 +259,11 @@ double bvxi_sheet_tree_angle(const bvxi_sheet *s, const int64_t p[3], double q, 
             /* Cells that are near are gathered, so that their triangles are summed together. */
             near[nears++] = number;
             if (nears < TREE_NEAR) continue;
+            bvxi_series_add(&tree->table, &far, 1, &turns);
             turns += bvxi_sheet_cells_angle(s, p, near, TREE_NEAR);
             nears = 0;
         }
     }
+    bvxi_series_add(&tree->table, &far, 1, &turns);
     return turns + bvxi_sheet_cells_angle(s, p, near, (uint64_t)nears);
 }

@@ -34,6 +34,7 @@ static const double tree_edge = 1e-2; /* in small bricks edges are near when the
 typedef struct tree_view {
     double middle[3], half[3], reach; /* [Units: the largest spacing] */
     double local[BVXI_SERIES_LOCAL], error;
+    bvxi_series_parts far;        /* that the polynomial is yet to get */
     double near;                  /* no less than what is near can be; 1 or more: anything */
     uint64_t pendings, triangles; /* of the cells that are pending */
     double spend;                 /* the error up to which little parts are bounds only */
@@ -61,7 +62,7 @@ static void start_view(const bvxi_turns_block *block, const turns_brick *b, cons
     v->spend = s->strips.loops == 0 ? 0 : tree_spend + (from == NULL ? 0 : from->spend);
     v->near = 0;
     v->pendings = v->triangles = 0;
-    v->looked = 0;
+    v->looked = v->far.count = 0;
     if (from == NULL) memset(v->local, 0, sizeof v->local);
     else bvxi_series_move_local(&s->tree->table, from->local, way, v->local);
 }
@@ -115,7 +116,7 @@ static void view_sheet_cell(const bvxi_sheet *s, uint32_t number, uint32_t *pend
         if (most < tree_little && v->error + most < v->spend) {
             v->error += most;
         } else if (!single && reach * reach < tree_near * tree_near * d2) {
-            bvxi_series_add(&tree->table, c->moment, r, 0, v->local);
+            bvxi_series_put(&tree->table, c->moment, r, BVXI_SERIES_LOCAL, &v->far, v->local);
             v->error += c->area * bvxi_series_rest(d2, reach / sqrt(d2));
         } else if (!single && c->second != 0 && 1.5 * c->radius > v->reach) {
             stack[count++] = c->second;
@@ -169,40 +170,65 @@ static void look_at_pending(const bvxi_turns_block *block, const turns_brick *b,
     v->looked = 1;
 }
 
-/* The whole number at one centre of a brick, by the brick's view and the cells that are pending. */
+/* Up to four centres of a brick whose whole numbers need what is near. */
+typedef struct tree_centres {
+    int32_t count, at[4][3];
+    int64_t place[4][3]; /* in whole numbers for exact questions */
+    double turns[4];     /* of the polynomial */
+} tree_centres;
+
+/* By the brick's view and the cells that are pending. */
+static void settle_centres(bvxi_turns_block *block, const uint32_t *pending, const tree_view *v,
+                           tree_centres *c)
+{
+    const bvxi_sheet *const s = block->sheet;
+    double near[4] = {0, 0, 0, 0}, n;
+    int clear;
+
+    if (c->count == 0) return;
+    /* Lanes that are left over ask what the first does. */
+    for (int32_t i = c->count; i < 4; i++) memcpy(c->place[i], c->place[0], sizeof c->place[i]);
+    if (v->pendings > 0)
+        bvxi_sheet_cells_angles_four(s, (const int64_t(*)[3])c->place, pending, v->pendings, near);
+    for (int32_t i = 0; i < c->count; i++) {
+        const int32_t *const at = c->at[i];
+        /* Near cells are summed exactly, so only the polynomial's error is left. */
+        double turns = c->turns[i] + near[i];
+        int certain = is_certain(block, turns, v->error, &n, &clear);
+        /* Else the tree, opened further and further. */
+        for (int k = 0; k < 3 && !certain; k++) {
+            double error;
+            turns = bvxi_sheet_tree_angle(s, c->place[i], tree_ask[k], &error);
+            certain = is_certain(block, turns, error + TREE_ROUNDING, &n, &clear);
+        }
+        if (!certain) ask_centre(block, at[0], at[1], at[2]);
+        else set_turns(block, bvxi_turns_row(at[1], at[2]), at[0], (int32_t)n, block->want_clear && clear);
+    }
+    c->count = 0;
+}
+
+/* The look answers for a centre, or it is put to the others. */
 static void view_centre(bvxi_turns_block *block, const int32_t at[3], const uint32_t *pending,
-                        const tree_view *v)
+                        const tree_view *v, tree_centres *c)
 {
     const bvxi_sheet *const s = block->sheet;
     int64_t const step = (int64_t)1 << s->fraction_bits;
-    double power[BVXI_SERIES_LOCAL], h[3], turns = 0, n;
-    int64_t p[3];
+    double power[BVXI_SERIES_LOCAL], h[3], turns = 0; /* the way from the middle, for the polynomial */
     int32_t whole;
     int clear;
 
-    /* The centre in whole numbers for exact questions, and its way from the middle for the polynomial. */
-    for (int a = 0; a < 3; a++) {
-        p[a] = (block->low[a] + at[a]) * step + step / 2;
-        h[a] = (block->low[a] + at[a] + 0.5) * s->step[a] - v->middle[a];
-    }
-    bvxi_series_powers(&s->tree->table, h, BVXI_SERIES_LOCAL, power);
-    for (int i = 0; i < BVXI_SERIES_LOCAL; i++) turns += power[i] * v->local[i];
+    for (int a = 0; a < 3; a++) h[a] = (block->low[a] + at[a] + 0.5) * s->step[a] - v->middle[a];
     if (v->looked && bvxi_turns_of_centre(block, &v->look, v->reach * v->reach, h, &whole, &clear)) {
         set_turns(block, bvxi_turns_row(at[1], at[2]), at[0], whole, block->want_clear && clear);
         return;
     }
 
-    /* Near cells are summed exactly, so only the polynomial's error is left. */
-    if (v->pendings > 0) turns += bvxi_sheet_cells_angle(s, p, pending, v->pendings);
-    int certain = is_certain(block, turns, v->error, &n, &clear);
-    /* Else the tree, opened further and further. */
-    for (int i = 0; i < 3 && !certain; i++) {
-        double error;
-        turns = bvxi_sheet_tree_angle(s, p, tree_ask[i], &error);
-        certain = is_certain(block, turns, error + TREE_ROUNDING, &n, &clear);
-    }
-    if (!certain) ask_centre(block, at[0], at[1], at[2]);
-    else set_turns(block, bvxi_turns_row(at[1], at[2]), at[0], (int32_t)n, block->want_clear && clear);
+    bvxi_series_powers(&s->tree->table, h, BVXI_SERIES_LOCAL, power);
+    for (int i = 0; i < BVXI_SERIES_LOCAL; i++) turns += power[i] * v->local[i];
+    for (int a = 0; a < 3; a++) c->place[c->count][a] = (block->low[a] + at[a]) * step + step / 2;
+    memcpy(c->at[c->count], at, sizeof c->at[0]);
+    c->turns[c->count++] = turns;
+    if (c->count == 4) settle_centres(block, pending, v, c);
 }
 
 /* 1 when the brick is done with. above: what the brick that it is an eighth of has left, or NULL. */
@@ -217,6 +243,7 @@ static int view_brick(bvxi_turns_block *block, const turns_brick *b, const tree_
     if (above == NULL) view_sheet_cell(block->sheet, 0, pending, v);
     else
         for (uint64_t i = 0; i < above->pendings; i++) view_sheet_cell(block->sheet, left[i], pending, v);
+    bvxi_series_add(&block->sheet->tree->table, &v->far, BVXI_SERIES_LOCAL, v->local);
 
     /* One number for all, or eighths, or small enough to go centre by centre. */
     if (is_one_number(block, v, &whole, &clear)) settle_brick(block, b, whole, block->want_clear && clear);
@@ -230,12 +257,14 @@ static int view_brick(bvxi_turns_block *block, const turns_brick *b, const tree_
                             : TREE_SMALL))
         return 0;
     else {
+        tree_centres centres = {0};
         int32_t at[3];
         for (at[2] = b->at[2]; at[2] < b->at[2] + b->size[2]; at[2]++)
             for (at[1] = b->at[1]; at[1] < b->at[1] + b->size[1]; at[1]++)
                 for (at[0] = b->at[0]; at[0] < b->at[0] + b->size[0]; at[0]++)
                     if ((block->open[bvxi_turns_row(at[1], at[2])] >> at[0] & 1) != 0)
-                        view_centre(block, at, pending, v);
+                        view_centre(block, at, pending, v, &centres);
+        settle_centres(block, pending, v, &centres);
     }
     return 1;
 }

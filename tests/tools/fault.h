@@ -450,6 +450,12 @@ static inline const char *fault_peak(fault_operation_fn *operation, void *user,
     return wrong != NULL ? wrong : left;
 }
 
+/* With BVX_QUICK a third of the memory limits and arenas: their sizes lie farther apart. */
+static inline uint64_t fault_steps(uint64_t steps)
+{
+    return getenv("BVX_QUICK") != NULL ? 2 + steps / 3 : steps;
+}
+
 /* Run under steps memory limits spread over 1 .. peak - 1, each of which gives BVX_ERR_BUDGET and is kept,
  * and under the peak itself, which is enough. */
 static inline const char *fault_every_limit(fault_operation_fn *operation, void *user,
@@ -458,6 +464,7 @@ static inline const char *fault_every_limit(fault_operation_fn *operation, void 
     uint64_t need = 0;
     const char *const first = fault_peak(operation, user, base, &need);
 
+    steps = fault_steps(steps);
     if (first != NULL) return first;
     if (need < 2) return "an operation that takes no memory";
     for (uint64_t n = 0; n <= steps; n++) {
@@ -488,6 +495,7 @@ static inline const char *fault_every_arena(fault_operation_fn *operation, void 
     unsigned char *const memory = malloc((size_t)most);
     const char *wrong = memory == NULL ? "no memory for the arena" : NULL;
 
+    steps = fault_steps(steps);
     for (uint64_t n = 1; n <= steps && wrong == NULL; n++) {
         bvx_context_options o = {.struct_size = sizeof o};
         bvx_context *context = NULL;

@@ -352,7 +352,6 @@ no_warnings() { ! grep -E '^(src|include)/.*warning:' "$1"; }
 list_here() {
     list_kind native unit ''
     if [ -n "$fault" ]; then list_kind native fault ''; fi
-    list_golden native ''
     list_golden native '' --threads 1 --portable
     list_golden native '' --threads 8
     list_examples
@@ -365,7 +364,6 @@ tests_here() {
     list_here | run_lines
     count_kind native unit
     if [ -n "$fault" ]; then count_kind native fault; else skip native/fault "the library cmocka is missing"; fi
-    count_log_of 'native/golden'
     count_log_of 'native/golden --threads 1 --portable'
     count_log_of 'native/golden --threads 8'
     count_examples
