@@ -128,6 +128,8 @@ static int golden_skips(golden *g, const char *name)
                                         "torus_40",
                                         "torus_48_open_vote",
                                         "torus_48_open_shell",
+                                        "walls",
+                                        "specks_stretched",
                                         "torus_90_open",
                                         "soup_65_nonzero",
                                         "soup_65",

@@ -34,8 +34,9 @@ static void assert_lost_points_are_counted(void)
     for (uint64_t i = 0; i < stack.s.point_count; i++) {
         double least = 1e300;
         for (uint64_t v = 0; v < mesh.vertex_count && least > 0.0; v++) {
-            double off = 0.0;
-            for (uint64_t k = 0; k < 3; k++) {
+            double off = fabs(p[3 * v] - stack.point[3 * i]);
+            if (off >= least) continue; /* as most are, by one coordinate */
+            for (uint64_t k = 1; k < 3; k++) {
                 double const by = fabs(p[3 * v + k] - stack.point[3 * i + k]);
                 off = by > off ? by : off;
             }
@@ -507,14 +508,15 @@ static void test_handles_that_stay_are_counted(void)
     TEST_ASSERT_EQUAL_INT64(0, certificate.euler);
 }
 
-/* Sixty planes through a torus, whose contours' chords contradict each other in places: where they leave a surface
+/* Many planes through a torus, whose contours' chords contradict each other in places: where they leave a surface
  * torn there is a refusal and no mesh, else it is closed and each point that is not kept is counted. */
 static void test_a_torn_surface_is_not_handed_out(void)
 {
     for (uint64_t seed = 1; seed <= (long_run ? 2 : 1); seed++) {
         uint64_t s = seed;
         stack_oblique(&stack);
-        for (int k = 0; k < 60; k++) trace_body(stack_any_plane(&stack, &s, 0.7), outside_torus);
+        for (int k = 0; k < (long_run ? 60 : 30); k++)
+            trace_body(stack_any_plane(&stack, &s, 0.7), outside_torus);
         o.cells = 24;
         if (build() != BVX_OK) {
             refuse_with(BVX_ERR_FORMAT,

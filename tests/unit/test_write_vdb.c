@@ -320,8 +320,9 @@ static void check_field(int32_t type, double half_width)
 
 static void test_write_vdb_holds_the_distances(void)
 {
-    check_field(BVX_F32, 0);
     check_field(BVX_F64, 4);
+    if (quick) return;
+    check_field(BVX_F32, 0);
     check_field(BVX_F32, HUGE_VAL);
 }
 
