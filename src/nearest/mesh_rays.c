@@ -10,6 +10,7 @@
  * point is a multiple of a unit vector, and no direction is rounded. The t of a hit is one evaluation in doubles, kept
  * within the triangle's own corners. */
 #include "bits/bits.h"
+#include "core/simd.h"
 #include "core/vec3.h"
 #include "grid/grid.h"
 #include "grid/sparse.h"
@@ -194,38 +195,15 @@ static void ray_meets_triangle(ray_visit *w, uint64_t place, int winding)
 
 /* ---- The tree ---- */
 
-/* Bits of the children with boxes on the ray; enter: where each box begins. */
-static uint32_t meet_boxes(const ray_visit *w, const bvxi_closest_node *node,
-                           double enter[BVXI_CLOSEST_WIDTH])
-{
-    const mesh_ray *const r = &w->line;
-    double leave[BVXI_CLOSEST_WIDTH];
-    uint32_t bits = 0;
+#define BVXI_SIMD_LEVEL _base
+#include "nearest/ray_boxes_body.h"
+#undef BVXI_SIMD_LEVEL
 
-    for (int k = 0; k < BVXI_CLOSEST_WIDTH; k++) {
-        enter[k] = 0.0;
-        leave[k] = w->limit;
-    }
-    for (int a = 0; a < 3; a++) {
-        double const over = r->over[a];
-
-        for (int k = 0; k < BVXI_CLOSEST_WIDTH; k++) {
-            double const low = (double)node->low[a][k] - r->margin - r->at[a];
-            double const high = (double)node->high[a][k] + r->margin - r->at[a];
-            double const first = (over < 0.0 ? high : low) * over, last = (over < 0.0 ? low : high) * over;
-
-            /* Without a way along the axis: all of it, or none. */
-            if (over == 0.0) leave[k] = low <= 0.0 && high >= 0.0 ? leave[k] : -1.0;
-            else {
-                enter[k] = first > enter[k] ? first : enter[k];
-                leave[k] = last < leave[k] ? last : leave[k];
-            }
-        }
-    }
-    for (int k = 0; k < BVXI_CLOSEST_WIDTH; k++)
-        bits |= (uint32_t)(enter[k] <= leave[k] + bvxi_absolute(leave[k]) * 0x1p-40) << k;
-    return bits;
-}
+#if BVXI_HAVE_AVX2
+#define BVXI_SIMD_LEVEL _avx2
+#include "nearest/ray_boxes_body.h"
+#undef BVXI_SIMD_LEVEL
+#endif
 
 typedef struct ray_step {
     double enter;
@@ -248,10 +226,12 @@ static void walk_ray(ray_visit *w, int winding)
         uint64_t const first = (uint64_t)s.node * BVXI_CLOSEST_WIDTH;
         uint64_t const total = s.level == 0 ? tree->triangle_count : tree->level_nodes[s.level - 1];
         int const children = bvxi_closest_children(total, first), bottom = used;
+        const bvxi_closest_node *const node = &tree->nodes[tree->level_first[s.level] + s.node];
         double enter[BVXI_CLOSEST_WIDTH];
+        uint32_t bits;
 
         if (s.enter > w->limit) continue;
-        uint32_t bits = meet_boxes(w, &tree->nodes[tree->level_first[s.level] + s.node], enter);
+        bits = BVXI_PATH(tree->fast, meet_boxes_base(w, node, enter), meet_boxes_avx2(w, node, enter));
         for (bits &= (1u << children) - 1; bits != 0; bits &= bits - 1) {
             int const k = bvxi_lowest(bits);
             int i = used;
