@@ -387,9 +387,6 @@ bvx_status bvxi_read_bvx(const bvxi_grid_source *source, bvx_grid *grid)
     BVXI_TRY(bvx_check_slices(&job));
     BVXI_TRY(bvxi_open_file_grid(source, &job.lattice, &job.window, &job.part, grid));
     job.grid = grid;
-    BVXI_TRY(bvxi_for_ranges(job.source->ctx, "read", 0.5, 1.0, job.pieces, (uint64_t)job.count,
-                             bvx_fill_piece, &job));
-
-    bvxi_drop(source->ctx, job.place);
-    return BVX_OK;
+    return bvxi_for_ranges(job.source->ctx, "read", 0.5, 1.0, job.pieces, (uint64_t)job.count, bvx_fill_piece,
+                           &job);
 }

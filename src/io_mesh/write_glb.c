@@ -276,7 +276,6 @@ static bvx_status glb_make_file(bvx_context *ctx, const bvxi_glb_file *glb, bvx_
     glb_list_parts(glb, part);
     /* Arrays are written before the head: the head needs the size that the file has in the end. */
     BVXI_TRY(bvxi_make_file(ctx, "the GLB file", GLB_PREPARED, head, part, (int32_t)parts, file));
-    bvxi_drop(ctx, part);
     json.bytes = bvxi_glb_put_head(json.size, glb->end, file);
     json.size = 0;
     bvxi_glb_put_json(glb, &json);

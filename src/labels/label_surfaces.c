@@ -687,7 +687,7 @@ static bvx_status make_complex(label_work *w)
     w->net.complex = c;
     if (!w->options.staircase) {
         close_seams(w);
-        BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.8, bvxi_net_smooth(ctx, &w->net)));
+        BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.8, BVXI_SCOPE(ctx, bvxi_net_smooth(ctx, &w->net))));
     }
     BVXI_TRY(bvxi_for(ctx, "positions", vertices, POSITION_GRAIN, put_positions, &w->net));
     return w->options.staircase ? BVX_OK : BVXI_SHARE(ctx, 0.8, 1.0, bvxi_net_untangle(ctx, &w->net));

@@ -157,7 +157,6 @@ static bvx_status run_blocks(octree_mesh_job *job, bvx_mesh *mesh)
     }
     if (status == BVX_OK) status = BVXI_SHARE(job->ctx, 0.4, 1.0, merge_blocks(job, mesh));
     for (uint64_t i = job->part_count; i-- > 0;) bvx_mesh_free(job->ctx, &job->part[i]);
-    bvxi_drop(job->ctx, job->part);
     return status;
 }
 

@@ -242,9 +242,10 @@ bvx_status bvxi_repair_take(bvxi_repair_job *job)
     int32_t const asked = job->options->placing.sharp;
 
     job->report.sharp = asked == BVX_SHARP_ALWAYS;
-    BVXI_TRY(asked == BVX_SHARP_AUTO
-                 ? bvxi_sharp_edges(job->ctx, &job->mesh, representative, &job->report.sharp)
-                 : BVX_OK);
+    BVXI_TRY(
+        asked == BVX_SHARP_AUTO
+            ? BVXI_SCOPE(job->ctx, bvxi_sharp_edges(job->ctx, &job->mesh, representative, &job->report.sharp))
+            : BVX_OK);
     BVXI_TRY(take_pieces(job, representative));
     bvxi_drop(ctx, representative);
     return BVX_OK;

@@ -482,8 +482,5 @@ bvx_status bvxi_collapse_close_small(bvxi_collapse *c, double longest, uint64_t 
         c->order++;
         BVXI_TRY(bvxi_collapse_evaluate(c));
     }
-    bvxi_drop(c->ctx, w.length);
-    bvxi_drop(c->ctx, w.loop);
-    bvxi_drop(c->ctx, w.mark);
     return BVX_OK;
 }

@@ -118,7 +118,7 @@ static bvx_status close_small(bvxi_collapse *c, uint64_t target, int last, doubl
     double const longest = 3 * sqrt(EDGE_SQUARE * c->area / (double)target) / c->scale;
     uint64_t closed = 1;
     while (closed != 0 && (!last || c->mesh.left > target)) {
-        BVXI_TRY(bvxi_collapse_close_small(c, longest, &closed));
+        BVXI_TRY(BVXI_SCOPE(c->ctx, bvxi_collapse_close_small(c, longest, &closed)));
         if (closed != 0) BVXI_TRY(collapse_edges(c, target, last, at, at));
         if (!last) break;
     }

@@ -258,14 +258,6 @@ bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid
     return number_slots(ctx, m);
 }
 
-void bvxi_march_close(bvx_context *ctx, bvxi_march *m)
-{
-    if (m->grid != NULL) bvxi_drop(ctx, m->across[0]);
-    if (m->grid != NULL) bvxi_drop(ctx, (void *)(uintptr_t)m->empty_row);
-    bvxi_drop(ctx, m->piece_counts);
-    bvxi_drop(ctx, m->slots);
-}
-
 /* ---- keys, by which the surfaces of windows merge into the whole's ---- */
 
 /* Vertices: (z, y, axis, x) of their edge's low end, triangles: (z, y, x) of their cell's low corner, lattice

@@ -84,9 +84,7 @@ static bvx_status run_extract_scalar(bvx_context *context, const bvx_volume_view
 
     BVXI_TRY(
         bvxi_alloc(context, BVXI_SCRATCH, inside.word_capacity * 8, "the samples' sides", &inside.words));
-    bvx_status const status = extract_level(context, name, volume, stride, &o, &inside, mesh);
-    bvxi_drop(context, inside.words);
-    return status;
+    return extract_level(context, name, volume, stride, &o, &inside, mesh);
 }
 
 bvx_status bvx_extract_scalar(bvx_context *context, const bvx_volume_view *volume,
