@@ -227,8 +227,7 @@ static bvx_status gltf_mark_meshes(gltf_reader *r, uint8_t *wanted)
             return bvxi_gltf_fail(f, BVXI_GLTF_MESH, i, "it has no array of primitives");
         if (wanted[i]) r->primitives += bvxi_json_count(&f->json, list);
     }
-    return bvxi_alloc(f->source->ctx, BVXI_SCRATCH, r->primitives * sizeof *r->primitive, "the primitives",
-                      &r->primitive);
+    return BVXI_ARRAY(f->source->ctx, r->primitives, "the primitives", r->primitive);
 }
 
 static bvx_status gltf_count_all(gltf_reader *r)

@@ -201,8 +201,7 @@ static void put_file_positions(const bvx_mesh *mesh, int rounded, const bvxi_fil
 static bvx_status count_positions(bvx_context *ctx, const bvx_mesh_view *view, uint64_t *different)
 {
     uint32_t *representative;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * sizeof *representative,
-                        "the vertices' positions", &representative));
+    BVXI_TRY(BVXI_ARRAY(ctx, view->vertex_count, "the vertices' positions", representative));
     return bvxi_weld(ctx, view, representative, different);
 }
 

@@ -288,8 +288,7 @@ static bvx_status make_splits(label_work *w)
 {
     uint32_t next = 0;
 
-    BVXI_TRY(
-        bvxi_alloc(w->ctx, BVXI_SCRATCH, BVXI_PATTERNS * sizeof *w->patterns, "the patterns", &w->patterns));
+    BVXI_TRY(BVXI_ARRAY(w->ctx, BVXI_PATTERNS, "the patterns", w->patterns));
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, BVXI_SPLITS * sizeof *w->splits, "the splits", &w->splits));
     for (uint32_t p = 0; p < BVXI_PATTERNS; p++) {
         uint32_t const fours = bvxi_four_sides(p);

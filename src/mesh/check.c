@@ -142,8 +142,7 @@ static bvx_status check_whole_mesh(bvx_context *ctx, checker *c, int weld, const
 
     /* Welding changes which triangles count, so it comes before all sums. */
     if (weld) {
-        BVXI_TRY(
-            bvxi_alloc(ctx, BVXI_SCRATCH, c->view->vertex_count * 4, "the check's welding", &c->renumber));
+        BVXI_TRY(BVXI_ARRAY(ctx, c->view->vertex_count, "the check's welding", c->renumber));
 
         /* Representatives become numbers without gaps, in their order. */
         uint32_t next = 0;
