@@ -91,8 +91,6 @@ static bvx_status list_sides(joint_faces *f)
             f->next[*first] = side;
         }
     }
-    bvxi_drop(ctx, edges.value);
-    bvxi_drop(ctx, edges.key);
     return BVX_OK;
 }
 
@@ -104,20 +102,20 @@ static int is_first_side(const joint_faces *f, uint64_t side)
 
 static bvx_status take_faces(joint_faces *f, const joint_list *list, int kind)
 {
-    static const char what[] = "the faces of a body";
     const uint32_t *const face = list->face + list->first[kind - 1];
     bvx_context *const ctx = f->o->ctx;
 
     f->kind = kind;
     f->count = list->first[kind] - list->first[kind - 1];
+    uint64_t const n = f->count + 1;
     if (f->count > UINT32_MAX / 3)
         return bvxi_fail_for(f->o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: a body has more than 2^30 triangles; take fewer cells", f->o->function);
-    BVXI_TRY(BVXI_ARRAY(ctx, f->count + 1, what, f->corner));
-    BVXI_TRY(BVXI_ARRAY(ctx, f->count + 1, what, f->from));
-    BVXI_TRY(BVXI_ARRAY(ctx, 3 * (f->count + 1), what, f->next));
-    BVXI_TRY(BVXI_ARRAY(ctx, 3 * (f->count + 1), what, f->joined));
-    BVXI_TRY(BVXI_ARRAY(ctx, 3 * (f->count + 1), what, f->number));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, 13 * n * sizeof *f->from, "the faces of a body", &f->corner));
+    f->from = f->corner[n];
+    f->next = f->from + n;
+    f->joined = f->next + 3 * n;
+    f->number = f->joined + 3 * n;
     /* Where the tetrahedron is not the body's, the body lies beyond the face. */
     for (uint64_t i = 0; i < f->count; i++) {
         int const against = f->cut->kind[face[i] / 4] != kind;
@@ -125,7 +123,7 @@ static bvx_status take_faces(joint_faces *f, const joint_list *list, int kind)
             f->corner[i][k] = f->o->tetra[face[i] / 4].v[tetra_face[face[i] % 4][against ? 2 - k : k]];
         f->from[i] = against ? BVXI_NONE : face[i];
     }
-    return list_sides(f);
+    return BVXI_SCOPE(ctx, list_sides(f));
 }
 
 static bvx_status cut_pinched_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t a, uint32_t b)
@@ -163,11 +161,7 @@ static bvx_status find_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, const joint
         pinched->edge[pinched->count++][1] = v[(i + 1) % 3];
     }
 
-    bvxi_drop(f.o->ctx, f.number);
-    bvxi_drop(f.o->ctx, f.joined);
-    bvxi_drop(f.o->ctx, f.next);
-    bvxi_drop(f.o->ctx, f.from);
-    bvxi_drop(f.o->ctx, f.corner);
+    bvxi_drop(o->ctx, f.corner);
     return BVX_OK;
 }
 

@@ -126,7 +126,7 @@ static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
         memset(&s->slab_mesh, 0, sizeof s->slab_mesh);
         memset(&s->mesh, 0, sizeof s->mesh);
         s->nesting.plane = NULL;
-        s->nesting.plane_count = s->nesting.plane_room = 0;
+        s->nesting.plane_count = 0;
         /* Cuts of subdivided cells are freed with the cells; those of the grid stay. */
         for (uint32_t i = 0; i < s->plane_count; i++) {
             bvxi_plane *const p = &s->plane[i];

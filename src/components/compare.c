@@ -93,8 +93,6 @@ static bvx_status compare_words(bvx_context *ctx, compare_work *w, compare_sums 
         all->runs[1] += s->runs[1];
         widen_compare_box(all, s->low, s->high);
     }
-
-    bvxi_drop(ctx, w->sums);
     return BVX_OK;
 }
 
@@ -196,10 +194,7 @@ static bvx_status count_components(bvx_context *ctx, const char *function, const
     }
 
     for (uint64_t i = 0; i < c.component_count; i++) *largest = s.size[i] > *largest ? s.size[i] : *largest;
-    bvxi_drop(ctx, s.size);
-
     *count = c.component_count;
-    bvxi_components_free(&c);
     return BVX_OK;
 }
 
@@ -217,9 +212,11 @@ static bvx_status run_grid_compare(bvx_context *context, const bvx_grid *a, cons
     BVXI_TRY(bvxi_grid_check(context, "bvx_grid_compare, grid a", a));
     BVXI_TRY(bvxi_grid_check(context, "bvx_grid_compare, grid b", b));
     BVXI_TRY(bvxi_grid_same(context, function, a, b));
-    BVXI_TRY(compare_words(context, &w, &all));
-    BVXI_TRY(count_components(context, function, &w, &all, 0, &d.components_only_a, &d.largest_only_a));
-    BVXI_TRY(count_components(context, function, &w, &all, 1, &d.components_only_b, &d.largest_only_b));
+    BVXI_TRY(BVXI_SCOPE(context, compare_words(context, &w, &all)));
+    BVXI_TRY(BVXI_SCOPE(
+        context, count_components(context, function, &w, &all, 0, &d.components_only_a, &d.largest_only_a)));
+    BVXI_TRY(BVXI_SCOPE(
+        context, count_components(context, function, &w, &all, 1, &d.components_only_b, &d.largest_only_b)));
     /* The pass has counted what only one has; with both it is the whole of each. */
     d.only_a = all.set_a;
     d.only_b = all.set_b;

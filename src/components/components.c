@@ -40,8 +40,7 @@ bvx_status bvxi_components_open(bvx_context *ctx, const char *function, int32_t 
     /* A word of zeros before and after each row, and a row before and after each slice: so no tests. */
     c->stride = (uint64_t)c->row_words + 2;
     c->slice = c->stride * ((uint64_t)size[1] + 2); /* below 2^45 */
-    BVXI_TRY(
-        bvxi_alloc(ctx, BVXI_SCRATCH, run_count * sizeof *c->label, "the components' labels", &c->label));
+    BVXI_TRY(BVXI_ARRAY(ctx, run_count, "the components' labels", c->label));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, c->slice * 16, "the components' rows", &c->words));
     return bvxi_alloc_zero(ctx, BVXI_SCRATCH, c->slice * 8, "the ranks of the components' rows", &c->before);
 }

@@ -39,11 +39,10 @@ static bvx_status mend_node_at(bvxi_mend_work *w, const int32_t q[2], const doub
     return BVX_OK;
 }
 
-static bvx_status mend_add_edge(bvxi_mend_work *w, bvxi_mend_edge **edges, uint32_t *count, uint64_t *room,
-                                uint32_t a, uint32_t b, uint32_t loop)
+static bvx_status mend_add_edge(bvxi_mend_work *w, bvxi_mend_edges *to, uint32_t a, uint32_t b, uint32_t loop)
 {
-    BVXI_TRY(BVXI_SLAB_GROW(w->s, *edges, *count, *room, "the segments of loops to mend"));
-    bvxi_mend_edge *const e = &(*edges)[(*count)++];
+    BVXI_TRY(BVXI_SLAB_GROW(w->s, to->at, to->count, to->room, "the segments of loops to mend"));
+    bvxi_mend_edge *const e = &to->at[to->count++];
     e->node[0] = a;
     e->node[1] = b;
     e->loop = loop;
@@ -69,18 +68,18 @@ static bvx_status mend_take_loop(bvxi_mend_work *w, uint32_t loop)
     for (uint32_t i = c->first + 1; i < c->first + c->count; i++, before = node) {
         BVXI_TRY(mend_node_at(w, p->q[i], w->s->given->points + 3 * (uint64_t)p->given[i], &node));
         if (node == before) continue;
-        BVXI_TRY(mend_add_edge(w, &w->edge, &w->edge_count, &w->edge_room, before, node, loop));
+        BVXI_TRY(mend_add_edge(w, &w->edge, before, node, loop));
         mend_visit(w, node, loop);
     }
     if (before == first) return BVX_OK; /* the first point is visited at the end, or all snap to it */
-    BVXI_TRY(mend_add_edge(w, &w->edge, &w->edge_count, &w->edge_room, before, first, loop));
+    BVXI_TRY(mend_add_edge(w, &w->edge, before, first, loop));
     mend_visit(w, first, loop);
     return BVX_OK;
 }
 
 static bvx_status mend_split_at(bvxi_mend_work *w, uint32_t edge, uint32_t node)
 {
-    bvxi_mend_edge *const e = &w->edge[edge];
+    bvxi_mend_edge *const e = &w->edge.at[edge];
     if (node == e->node[0] || node == e->node[1]) return BVX_OK;
     BVXI_TRY(BVXI_SLAB_GROW(w->s, w->split, w->split_count, w->split_room, "the splits of segments"));
     w->split[w->split_count].edge = edge;
@@ -114,7 +113,7 @@ static bvx_status mend_cross(bvxi_mend_work *w, const bvxi_mend_edge *e, const b
 static bvx_status mend_pair(void *user, uint32_t j, uint32_t i)
 {
     bvxi_mend_work *const w = user;
-    bvxi_mend_edge const e = w->edge[i], f = w->edge[j];
+    bvxi_mend_edge const e = w->edge.at[i], f = w->edge.at[j];
     const int32_t *const a = w->node[e.node[0]].q, *const b = w->node[e.node[1]].q;
     const int32_t *const c = w->node[f.node[0]].q, *const d = w->node[f.node[1]].q;
     uint32_t const before = w->split_count;
@@ -146,11 +145,11 @@ static bvx_status mend_pair(void *user, uint32_t j, uint32_t i)
 
 static bvx_status mend_find_pairs(bvxi_mend_work *w)
 {
-    BVXI_TRY(BVXI_RESERVE(w->s, w->box, w->edge_count, w->box_room, "the segments of loops to mend"));
-    for (uint32_t i = 0; i < w->edge_count; i++)
-        w->box[i] = bvxi_box_segment(w->node[w->edge[i].node[0]].q, w->node[w->edge[i].node[1]].q, i);
+    BVXI_TRY(BVXI_RESERVE(w->s, w->box, w->edge.count, w->box_room, "the segments of loops to mend"));
+    for (uint32_t i = 0; i < w->edge.count; i++)
+        w->box[i] = bvxi_box_segment(w->node[w->edge.at[i].node[0]].q, w->node[w->edge.at[i].node[1]].q, i);
     w->split_count = w->crossings = 0;
-    bvx_status const status = bvxi_sweep(w->s->ctx, w->box, w->edge_count, mend_pair, w);
+    bvx_status const status = bvxi_sweep(w->s->ctx, w->box, w->edge.count, mend_pair, w);
     return w->split_count == BVXI_NONE ? BVX_OK : status;
 }
 
@@ -158,7 +157,8 @@ static bvx_status mend_find_passed(bvxi_mend_work *w)
 {
     uint32_t count = 0;
 
-    BVXI_TRY(BVXI_RESERVE(w->s, w->key, w->node_count, w->key_room, "the order of segments"));
+    BVXI_TRY(BVXI_RESERVE_BESIDE(w->s, w->key, w->node_count, w->order_room, sizeof *w->key,
+                                 "the order of segments"));
     BVXI_TRY(BVXI_RESERVE(w->s, w->order, w->node_count, w->order_room, "the order of segments"));
     for (uint32_t i = 0; i < w->node_count; i++) {
         /* Nodes of loops that stay as they are split nothing. */
@@ -167,14 +167,15 @@ static bvx_status mend_find_passed(bvxi_mend_work *w)
         w->order[count++] = i;
     }
     BVXI_TRY(bvxi_radix_sort(w->s->ctx, w->key, w->order, count));
-    for (uint32_t i = 0; i < w->edge_count; i++) {
-        const int32_t *const a = w->node[w->edge[i].node[0]].q, *const b = w->node[w->edge[i].node[1]].q;
+    for (uint32_t i = 0; i < w->edge.count; i++) {
+        const int32_t *const a = w->node[w->edge.at[i].node[0]].q;
+        const int32_t *const b = w->node[w->edge.at[i].node[1]].q;
         /* A pixel farther on both sides, as the squares about points reach that far. */
         int32_t left = (a[0] < b[0] ? a[0] : b[0]) - MEND_PIXEL;
         int32_t const right = (a[0] < b[0] ? b[0] : a[0]) + MEND_PIXEL;
         uint32_t begin = 0, end = count;
 
-        if (!w->changed[w->edge[i].loop]) continue;
+        if (!w->changed[w->edge.at[i].loop]) continue;
         if (left < 0) left = 0;
         while (begin < end) { /* the first node that lies as far */
             uint32_t const middle = begin + (end - begin) / 2;
@@ -206,7 +207,7 @@ static int64_t mend_along(const bvxi_mend_work *w, const bvxi_mend_edge *e, uint
 /* Splits of one edge from its first end to its last; few lie on one. */
 static void mend_sort_splits(const bvxi_mend_work *w, uint32_t *order, uint32_t count)
 {
-    const bvxi_mend_edge *const e = &w->edge[w->split[order[0]].edge];
+    const bvxi_mend_edge *const e = &w->edge.at[w->split[order[0]].edge];
     for (uint32_t i = 1; i < count; i++) {
         uint32_t const x = order[i];
         int64_t const along = mend_along(w, e, w->split[x].node);
@@ -219,11 +220,10 @@ static void mend_sort_splits(const bvxi_mend_work *w, uint32_t *order, uint32_t 
 static bvx_status mend_apply_splits(bvxi_mend_work *w)
 {
     uint32_t const n = w->split_count;
-    bvxi_mend_edge *const edges = w->edge;
-    uint64_t const room = w->edge_room;
+    bvxi_mend_edges const edges = w->edge;
     uint32_t at = 0;
 
-    BVXI_TRY(BVXI_RESERVE(w->s, w->key, n, w->key_room, "the order of segments"));
+    BVXI_TRY(BVXI_RESERVE_BESIDE(w->s, w->key, n, w->order_room, sizeof *w->key, "the order of segments"));
     BVXI_TRY(BVXI_RESERVE(w->s, w->order, n, w->order_room, "the order of segments"));
     for (uint32_t i = 0; i < n; i++) {
         w->key[i] = w->split[i].edge;
@@ -231,16 +231,14 @@ static bvx_status mend_apply_splits(bvxi_mend_work *w)
     }
     BVXI_TRY(bvxi_radix_sort(w->s->ctx, w->key, w->order, n));
 
-    w->split_edge_count = 0;
-    for (uint32_t e = 0; e < w->edge_count; e++) {
-        uint32_t from = w->edge[e].node[0], end = at;
+    w->split_edge.count = 0;
+    for (uint32_t e = 0; e < w->edge.count; e++) {
+        uint32_t from = w->edge.at[e].node[0], end = at;
         while (end < n && w->split[w->order[end]].edge == e) end++;
         if (end > at) mend_sort_splits(w, w->order + at, end - at);
         for (; at <= end; at++) {
-            uint32_t const to = at < end ? w->split[w->order[at]].node : w->edge[e].node[1];
-            if (to != from)
-                BVXI_TRY(mend_add_edge(w, &w->split_edge, &w->split_edge_count, &w->split_edge_room, from, to,
-                                       w->edge[e].loop));
+            uint32_t const to = at < end ? w->split[w->order[at]].node : w->edge.at[e].node[1];
+            if (to != from) BVXI_TRY(mend_add_edge(w, &w->split_edge, from, to, w->edge.at[e].loop));
             from = to;
         }
         at = end;
@@ -248,17 +246,14 @@ static bvx_status mend_apply_splits(bvxi_mend_work *w)
 
     /* The new edges take the place of the old ones, whose array serves the next round. */
     w->edge = w->split_edge;
-    w->edge_room = w->split_edge_room;
-    w->edge_count = w->split_edge_count;
     w->split_edge = edges;
-    w->split_edge_room = room;
     return BVX_OK;
 }
 
 /* Fill in nodes, edges and the loops that change. *done is 0 where splitting does not end. */
 static bvx_status mend_split_plane(bvxi_mend_work *w, int *done)
 {
-    w->node_count = w->edge_count = 0;
+    w->node_count = w->edge.count = 0;
     bvxi_map_clear(w->map);
     memset(w->changed, 0, w->plane->contour_count);
     for (uint32_t i = 0; i < w->plane->contour_count; i++) BVXI_TRY(mend_take_loop(w, i));
@@ -266,7 +261,7 @@ static bvx_status mend_split_plane(bvxi_mend_work *w, int *done)
     uint64_t most = UINT32_MAX;
     *done = 0;
     /* Until nothing meets; bounded, since moved segments may meet new ones. */
-    for (int round = 0; round < MEND_ROUNDS && !*done && w->edge_count <= most; round++) {
+    for (int round = 0; round < MEND_ROUNDS && !*done && w->edge.count <= most; round++) {
         /* Points that are there first: what crosses beside one of them comes to it. */
         w->cross = 0;
         BVXI_TRY(mend_find_pairs(w));
@@ -277,7 +272,7 @@ static bvx_status mend_split_plane(bvxi_mend_work *w, int *done)
             BVXI_TRY(mend_find_pairs(w));
             if (w->split_count == BVXI_NONE) return BVX_OK;
             BVXI_TRY(mend_find_passed(w));
-            if (most == UINT32_MAX) most = MEND_MOST * ((uint64_t)w->edge_count + w->split_count);
+            if (most == UINT32_MAX) most = MEND_MOST * ((uint64_t)w->edge.count + w->split_count);
         }
         *done = w->split_count == 0;
         if (!*done) BVXI_TRY(mend_apply_splits(w));

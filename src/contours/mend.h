@@ -39,6 +39,12 @@ typedef struct bvxi_mend_edge {
     uint32_t loop;
 } bvxi_mend_edge;
 
+typedef struct bvxi_mend_edges {
+    bvxi_mend_edge *at;
+    uint32_t count;
+    uint64_t room;
+} bvxi_mend_edges;
+
 typedef struct bvxi_mend_split {
     uint32_t edge, node;
 } bvxi_mend_split;
@@ -48,17 +54,17 @@ typedef struct bvxi_mend_work {
     const bvxi_plane *plane;
     uint8_t *changed; /* of each loop */
     bvxi_mend_node *node;
-    bvxi_mend_edge *edge, *split_edge;
+    bvxi_mend_edges edge, split_edge;
     bvxi_mend_split *split;
-    uint32_t node_count, edge_count, split_edge_count, split_count;
-    uint64_t node_room, edge_room, split_edge_room, split_room;
+    uint32_t node_count, split_count;
+    uint64_t node_room, split_room;
     uint32_t crossings; /* pairs that cross, in the last look */
     int cross;          /* 1: they are split there, 0: only counted */
     uint64_t *key;
     uint32_t *order;
     bvxi_segment_box *box;
-    uint64_t key_room, order_room, box_room;
-    bvxi_map *map; /* nodes by their places */
+    uint64_t order_room, box_room; /* order_room: of key too */
+    bvxi_map *map;                 /* nodes by their places */
 } bvxi_mend_work;
 
 /* ---- mend_trace.c: loops along the edges that are left ---- */

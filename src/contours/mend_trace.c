@@ -68,7 +68,7 @@ typedef struct apart_work {
 
 static void mend_direction(const mend_trace *t, uint32_t end, int64_t d[2])
 {
-    const uint32_t *const node = t->w->edge[t->edge[end >> 1]].node;
+    const uint32_t *const node = t->w->edge.at[t->edge[end >> 1]].node;
     for (int k = 0; k < 2; k++)
         d[k] = (int64_t)t->w->node[node[~end & 1]].q[k] - t->w->node[node[end & 1]].q[k];
 }
@@ -209,13 +209,13 @@ static void put_segments(apart_work *w)
             for (int k = 0; k < 2; k++) s->q[end][k] = at[k] + 2 * nudge[k];
         }
     }
-    for (uint32_t i = 0; i < m->edge_count; i++) {
+    for (uint32_t i = 0; i < m->edge.count; i++) {
         apart_segment *const s = &w->segment[w->segments];
-        if (m->changed[m->edge[i].loop]) continue;
+        if (m->changed[m->edge.at[i].loop]) continue;
         w->segments++;
         for (int end = 0; end < 2; end++) {
             s->stop[end] = BVXI_NONE;
-            memcpy(s->q[end], m->node[m->edge[i].node[end]].q, sizeof s->q[end]);
+            memcpy(s->q[end], m->node[m->edge.at[i].node[end]].q, sizeof s->q[end]);
         }
     }
 }
@@ -291,8 +291,8 @@ static bvx_status move_apart(apart_work *w, const uint32_t *stays, int16_t (*nud
     BVXI_TRY(BVXI_ARRAY(ctx, stops, "the nodes' stops", w->at_node));
     BVXI_TRY(BVXI_ARRAY(ctx, nodes, "the steps of nodes", w->steps));
     BVXI_TRY(BVXI_ARRAY(ctx, nodes, "the marks of nodes", w->mark));
-    BVXI_TRY(BVXI_ARRAY(ctx, stops + p->w->edge_count, "the segments apart", w->segment));
-    BVXI_TRY(BVXI_ARRAY(ctx, stops + p->w->edge_count, "the segments apart", w->box));
+    BVXI_TRY(BVXI_ARRAY(ctx, stops + p->w->edge.count, "the segments apart", w->segment));
+    BVXI_TRY(BVXI_ARRAY(ctx, stops + p->w->edge.count, "the segments apart", w->box));
     aim_nodes(w, stays);
     BVXI_TRY(choose_steps(w));
     /* The farthest step still fits 16 bits. */
@@ -338,7 +338,7 @@ bvx_status bvxi_mended_add_point(bvxi_mended *m, const double at[3], int32_t u, 
 
 static uint32_t mend_end_node(const mend_trace *t, uint32_t end)
 {
-    return t->w->edge[t->edge[end >> 1]].node[end & 1];
+    return t->w->edge.at[t->edge[end >> 1]].node[end & 1];
 }
 
 static bvx_status mend_keep_edges(mend_trace *t, uint64_t *key, uint32_t *order)
@@ -346,9 +346,9 @@ static bvx_status mend_keep_edges(mend_trace *t, uint64_t *key, uint32_t *order)
     const bvxi_mend_work *const w = t->w;
     uint32_t count = 0;
 
-    for (uint32_t i = 0; i < w->edge_count; i++) {
-        uint32_t const a = w->edge[i].node[0], b = w->edge[i].node[1];
-        if (!w->changed[w->edge[i].loop]) continue;
+    for (uint32_t i = 0; i < w->edge.count; i++) {
+        uint32_t const a = w->edge.at[i].node[0], b = w->edge.at[i].node[1];
+        if (!w->changed[w->edge.at[i].loop]) continue;
         key[count] = bvxi_edge_key(a, b);
         order[count++] = i;
     }
@@ -483,7 +483,7 @@ static bvx_status mend_give_loops(mend_trace *t, const int16_t (*nudge)[2])
 bvx_status bvxi_mend_trace(bvxi_mend_work *w, bvxi_mended *mended)
 {
     static const char what[] = "the paths of loops to mend";
-    uint64_t const edges = w->edge_count, nodes = (uint64_t)w->node_count + 1;
+    uint64_t const edges = w->edge.count, nodes = (uint64_t)w->node_count + 1;
     bvx_context *const ctx = w->s->ctx;
     mend_trace t = {.w = w, .mended = mended};
     int16_t(*nudge)[2];

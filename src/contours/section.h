@@ -123,7 +123,7 @@ typedef struct bvxi_nesting {
     uint8_t *joined; /* [planes] what became of levels that crossed there: BVXI_LEVELS_... */
     /* levels as planes of their own: below and above, level by level, from slab to slab */
     bvxi_plane *plane;
-    uint32_t plane_count, plane_room;
+    uint32_t plane_count;
 } bvxi_nesting;
 
 typedef struct bvxi_stack {

@@ -88,21 +88,16 @@ static bvx_status sweep_boxes(const bvxi_segment_box *box, const uint32_t *order
 bvx_status bvxi_sweep(bvx_context *ctx, const bvxi_segment_box *box, uint32_t count, bvxi_pair_fn *pair,
                       void *user)
 {
-    static const char what[] = "the order of segments";
-    uint32_t *order, *active;
     uint64_t *key;
 
-    BVXI_TRY(BVXI_ARRAY(ctx, count, what, key));
-    BVXI_TRY(BVXI_ARRAY(ctx, count, what, order));
-    BVXI_TRY(BVXI_ARRAY(ctx, count, what, active));
+    BVXI_TRY(BVXI_ARRAY(ctx, 2 * (uint64_t)count, "the order of segments", key));
+    uint32_t *const order = (uint32_t *)(void *)(key + count), *const active = order + count;
     for (uint32_t i = 0; i < count; i++) {
         key[i] = (uint64_t)((int64_t)box[i].left - INT32_MIN);
         order[i] = i;
     }
     BVXI_TRY(bvxi_radix_sort(ctx, key, order, count));
     bvx_status const status = sweep_boxes(box, order, count, active, pair, user);
-    bvxi_drop(ctx, active);
-    bvxi_drop(ctx, order);
     bvxi_drop(ctx, key);
     return status;
 }

@@ -86,10 +86,16 @@ bvx_status bvxi_grow(bvx_context *ctx, const char *function, void *block, uint64
 #define BVXI_GROW_BY(of, array, count, room, item, what) \
     ((count) < (room) ? BVX_OK : bvxi_grow((of)->ctx, (of)->function, &(array), &(room), item, what))
 #define BVXI_GROW(of, array, count, room, what) BVXI_GROW_BY(of, array, count, room, sizeof *(array), what)
+/* Before the last of several arrays with one room: room is that of all when the last one has grown. */
+#define BVXI_GROW_BESIDE(of, array, count, room, item, what) \
+    ((count) < (room) ? BVX_OK                               \
+                      : bvxi_grow((of)->ctx, (of)->function, &(array), &(uint64_t){room}, item, what))
 bvx_status bvxi_reserve(bvx_context *ctx, void *block, uint64_t count, uint64_t *room, uint64_t item,
                         const char *what);
 #define BVXI_RESERVE(of, array, count, room, what) \
     bvxi_reserve((of)->ctx, &(array), count, &(room), sizeof *(array), what)
+#define BVXI_RESERVE_BESIDE(of, array, count, room, item, what) \
+    bvxi_reserve((of)->ctx, &(array), count, &(uint64_t){room}, item, what)
 
 /* ---- memory.c: scratch ---- */
 

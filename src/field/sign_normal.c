@@ -144,8 +144,6 @@ static bvx_status sign_whole_band(bvxi_call call, const bvx_mesh_view *mesh, con
                 to[k] = k + 1 == inside->words_per_row ? w & bvxi_tail_mask(inside->size[0]) : w;
             }
         }
-
-    bvxi_drop(call.ctx, whole.words);
     return BVX_OK;
 }
 
@@ -170,11 +168,8 @@ static bvx_status sign_as_whole(bvxi_call call, const bvxi_nearest *nearest, dou
     band.count = band.first[rows];
     BVXI_TRY(bvxi_sparse_columns(call.ctx, &band, BVX_F32, BVXI_TRIANGLES));
     BVXI_TRY(bvxi_nearest_fill(bvxi_call_part(call, part, middle), nearest, HUGE_VAL, &band));
-    BVXI_TRY(band.count == 0
-                 ? sign_by_first_centre(bvxi_call_part(call, middle, middle), nearest, mesh, inside)
-                 : sign_whole_band(bvxi_call_part(call, middle, call.to), mesh, &band, inside));
-    bvxi_sparse_close(call.ctx, &band);
-    return BVX_OK;
+    return band.count == 0 ? sign_by_first_centre(bvxi_call_part(call, middle, middle), nearest, mesh, inside)
+                           : sign_whole_band(bvxi_call_part(call, middle, call.to), mesh, &band, inside);
 }
 
 bvx_status bvxi_sign_normal(bvxi_call call, const bvxi_nearest *nearest, double width,
@@ -184,7 +179,8 @@ bvx_status bvxi_sign_normal(bvxi_call call, const bvxi_nearest *nearest, double 
     double const voxel = bvxi_largest_spacing(&inside->lattice), enough = width < voxel ? voxel : width;
     if (band->count == bvxi_grid_rows(inside) * (uint64_t)inside->size[0])
         return sign_band(call, mesh, band, inside);
-    if (!whole || width < voxel) return sign_as_whole(call, nearest, enough, mesh, inside);
+    if (!whole || width < voxel)
+        return BVXI_SCOPE(call.ctx, sign_as_whole(call, nearest, enough, mesh, inside));
     if (band->count == 0)
         return sign_by_first_centre(bvxi_call_part(call, call.from, call.from), nearest, mesh, inside);
     BVXI_TRY(sign_band(call, mesh, band, inside));

@@ -70,8 +70,7 @@ static bvx_status look_at_edges(bvx_context *ctx, auto_work *w, int copies)
 
     bvxi_view_used_bounds(&w->choice.view, w->low, w->high);
     for (int a = 0; a < 3; a++) w->centre[a] = 0.5 * w->low[a] + 0.5 * w->high[a];
-    BVXI_TRY(
-        bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 4, "the vertices' places", &w->representative));
+    BVXI_TRY(BVXI_ARRAY(ctx, view->vertex_count, "the vertices' places", w->representative));
     BVXI_TRY(bvxi_weld(ctx, view, w->representative, &different));
     /* Triangles that are there twice count once: each copy would be inside of all others. */
     if (copies) {

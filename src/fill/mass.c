@@ -103,7 +103,6 @@ static bvx_status sum_moments(bvx_context *ctx, measure_work *w, const bvx_mesh_
         all->area += s->area;
         all->spread += s->spread;
     }
-    bvxi_drop(ctx, w->pieces);
     return BVX_OK;
 }
 
@@ -122,10 +121,7 @@ static bvx_status sum_sheet(bvx_context *ctx, measure_work *w, const bvx_mesh_vi
     sheet.indices = corner;
     sheet.index_type = BVX_U32;
     sheet.index_stride = 0;
-    if (sheet.triangle_count != 0) BVXI_TRY(sum_moments(ctx, w, &sheet, all));
-    bvxi_drop(ctx, corner);
-    bvxi_holes_close(ctx, &holes);
-    return BVX_OK;
+    return sheet.triangle_count != 0 ? sum_moments(ctx, w, &sheet, all) : BVX_OK;
 }
 
 /* Of shells that are closed, by the sheet of a lattice if it is given. */
@@ -134,9 +130,9 @@ static bvx_status sum_shells(bvx_context *ctx, measure_work *w, const bvx_mesh_v
 {
     triangle_sums s, sheet = {{0}, {0}, 0, 0};
 
-    BVXI_TRY(sum_moments(ctx, w, view, &s));
+    BVXI_TRY(BVXI_SCOPE(ctx, sum_moments(ctx, w, view, &s)));
     if (lattice != NULL) {
-        BVXI_TRY(BVXI_SHARE(ctx, 0.5, 1.0, sum_sheet(ctx, w, view, lattice, &sheet)));
+        BVXI_TRY(BVXI_SHARE(ctx, 0.5, 1.0, BVXI_SCOPE(ctx, sum_sheet(ctx, w, view, lattice, &sheet))));
     } else {
         /* A single surface that crosses itself nowhere has one side in and one out. Of several, one may lie in
          * another between two rows of centres. */
@@ -347,7 +343,7 @@ static bvx_status mass_of_body(bvx_context *ctx, const bvx_mesh_view *mesh, meas
     uint64_t inside = 0;
 
     BVXI_TRY(open_voxels(ctx, mesh, w, &solid));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.1, sum_moments(ctx, w, mesh, &surface)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.1, BVXI_SCOPE(ctx, sum_moments(ctx, w, mesh, &surface))));
     r->area = surface.area / w->scale / w->scale;
     BVXI_TRY(
         BVXI_SHARE(ctx, 0.1, 0.6, bvxi_fill_auto(ctx, mass_name, mesh, fill_and_sum, &solid, &w->solid)));

@@ -65,8 +65,7 @@ bvx_status bvxi_walls_list(bvxi_walls *t)
 
     BVXI_TRY(bvxi_alloc(t->ctx, BVXI_SCRATCH, count * 8, "the thin places", &t->at));
     t->count = count;
-    BVXI_TRY(
-        bvxi_alloc(t->ctx, BVXI_SCRATCH, count * sizeof *t->point, "the walls at thin places", &t->point));
+    BVXI_TRY(BVXI_ARRAY(t->ctx, count, "the walls at thin places", t->point));
     for (uint64_t i = 0; i < words; i++)
         for (uint64_t bits = t->places.words[i]; bits != 0; bits &= bits - 1)
             t->at[n++] = i * 64 + (uint64_t)bvxi_lowest(bits);

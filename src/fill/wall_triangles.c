@@ -242,8 +242,7 @@ bvx_status bvxi_triangles_near(bvx_context *ctx, const bvx_mesh_view *mesh, cons
     BVXI_TRY(
         bvxi_alloc_zero(job.ctx, BVXI_SCRATCH, 2 * words * 8, "the blocks of thin places", &job.blocks[0]));
     job.blocks[1] = job.blocks[0] + words;
-    BVXI_TRY(
-        bvxi_alloc(job.ctx, BVXI_SCRATCH, job.mesh->vertex_count * 4, "the vertices' blocks", &job.block_of));
+    BVXI_TRY(BVXI_ARRAY(job.ctx, job.mesh->vertex_count, "the vertices' blocks", job.block_of));
     for (uint64_t i = 0; i < bvxi_grid_words(places); i++)
         for (uint64_t bits = places->words[i]; bits != 0; bits &= bits - 1) /* a little more for rounding */
             mark_around(&job, i * 64 + (uint64_t)bvxi_lowest(bits), 1.01 * reach);
@@ -337,8 +336,7 @@ static bvx_status order_triangles_nearby(near_job *job, double low[3], double hi
     BVXI_TRY(
         bvxi_alloc(ctx, BVXI_SCRATCH, count * 12, "the triangles at thin places in order", &job->sorted));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the order of triangles at thin places", &job->keys));
-    BVXI_TRY(
-        bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the numbers of triangles at thin places", &job->numbers));
+    BVXI_TRY(BVXI_ARRAY(ctx, count, "the numbers of triangles at thin places", job->numbers));
     /* In an order that no numbering of the mesh shows in: that of a hash of their corners' places. Until they are
      * moved, sorted[n] says whether triangle n was turned round. */
     BVXI_TRY(run_near_pieces(job, count, order_piece_nearby));

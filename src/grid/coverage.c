@@ -198,9 +198,7 @@ bvx_status bvxi_coverage_sample(bvx_context *ctx, bvxi_downsample *d, int keep_v
     /* 20 bits an axis: the volume in units of 1/(r r r) has at most 60. */
     d->total = (int64_t)d->axis[0].n * d->axis[1].n * d->axis[2].n; /* each at most 2^20 */
     d->limit = bvxi_weight_limit(d->total, d->threshold);
-    if (keep_values)
-        BVXI_TRY(
-            bvxi_alloc(ctx, BVXI_SCRATCH, samples * sizeof *d->value, "the samples' coverage", &d->value));
+    if (keep_values) BVXI_TRY(BVXI_ARRAY(ctx, samples, "the samples' coverage", d->value));
     return bvxi_each(ctx, "lod", 0.0, 0.5, d->pieces, cover_piece_task, d);
 }
 

@@ -43,7 +43,6 @@ typedef struct bvxi_downsample_by {
 /* Lay out the axes and a coarse grid of cleared bits. */
 bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bvx_grid *fine,
                                 const bvxi_downsample_by *by, bvxi_downsample *d);
-void bvxi_downsample_close(bvx_context *ctx, bvxi_downsample *d);
 
 /* extended_function.c: bits of the extended voxel function, and the ratio of its
  * first change along an edge of samples. */

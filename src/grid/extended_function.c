@@ -107,14 +107,6 @@ bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bv
     return open_coarse(ctx, function, d);
 }
 
-void bvxi_downsample_close(bvx_context *ctx, bvxi_downsample *d)
-{
-    bvxi_drop(ctx, d->value);
-    bvxi_drop(ctx, d->coarse.words);
-    bvxi_drop(ctx, d->tables);
-    memset(d, 0, sizeof *d);
-}
-
 /* ---- The extended voxel function: trilinear between voxel centres, compared with a threshold ---- */
 
 /* Source: Lian. LOD by voxelization and downsampling (docs/papers.md, 3), sections 2.4.2 and 2.4.4 (VoxExt,

@@ -79,8 +79,7 @@ static bvx_status blocks_open(bvx_context *ctx, const char *function, const bvx_
     b->words = bvxi_row_words(b->phase + grid->size[0]);
     b->count_words = bvxi_row_words(b->window.size[0]);
     BVXI_TRY(lay_planes(ctx, function, b));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (uint64_t)b->words * sizeof *b->starts,
-                             "the blocks' first voxels", &b->starts));
+    BVXI_TRY(BVXI_ZEROS(ctx, b->words, "the blocks' first voxels", b->starts));
     /* Blocks begin every factor voxels, with the voxels that the window cuts off the first one counted in. */
     for (int32_t n = 0; n < b->window.size[0]; n++) {
         int64_t const x = (int64_t)n * b->factor[0];

@@ -185,16 +185,14 @@ static bvx_status run_grid_resample(bvx_context *context, const bvx_grid *grid, 
     job.result = result;
 
     /* The grid was checked before memory for the tables is made, and its words are freed if that fails. */
-    bvx_status status = lay_resample_tables(context, &job);
+    bvx_status const status = lay_resample_tables(context, &job);
     if (status != BVX_OK && mine) bvx_grid_free(context, result);
     if (status != BVX_OK) return status;
-    status = bvxi_grid_made(context,
-                            bvxi_for(context, "resample", bvxi_grid_rows(result),
-                                     1 + RESAMPLE_GRAIN / (uint64_t)result->words_per_row, resample_piece,
-                                     &job),
-                            mine, result);
-    bvxi_drop(context, job.source[0]);
-    return status;
+    return bvxi_grid_made(context,
+                          bvxi_for(context, "resample", bvxi_grid_rows(result),
+                                   1 + RESAMPLE_GRAIN / (uint64_t)result->words_per_row, resample_piece,
+                                   &job),
+                          mine, result);
 }
 
 bvx_status bvx_grid_resample(bvx_context *context, const bvx_grid *grid, const bvx_lattice *lattice,

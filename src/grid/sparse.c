@@ -21,8 +21,7 @@ bvx_status bvxi_sparse_open(bvx_context *ctx, const bvx_grid *like, bvxi_sparse 
     memset(s, 0, sizeof *s);
     s->where = *like;
     s->where.words = NULL;
-    return bvxi_alloc(ctx, BVXI_SCRATCH, bvxi_grid_words(like) * 8, "the voxels with values",
-                      &s->where.words);
+    return BVXI_ARRAY(ctx, bvxi_grid_words(like), "the voxels with values", s->where.words);
 }
 
 bvx_status bvxi_sparse_rank(bvx_context *ctx, bvxi_sparse *s)

@@ -256,8 +256,7 @@ bvx_status bvxi_json_read(bvxi_source *source, const char *text, uint64_t size, 
 
     bvxi_source_pass(source, 0.0, 0.1);
     BVXI_TRY(json_run(&w));
-    BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, (uint64_t)json->count * sizeof *json->value,
-                        "the values of the JSON", &json->value));
+    BVXI_TRY(BVXI_ARRAY(source->ctx, json->count, "the values of the JSON", json->value));
     bvxi_source_pass(source, 0.1, 0.2);
     return json_run(&w);
 }

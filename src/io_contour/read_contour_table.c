@@ -310,7 +310,6 @@ static bvx_status refuse_parted_loops(table_reader *r)
                 "loops %u and %u of the file (section at %g) have one name in one section: lines of a "
                 "loop stand together",
                 (uint64_t)order[i - 1], (uint64_t)order[i], s->positions[s->loops[order[i]].section]);
-    bvxi_drop(r->f->ctx, order);
     return status;
 }
 

@@ -178,9 +178,7 @@ bvx_status bvxi_read_dense_grid(const bvxi_grid_source *source, const bvxi_dense
     samples.first = bytes;
     BVXI_TRY(bvxi_unpack_dense(source, dense, bytes));
     BVXI_TRY(bvxi_open_file_grid(source, &dense->box, NULL, &part, grid));
-    BVXI_TRY(bvxi_pack_samples(source->ctx, &samples, &part, grid));
-    bvxi_drop(source->ctx, bytes);
-    return BVX_OK;
+    return bvxi_pack_samples(source->ctx, &samples, &part, grid);
 }
 
 bvx_status bvxi_check_written_corner(bvx_context *ctx, const char *format, const bvx_grid *grid)

@@ -381,15 +381,11 @@ bvx_status bvxi_read_bvx(const bvxi_grid_source *source, bvx_grid *grid)
 
     job.pieces = bvxi_piece_count(job.raw < 65536 ? job.raw * (uint64_t)job.count : UINT64_MAX, 65536);
     if (job.pieces > job.count) job.pieces = job.count;
-    BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, (uint64_t)job.count * sizeof *job.place,
-                        "the places of slices", &job.place));
+    BVXI_TRY(BVXI_ARRAY(source->ctx, job.count, "the places of slices", job.place));
     BVXI_TRY(bvx_find_slices(&job));
     BVXI_TRY(bvx_check_slices(&job));
     BVXI_TRY(bvxi_open_file_grid(source, &job.lattice, &job.window, &job.part, grid));
     job.grid = grid;
-    BVXI_TRY(bvxi_for_ranges(job.source->ctx, "read", 0.5, 1.0, job.pieces, (uint64_t)job.count,
-                             bvx_fill_piece, &job));
-
-    bvxi_drop(source->ctx, job.place);
-    return BVX_OK;
+    return bvxi_for_ranges(job.source->ctx, "read", 0.5, 1.0, job.pieces, (uint64_t)job.count, bvx_fill_piece,
+                           &job);
 }

@@ -208,9 +208,7 @@ static bvx_status unpack_volume(const bvxi_grid_source *source, const bvxi_dense
     BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, d->size, "the unpacked samples", &bytes));
     samples.first = bytes;
     BVXI_TRY(bvxi_unpack_dense(source, d, bytes));
-    BVXI_TRY(turn_samples(source->ctx, &samples, d->box.dims, to_size, to));
-    bvxi_drop(source->ctx, bytes);
-    return BVX_OK;
+    return turn_samples(source->ctx, &samples, d->box.dims, to_size, to);
 }
 
 static bvx_status find_volume(const bvxi_grid_source *source, int32_t format, bvxi_dense *d)

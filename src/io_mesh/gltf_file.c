@@ -218,12 +218,8 @@ static bvx_status gltf_take_lists(bvxi_gltf *f)
         }
         f->list_count[k] = count;
     }
-    BVXI_TRY(bvxi_alloc_zero(f->source->ctx, BVXI_SCRATCH,
-                             (uint64_t)f->list_count[BVXI_GLTF_BUFFER] * sizeof *f->buffer, "the buffers",
-                             &f->buffer));
-    return bvxi_alloc_zero(f->source->ctx, BVXI_SCRATCH,
-                           (uint64_t)f->list_count[BVXI_GLTF_IMAGE] * sizeof *f->image, "the images",
-                           &f->image);
+    BVXI_TRY(BVXI_ZEROS(f->source->ctx, (uint64_t)f->list_count[BVXI_GLTF_BUFFER], "the buffers", f->buffer));
+    return BVXI_ZEROS(f->source->ctx, (uint64_t)f->list_count[BVXI_GLTF_IMAGE], "the images", f->image);
 }
 
 bvx_status bvxi_gltf_open(bvxi_gltf *f)

@@ -194,8 +194,7 @@ bvx_status bvxi_gltf_scene_of(const bvxi_gltf *f, bvxi_gltf_scene *scene)
     bvx_context *const ctx = n.f->source->ctx;
     uint64_t const count = n.count;
 
-    BVXI_TRY(
-        bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *scene->world, "the matrices of nodes", &scene->world));
+    BVXI_TRY(BVXI_ARRAY(ctx, count, "the matrices of nodes", scene->world));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count, "the nodes of the scene", &scene->drawn));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the parents of nodes", &n.parent));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the order of nodes", &n.order));

@@ -62,8 +62,7 @@ static bvx_status obj_make_pieces(obj_file *f)
         return BVXI_FILE_FAIL_FOR(s, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                                   "the file has %u bytes, more than 2^50", size);
     f->piece_count = (int32_t)count;
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, count * sizeof *f->pieces, "the pieces of the file",
-                             &f->pieces));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, count, "the pieces of the file", f->pieces));
     for (uint64_t i = 0; i < count; i++) {
         /* A line that crosses the aim belongs to the piece before it, so each line is read once and whole. */
         const char *const aim = i + 1 < count ? s->begin + (size_t)(size / count * (i + 1)) : s->end;

@@ -75,8 +75,7 @@ static bvx_status ply_take_faces_again(ply_file *f)
     f->fan_room = f->polygon_count;
 
     BVXI_TRY(ply_make_room(f, f->triangle_count, f->uv_count));
-    BVXI_TRY(bvxi_alloc(f->source->ctx, BVXI_SCRATCH, f->fan_room * sizeof *f->fans,
-                        "the polygons of the file", &f->fans));
+    BVXI_TRY(BVXI_ARRAY(f->source->ctx, f->fan_room, "the polygons of the file", f->fans));
     bvxi_source_pass(f->source, 0, 1);
     f->p = first->rows;
     BVXI_TRY(ply_take_element_rows(f, first));

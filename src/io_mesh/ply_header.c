@@ -341,10 +341,8 @@ bvx_status bvxi_ply_header_read(bvxi_source *source, ply_header *header)
     int done = 0;
 
     BVXI_TRY(ply_count_names(source, &h->name_count));
-    BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, h->name_count * sizeof *h->elements,
-                        "the header's elements", &h->elements));
-    BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, h->name_count * sizeof *h->properties,
-                        "the header's properties", &h->properties));
+    BVXI_TRY(BVXI_ARRAY(source->ctx, h->name_count, "the header's elements", h->elements));
+    BVXI_TRY(BVXI_ARRAY(source->ctx, h->name_count, "the header's properties", h->properties));
     ply_first_line(source, &line);
     while (!done && ply_next_line(source, &line)) BVXI_TRY(ply_take_line(source, &line, h, &done));
     if (h->encoding == 0) return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "the header has no line 'format'");

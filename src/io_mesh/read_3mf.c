@@ -41,7 +41,7 @@ typedef struct model_file {
     uint32_t *corners; /* three, counted from the range's first vertex, and the label */
     model_label *labels;
     uint64_t resource_count, vertex_count, triangle_count, label_count;
-    uint64_t resource_room, order_room, vertex_room, triangle_room, label_room;
+    uint64_t resource_room, vertex_room, triangle_room, label_room;
     double unit; /* in millimeters */
     uint32_t *lost;
 } model_file;
@@ -148,8 +148,9 @@ static bvx_status take_resource(model_file *f)
     r.id |= f->part << 32;
     r.labels[0] = f->label_count;
     BVXI_TRY(take_label(f, "pindex", r.labels, &r.label));
+    BVXI_TRY(BVXI_GROW_BESIDE(f, f->order, f->resource_count, f->resource_room, sizeof *f->order,
+                              "the objects' order"));
     BVXI_TRY(BVXI_GROW(f, f->resources, f->resource_count, f->resource_room, "the objects"));
-    BVXI_TRY(BVXI_GROW(f, f->order, f->resource_count, f->order_room, "the objects' order"));
     uint16_t *const place = f->order + place_of_id(f, r.id);
     memmove(place + 1, place, (size_t)(f->order + f->resource_count - place) * sizeof *place);
     *place = (uint16_t)f->resource_count;

@@ -227,8 +227,7 @@ static bvx_status gltf_mark_meshes(gltf_reader *r, uint8_t *wanted)
             return bvxi_gltf_fail(f, BVXI_GLTF_MESH, i, "it has no array of primitives");
         if (wanted[i]) r->primitives += bvxi_json_count(&f->json, list);
     }
-    return bvxi_alloc(f->source->ctx, BVXI_SCRATCH, r->primitives * sizeof *r->primitive, "the primitives",
-                      &r->primitive);
+    return BVXI_ARRAY(f->source->ctx, r->primitives, "the primitives", r->primitive);
 }
 
 static bvx_status gltf_count_all(gltf_reader *r)
@@ -574,7 +573,6 @@ static bvx_status gltf_fill_normals(gltf_reader *r)
         float *const n = m->normals + (size_t)v * 3;
         if (n[0] == 0.0f && n[1] == 0.0f && n[2] == 0.0f) bvxi_unit_normal(sum + (size_t)v * 3, n);
     }
-    bvxi_drop(ctx, sum);
     return BVX_OK;
 }
 
@@ -607,7 +605,7 @@ static bvx_status gltf_read_all(gltf_reader *r)
     BVXI_TRY(gltf_make_arrays(r));
     for (uint32_t i = 0; i < r->f.list_count[BVXI_GLTF_NODE]; i++)
         if (r->mesh_of[i] != BVXI_JSON_NONE) BVXI_TRY(gltf_emit_node(r, i));
-    BVXI_TRY(gltf_fill_normals(r));
+    BVXI_TRY(BVXI_SCOPE(ctx, gltf_fill_normals(r)));
     BVXI_TRY(bvxi_progress(r->f.source->ctx, "read", 0.9));
     return bvxi_gltf_assets(&r->f, r->out);
 }

@@ -276,7 +276,6 @@ static bvx_status glb_make_file(bvx_context *ctx, const bvxi_glb_file *glb, bvx_
     glb_list_parts(glb, part);
     /* Arrays are written before the head: the head needs the size that the file has in the end. */
     BVXI_TRY(bvxi_make_file(ctx, "the GLB file", GLB_PREPARED, head, part, (int32_t)parts, file));
-    bvxi_drop(ctx, part);
     json.bytes = bvxi_glb_put_head(json.size, glb->end, file);
     json.size = 0;
     bvxi_glb_put_json(glb, &json);
@@ -327,8 +326,7 @@ static bvx_status glb_group_triangles(bvx_context *ctx, uint64_t materials, bvxi
     uint64_t const triangles = level->mesh->triangle_count;
 
     /* Group g is counted at g + 2 and its triangles are placed from g + 1 on, which is then where it ends. */
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (materials + 3) * sizeof *level->group,
-                             "the triangles of each material", &level->group));
+    BVXI_TRY(BVXI_ZEROS(ctx, materials + 3, "the triangles of each material", level->group));
     uint64_t *const next = level->group + 1;
     if (of == NULL) {
         next[materials] = triangles;
@@ -337,8 +335,7 @@ static bvx_status glb_group_triangles(bvx_context *ctx, uint64_t materials, bvxi
     for (uint64_t t = 0; t < triangles; t++) next[(of[t] < materials ? of[t] : materials) + 1]++;
     for (uint64_t g = 0; g < materials; g++) next[g + 1] += next[g];
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, triangles * sizeof *level->order, "the triangles by material",
-                        &level->order));
+    BVXI_TRY(BVXI_ARRAY(ctx, triangles, "the triangles by material", level->order));
     for (uint64_t t = 0; t < triangles; t++)
         level->order[next[of[t] < materials ? of[t] : materials]++] = (uint32_t)t;
     return BVX_OK;

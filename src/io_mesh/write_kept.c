@@ -106,7 +106,5 @@ bvx_status bvxi_write_kept(bvx_context *ctx, const bvx_mesh *level, const bvx_as
     json.size = 0;
     put_document(assets, begin, index_at, &json);
     memcpy(file->bytes + head, assets->buffer, (size_t)assets->buffer_size);
-    BVXI_TRY(take_triangles(ctx, assets, level, begin, file->bytes + head + index_at));
-    bvxi_drop(ctx, begin);
-    return BVX_OK;
+    return take_triangles(ctx, assets, level, begin, file->bytes + head + index_at);
 }

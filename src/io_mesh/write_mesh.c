@@ -110,9 +110,7 @@ static bvx_status write_with_normals(bvx_context *ctx, const bvx_mesh *mesh, nor
     }
 
     what.sum = sum;
-    BVXI_TRY(write(ctx, &what, file));
-    bvxi_drop(ctx, sum);
-    return BVX_OK;
+    return write(ctx, &what, file);
 }
 
 /* ---- one mesh ---- */
@@ -203,11 +201,8 @@ static void put_file_positions(const bvx_mesh *mesh, int rounded, const bvxi_fil
 static bvx_status count_positions(bvx_context *ctx, const bvx_mesh_view *view, uint64_t *different)
 {
     uint32_t *representative;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * sizeof *representative,
-                        "the vertices' positions", &representative));
-    BVXI_TRY(bvxi_weld(ctx, view, representative, different));
-    bvxi_drop(ctx, representative);
-    return BVX_OK;
+    BVXI_TRY(BVXI_ARRAY(ctx, view->vertex_count, "the vertices' positions", representative));
+    return bvxi_weld(ctx, view, representative, different);
 }
 
 static bvx_status check_file_view(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_mesh_view *file,
@@ -219,9 +214,9 @@ static bvx_status check_file_view(bvx_context *ctx, const bvx_mesh_view *mesh, c
      * both counts; without rounding there is none to find. */
     if (rounded) {
         BVXI_TRY(bvxi_progress(ctx, "check", 0.1));
-        BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.3, count_positions(ctx, mesh, &before)));
+        BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.3, BVXI_SCOPE(ctx, count_positions(ctx, mesh, &before))));
         BVXI_TRY(bvxi_progress(ctx, "check", 0.3));
-        BVXI_TRY(BVXI_SHARE(ctx, 0.3, 0.5, count_positions(ctx, file, &after)));
+        BVXI_TRY(BVXI_SHARE(ctx, 0.3, 0.5, BVXI_SCOPE(ctx, count_positions(ctx, file, &after))));
     }
     report->merged = before - after;
     /* STL has no indices, so its readers weld: the check sees what they will see. */
@@ -264,9 +259,7 @@ static bvx_status check_written_file(bvx_context *ctx, const char *name, const b
         file.position_type = BVX_F64;
         file.position_stride = 0;
     }
-    BVXI_TRY(check_file_view(ctx, &view, &file, format, rounded, report));
-    bvxi_drop(ctx, positions);
-    return BVX_OK;
+    return check_file_view(ctx, &view, &file, format, rounded, report);
 }
 
 static bvx_status check_levels(bvx_context *ctx, const char *function, const bvx_mesh *levels,
@@ -297,9 +290,10 @@ static bvx_status report_files(bvx_context *ctx, const char *function, const bvx
 
     for (uint64_t l = 0; l < level_count; l++) {
         memset(&o->reports[l], 0, sizeof o->reports[l]);
-        BVXI_TRY(BVXI_SHARE(ctx, (double)l / (double)level_count, (double)(l + 1) / (double)level_count,
-                            check_written_file(ctx, level_name(function, l, level_count, name), &levels[l],
-                                               format, &frame, &o->reports[l])));
+        BVXI_TRY(
+            BVXI_SHARE(ctx, (double)l / (double)level_count, (double)(l + 1) / (double)level_count,
+                       BVXI_SCOPE(ctx, check_written_file(ctx, level_name(function, l, level_count, name),
+                                                          &levels[l], format, &frame, &o->reports[l]))));
     }
     return BVX_OK;
 }

@@ -288,8 +288,7 @@ static bvx_status make_splits(label_work *w)
 {
     uint32_t next = 0;
 
-    BVXI_TRY(
-        bvxi_alloc(w->ctx, BVXI_SCRATCH, BVXI_PATTERNS * sizeof *w->patterns, "the patterns", &w->patterns));
+    BVXI_TRY(BVXI_ARRAY(w->ctx, BVXI_PATTERNS, "the patterns", w->patterns));
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, BVXI_SPLITS * sizeof *w->splits, "the splits", &w->splits));
     for (uint32_t p = 0; p < BVXI_PATTERNS; p++) {
         uint32_t const fours = bvxi_four_sides(p);
@@ -687,7 +686,7 @@ static bvx_status make_complex(label_work *w)
     w->net.complex = c;
     if (!w->options.staircase) {
         close_seams(w);
-        BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.8, bvxi_net_smooth(ctx, &w->net)));
+        BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.8, BVXI_SCOPE(ctx, bvxi_net_smooth(ctx, &w->net))));
     }
     BVXI_TRY(bvxi_for(ctx, "positions", vertices, POSITION_GRAIN, put_positions, &w->net));
     return w->options.staircase ? BVX_OK : BVXI_SHARE(ctx, 0.8, 1.0, bvxi_net_untangle(ctx, &w->net));

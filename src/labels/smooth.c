@@ -337,8 +337,5 @@ bvx_status bvxi_net_smooth(bvx_context *ctx, bvxi_net *net)
         BVXI_TRY(bvxi_for_ranges(ctx, "volumes", 0.7 + 0.3 * (double)i / (double)CORRECTIONS,
                                  0.7 + 0.3 * (double)(i + 1) / (double)CORRECTIONS,
                                  bvxi_piece_count(w.pair_count, 1), w.pair_count, correct_pairs, &w));
-    bvxi_drop(ctx, w.moved);
-    bvxi_drop(ctx, w.pairs);
-    bvxi_drop(ctx, w.faces);
     return BVX_OK;
 }

@@ -294,17 +294,17 @@ static void nest_fill_level(const bvxi_stack *s, bvxi_plane *p, const uint8_t *l
 bvx_status bvxi_nesting_make(bvxi_stack *s)
 {
     bvxi_nesting *const n = &s->nesting;
-    uint64_t most = 0;
+    uint64_t most = 0, planes = 0;
     uint32_t *part = NULL;
 
     if (n->count == NULL) return BVX_OK;
     for (uint32_t i = 0; i < s->plane_count; i++) {
-        if (i + 1 < s->plane_count && n->count[i] > 1) n->plane_room += 2 * (uint32_t)n->count[i];
+        if (i + 1 < s->plane_count && n->count[i] > 1) planes += 2 * (uint64_t)n->count[i];
         if (s->plane[i].contour_count > most) most = s->plane[i].contour_count;
     }
-    if (n->plane_room == 0) return BVX_OK;
+    if (planes == 0) return BVX_OK;
 
-    BVXI_TRY(BVXI_ARRAY(s->ctx, n->plane_room, "the levels of loops", n->plane));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, planes, "the levels of loops", n->plane));
     BVXI_TRY(BVXI_ARRAY(s->ctx, most, "the parts of sections", part));
     for (uint32_t i = 0; i + 1 < s->plane_count; i++)
         for (uint32_t level = 0; level < n->count[i] && n->count[i] > 1; level++)
@@ -348,7 +348,7 @@ typedef struct nest_mesh {
     uint64_t *seen, *shared; /* cells with triangles of one level, of several; rows of words */
     double *position;        /* of the triangles that were kept, three each */
     uint32_t *owner;         /* their slabs */
-    uint64_t triangles, position_room, owner_room;
+    uint64_t triangles, room;
 } nest_mesh;
 
 static const double *nest_slab_vertex(const nest_mesh *m, const bvxi_slab *slab, uint32_t v)
@@ -412,8 +412,8 @@ static int nest_is_shared(const nest_mesh *m, const bvxi_slab *slab, uint64_t tr
 static bvx_status nest_keep_triangle(nest_mesh *m, uint32_t number, uint64_t triangle)
 {
     const bvxi_slab *const slab = &m->slab[number];
-    BVXI_TRY(BVXI_GROW_BY(m->s, m->position, m->triangles, m->position_room, 72, "the surfaces of levels"));
-    BVXI_TRY(BVXI_GROW(m->s, m->owner, m->triangles, m->owner_room, "the surfaces of levels"));
+    BVXI_TRY(BVXI_GROW_BESIDE(m->s, m->position, m->triangles, m->room, 72, "the surfaces of levels"));
+    BVXI_TRY(BVXI_GROW(m->s, m->owner, m->triangles, m->room, "the surfaces of levels"));
     for (int c = 0; c < 3; c++)
         memcpy(m->position + 9 * m->triangles + 3 * c,
                nest_slab_vertex(m, slab, slab->mesh.triangle[3 * triangle + (uint64_t)c]), 24);

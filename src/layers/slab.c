@@ -332,8 +332,8 @@ static bvx_status order_hanging(bvxi_split_work *w, bvxi_slab *slab)
     uint32_t kept = 0;
 
     if (n == 0) return BVX_OK;
-    BVXI_TRY(BVXI_RESERVE(w->s, w->key, n, w->key_room, what));
-    BVXI_TRY(BVXI_RESERVE(w->s, w->order, n, w->order_room, what));
+    BVXI_TRY(BVXI_RESERVE_BESIDE(w->s, w->key, n, w->sorted_room, sizeof *w->key, what));
+    BVXI_TRY(BVXI_RESERVE_BESIDE(w->s, w->order, n, w->sorted_room, sizeof *w->order, what));
     BVXI_TRY(BVXI_RESERVE(w->s, w->sorted, n, w->sorted_room, what));
 
     /* By the second coordinate, then the first: equal points come together, as two cells report one. */
@@ -470,7 +470,7 @@ static uint32_t lay_slabs(bvxi_stack *s, bvxi_slab *slabs, bvxi_plane *nothing)
 
 bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs)
 {
-    uint64_t const room = (uint64_t)s->plane_count + 2 + s->nesting.plane_room; /* the last stays free */
+    uint64_t const room = (uint64_t)s->plane_count + 2 + s->nesting.plane_count; /* the last stays free */
     bvxi_plane *const nothing = &s->nothing;
     bvxi_split_work w = {.s = s};
 

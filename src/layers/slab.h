@@ -78,7 +78,7 @@ typedef struct bvxi_split_work {
     uint64_t *key;   /* of its hanging corners */
     uint32_t *order;
     bvxi_hanging *sorted;
-    uint64_t key_room, order_room, sorted_room;
+    uint64_t sorted_room; /* of these three */
     bvxi_arc *pool;
     uint32_t pool_count, piece_count;
     uint64_t pool_room, piece_room;

@@ -118,7 +118,6 @@ static bvx_status collect_triangles(bvx_context *ctx, checker *c, double progres
         BVXI_TRY(bvxi_for_pieces(ctx, "check", at, at, w.tasks, (uint64_t)w.count, collect_task, &w));
         add_round(&w, &area, &volume);
     }
-    bvxi_drop(ctx, w.terms);
     r->triangles = c->triangle_count;
     r->collapsed = all - c->triangle_count;
 
@@ -143,8 +142,7 @@ static bvx_status check_whole_mesh(bvx_context *ctx, checker *c, int weld, const
 
     /* Welding changes which triangles count, so it comes before all sums. */
     if (weld) {
-        BVXI_TRY(
-            bvxi_alloc(ctx, BVXI_SCRATCH, c->view->vertex_count * 4, "the check's welding", &c->renumber));
+        BVXI_TRY(BVXI_ARRAY(ctx, c->view->vertex_count, "the check's welding", c->renumber));
 
         /* Representatives become numbers without gaps, in their order. */
         uint32_t next = 0;
@@ -157,12 +155,12 @@ static bvx_status check_whole_mesh(bvx_context *ctx, checker *c, int weld, const
             c->renumber[v] = r == v ? next++ : c->renumber[r];
         }
     }
-    BVXI_TRY(collect_triangles(ctx, c, 0.3, low, high));
+    BVXI_TRY(BVXI_SCOPE(ctx, collect_triangles(ctx, c, 0.3, low, high)));
     if (c->triangle_count != 0 &&
         !(bvxi_vec_is_same(c->result.box.low, low) && bvxi_vec_is_same(c->result.box.high, high))) {
         memcpy(kept_low, c->result.box.low, sizeof kept_low);
         memcpy(kept_high, c->result.box.high, sizeof kept_high);
-        BVXI_TRY(collect_triangles(ctx, c, 0.35, kept_low, kept_high));
+        BVXI_TRY(BVXI_SCOPE(ctx, collect_triangles(ctx, c, 0.35, kept_low, kept_high)));
     }
     /* Its memory is freed before the topology needs its own. */
     bvxi_drop(ctx, c->renumber);

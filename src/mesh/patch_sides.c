@@ -249,7 +249,6 @@ static bvx_status judge_axis(bvx_context *ctx, side_rays *r, int axis)
     cross_rays(r, axes, 1);
     for (uint32_t n = 0; n < RAYS; n++)
         judge_ray(r->crossing + r->begin[n], r->used[n], r->in->chance, r->sides);
-    bvxi_drop(ctx, r->crossing);
     return BVX_OK;
 }
 
@@ -270,7 +269,7 @@ static bvx_status judge_rays(bvx_context *ctx, const bvxi_patch_sides *in, patch
 
     BVXI_TRY(BVXI_ARRAY(ctx, 2 * RAYS, "the patches' rays", r.begin));
     r.used = r.begin + RAYS;
-    for (int axis = 0; axis < 3; axis++) BVXI_TRY(judge_axis(ctx, &r, axis));
+    for (int axis = 0; axis < 3; axis++) BVXI_TRY(BVXI_SCOPE(ctx, judge_axis(ctx, &r, axis)));
     return BVX_OK;
 }
 

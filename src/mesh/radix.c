@@ -90,12 +90,10 @@ static void sort_radix(bvx_context *ctx, radix_arrays *a)
 bvx_status bvxi_radix_sort(bvx_context *ctx, uint64_t *keys, uint32_t *numbers, uint64_t count)
 {
     radix_arrays a = {.key_from = keys, .number_from = numbers, .count = count};
-    uint64_t *spare_keys;
-    uint32_t *spare_numbers;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *keys, "the sort's keys", &spare_keys));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *numbers, "the sort's numbers", &spare_numbers));
-    a.key_to = spare_keys;
-    a.number_to = spare_numbers;
+    void *spare;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 12, "the sort's keys and numbers", &spare));
+    a.key_to = spare;
+    a.number_to = (uint32_t *)(void *)(a.key_to + count);
     sort_radix(ctx, &a);
 
     /* After an odd number of passes the result lies in the spare arrays. */
@@ -103,7 +101,6 @@ bvx_status bvxi_radix_sort(bvx_context *ctx, uint64_t *keys, uint32_t *numbers, 
         memcpy(keys, a.key_from, (size_t)count * sizeof *keys);
         memcpy(numbers, a.number_from, (size_t)count * sizeof *numbers);
     }
-    bvxi_drop(ctx, spare_numbers);
-    bvxi_drop(ctx, spare_keys);
+    bvxi_drop(ctx, spare);
     return BVX_OK;
 }

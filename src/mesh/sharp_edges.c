@@ -98,9 +98,6 @@ static bvx_status judge_edges(bvx_context *ctx, const bvx_mesh_view *view, const
         add_edge(view, representative, facet, side[i], side[i + 1], &sum);
         i++;
     }
-    bvxi_drop(ctx, facet);
-
-    bvxi_drop(ctx, block);
     double const share = sum.all > 0 ? sum.sharp / sum.all : 0;
     *sharp = share > SHARP_SHARE_ANYHOW || (share > SHARP_SHARE && sum.sharp > SHARP_TO_BENT * sum.bent);
     return BVX_OK;
@@ -117,7 +114,5 @@ bvx_status bvxi_sharp_edges(bvx_context *ctx, const bvx_mesh_view *view, const u
     if (representative != NULL) return judge_edges(ctx, view, representative, sharp);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' places", &found));
     BVXI_TRY(bvxi_weld(ctx, view, found, &different));
-    BVXI_TRY(judge_edges(ctx, view, found, sharp));
-    bvxi_drop(ctx, found);
-    return BVX_OK;
+    return judge_edges(ctx, view, found, sharp);
 }

@@ -330,8 +330,7 @@ static bvx_status search_broken_fans(topology *c)
 
     BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, vertex_bits, "the check's marks", &c->broken));
     BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, vertex_bits, "the check's marks", &c->seen));
-    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, topology_bit_words(half_edges) * 8, "the check's marks",
-                             &c->walked));
+    BVXI_TRY(BVXI_ZEROS(c->ctx, topology_bit_words(half_edges), "the check's marks", c->walked));
 
     /* Both ends of edges with three or more triangles, whose rings take more than two steps. */
     for (uint64_t h = 0; h < 3 * c->triangle_count; h++) {

@@ -215,8 +215,7 @@ static bvx_status run_grid_hollow(bvx_context *context, const bvx_grid *grid,
     bvx_grid made = *result;
     BVXI_TRY(bvxi_grid_open(context, function, &grid->lattice, &window, &made));
     bvx_grid hollow = made;
-    bvx_status status = bvxi_alloc(context, BVXI_SCRATCH, bvxi_grid_words(grid) * 8, "the hollow",
-                                   &hollow.words);
+    bvx_status status = BVXI_ARRAY(context, bvxi_grid_words(grid), "the hollow", hollow.words);
     if (status == BVX_OK) status = make_shell(context, function, grid, &o, &hollow, &made, &report);
     BVXI_TRY(bvxi_grid_put(context, status, &made, result));
     if (o.report != NULL) *o.report = report;

@@ -26,13 +26,13 @@ typedef struct transform_job {
     const bvxi_transform *t;
     bvxi_row_distances table;
     bvxi_row_carry *carry;  /* of each row */
-    void *tile;             /* squares [group][z][y][16], each slice of y_room rows */
+    void *tile;             /* squares [group][z][y][16], each slice of slice_rows rows */
     uint64_t *tile_nearest; /* x + nx * y of their targets */
     uint8_t *has;           /* [group][z]: the slice has a target */
     double *inverse;
     unsigned char *scratch;
     uint64_t scratch_size, tile_bytes, has_bytes, inverse_bytes, carry_bytes, tile_nearest_bytes, all_scratch;
-    size_t cell, y_room;
+    size_t cell, slice_rows;
     int32_t longest, x, groups, pieces, reach, workers;
 } transform_job;
 
@@ -82,8 +82,8 @@ static bvx_status open_transform(transform_job *job)
 
     job->cell = t->whole ? sizeof(uint32_t) : sizeof(double);
     job->longest = t->box.size[1] > t->box.size[2] ? t->box.size[1] : t->box.size[2];
-    job->y_room = (size_t)ny | 1; /* slices an odd number of lines apart do not share cache sets */
-    uint64_t const lines = bvxi_mul(bvxi_mul((uint64_t)job->y_room, nz, &ok),
+    job->slice_rows = (size_t)ny | 1; /* slices an odd number of lines apart do not share cache sets */
+    uint64_t const lines = bvxi_mul(bvxi_mul((uint64_t)job->slice_rows, nz, &ok),
                                     (uint64_t)t->groups * BVXI_LANES, &ok);
     job->tile_bytes = bvxi_mul(lines, job->cell, &ok);
     job->tile_nearest_bytes = t->nearest ? bvxi_mul(lines, 8, &ok) : 0;
@@ -172,7 +172,7 @@ static void run_slice(const transform_job *job, const transform_scratch *s, int3
 {
     const int32_t *const size = job->t->box.size;
     size_t const slice = (size_t)group * (size_t)size[2] + (size_t)z;
-    size_t const first = slice * job->y_room * BVXI_LANES;
+    size_t const first = slice * job->slice_rows * BVXI_LANES;
     bvxi_columns c = columns_of(job, s, 1);
 
     /* Along x first, into the worker's lines; then along y, into the tile. */
@@ -245,7 +245,7 @@ static void run_group_of_row(const transform_job *job, const transform_scratch *
         size_t const slice = (size_t)group * nz + z;
         if (!job->has[slice]) continue;
         memcpy((unsigned char *)s->in + z * line,
-               (unsigned char *)job->tile + (slice * job->y_room + (size_t)y) * line, line);
+               (unsigned char *)job->tile + (slice * job->slice_rows + (size_t)y) * line, line);
         s->places[c.place_count++] = (int32_t)z;
     }
     if (c.place_count == 0) {
@@ -265,7 +265,7 @@ static void run_group_of_row(const transform_job *job, const transform_scratch *
     for (size_t i = 0; i < nz * BVXI_LANES && nearest != NULL; i++) {
         size_t const from = (size_t)s->from[i];
         /* Its slice along z, then what that slice's columns kept. */
-        size_t const kept = ((size_t)group * nz + from) * job->y_room + (size_t)y;
+        size_t const kept = ((size_t)group * nz + from) * job->slice_rows + (size_t)y;
         nearest[i] = job->tile_nearest[kept * BVXI_LANES + i % BVXI_LANES] +
                      from * (uint64_t)size[0] * (uint64_t)size[1];
     }

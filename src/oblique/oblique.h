@@ -143,8 +143,8 @@ typedef struct bvxi_oblique {
     uint32_t stamps;
 
     bvxi_tetra_vertex *vertex;
-    uint64_t *on; /* [vertex * plane_words] planes that it lies on */
-    uint64_t vertex_count, vertex_room, on_room;
+    uint64_t *on;                       /* [vertex * plane_words] planes that it lies on */
+    uint64_t vertex_count, vertex_room; /* of both */
 
     uint32_t *ring, *star; /* scratch: tetrahedra round an edge, round a vertex */
     uint64_t ring_count, ring_room, star_count, star_room;
@@ -153,13 +153,12 @@ typedef struct bvxi_oblique {
 
     /* the surface */
     bvxi_map crossing; /* vertices on edges */
-    double *position;
-    uint8_t *kept; /* [vertex] scratch: it has a point's coordinates; it stands for a body that stays */
-    uint32_t *triangle;
-    uint32_t *owner;          /* the tetrahedron of each triangle after those of plain cells */
-    uint32_t *output;         /* [tetra vertex] of those on contours */
+    bvxi_section_mesh mesh;
+    uint8_t *kept;    /* [vertex] scratch: it has a point's coordinates; it stands for a body that stays */
+    uint32_t *owner;  /* the tetrahedron of each triangle after those of plain cells */
+    uint32_t *output; /* [tetra vertex] of those on contours */
     uint64_t plain_triangles; /* of plain cells, which come first */
-    uint64_t position_count, position_room, triangle_count, triangle_room, owner_room, output_room;
+    uint64_t owner_room, output_room;
 } bvxi_oblique;
 
 /* oblique.c: the closed surface through contours on planes that are not parallel. */

@@ -247,8 +247,8 @@ static bvx_status make_tetrahedra(bvxi_oblique *o)
     uint64_t const tetra = 6 * SPLIT_ROOM * o->cell_count, vertices = 9 * o->cell_count;
 
     BVXI_TRY(BVXI_RESERVE(o, o->tetra, tetra, o->tetra_room, what));
+    BVXI_TRY(BVXI_RESERVE_BESIDE(o, o->on, vertices, o->vertex_room, (uint64_t)o->plane_words * 8, what));
     BVXI_TRY(BVXI_RESERVE(o, o->vertex, vertices, o->vertex_room, what));
-    BVXI_TRY(bvxi_reserve(o->ctx, &o->on, vertices, &o->on_room, (uint64_t)o->plane_words * 8, what));
 
     /* Block by block, as a block's cells have the same planes near them. */
     for (uint32_t i = 0; i < o->known_count; i++) {

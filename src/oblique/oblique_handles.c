@@ -36,7 +36,7 @@ typedef struct handle_work {
     uint32_t *number, *tetra, *member, *joined, *flip;
     uint64_t *loose; /* vertices that may change, by the size of their numbers */
     uint8_t *back;   /* of each in flip: it came back */
-    uint64_t tetra_room, member_room, joined_room, flip_room, back_room, loose_room, loose_count;
+    uint64_t tetra_room, member_room, flip_room, loose_room, loose_count;
     uint32_t tetras, members, flips;
     int strict; /* contours hold at every step, else at the end */
     uint32_t block[BVXI_LOOK_WORDS * BVXI_LOOK_MOST];
@@ -119,7 +119,7 @@ static bvx_status find_surface_patches(handle_work *w)
     bvx_context *const ctx = o->ctx;
     uint64_t const n = w->triangles;
 
-    BVXI_TRY(BVXI_ARRAY(ctx, o->position_count, what, w->vertex_of));
+    BVXI_TRY(BVXI_ARRAY(ctx, o->mesh.vertex_count, what, w->vertex_of));
     BVXI_TRY(BVXI_ARRAY(ctx, n, what, w->patch));
     BVXI_TRY(BVXI_ARRAY(ctx, 3 * n, what, w->fan));
     BVXI_TRY(BVXI_ARRAY(ctx, 3 * n, what, w->loop));
@@ -127,13 +127,13 @@ static bvx_status find_surface_patches(handle_work *w)
     BVXI_TRY(BVXI_ZEROS(ctx, n, what, w->euler));
     BVXI_TRY(BVXI_ZEROS(ctx, n, what, w->loops));
 
-    memset(w->vertex_of, 0xff, (size_t)o->position_count * 4);
+    memset(w->vertex_of, 0xff, (size_t)o->mesh.vertex_count * 4);
     /* Back from vertices of the surface to those of the tetrahedra, which contours' edges are kept by. */
     for (uint64_t v = 0; v < o->output_room; v++)
         if (o->output[v] != BVXI_NONE) w->vertex_of[o->output[v]] = (uint32_t)v;
     for (uint32_t t = 0; t < n; t++) w->patch[t] = t;
     for (uint32_t c = 0; c < 3 * n; c++) w->fan[c] = c;
-    BVXI_TRY(join_surface_patches(w, o->triangle));
+    BVXI_TRY(join_surface_patches(w, o->mesh.triangle));
     return count_surface_patches(w);
 }
 
@@ -211,8 +211,8 @@ static bvx_status look_around_patch(handle_work *w, const uint32_t *owner, uint3
     for (uint32_t i = 0; i < 4 * w->tetras; i++) {
         uint32_t const x = o->tetra[w->tetra[i / 4]].v[i % 4];
         if (w->number[x] != BVXI_NONE) continue;
+        BVXI_TRY(BVXI_GROW_BESIDE(o, w->joined, w->members, w->member_room, sizeof *w->joined, what));
         BVXI_TRY(BVXI_GROW(o, w->member, w->members, w->member_room, what));
-        BVXI_TRY(BVXI_GROW(o, w->joined, w->members, w->joined_room, what));
         w->member[w->members] = x;
         w->number[x] = w->members++;
     }
@@ -399,8 +399,9 @@ static bvx_status settle_surface_patch(handle_work *w, int32_t handles)
                 uint32_t around = 0;
                 if ((o->vertex[v].sign > 0) == inside) BVXI_TRY(change_side(w, v, 1, &around));
                 if (around == 0) continue;
+                BVXI_TRY(BVXI_GROW_BESIDE(o, w->back, w->flips, w->flip_room, sizeof *w->back,
+                                          "the vertices of a handle"));
                 BVXI_TRY(BVXI_GROW(o, w->flip, w->flips, w->flip_room, "the vertices of a handle"));
-                BVXI_TRY(BVXI_GROW(o, w->back, w->flips, w->back_room, "the vertices of a handle"));
                 w->flip[w->flips++] = v;
             }
         } while (w->flips > before);
@@ -415,7 +416,7 @@ static bvx_status settle_surface_patch(handle_work *w, int32_t handles)
 
 bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t *settled)
 {
-    handle_work w = {.o = o, .triangles = o->triangle_count};
+    handle_work w = {.o = o, .triangles = o->mesh.triangle_count};
     uint64_t found = 0;
 
     w.look = bvxi_look_in(w.block, BVXI_LOOK_MOST);

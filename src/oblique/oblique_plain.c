@@ -285,7 +285,7 @@ static int vertex_on(int bit, int way, int *beyond)
 static void plain_triangles(const plain_job *job, uint32_t known)
 {
     const bvxi_oblique *const o = job->o;
-    uint32_t *t = o->triangle + 3 * (uint64_t)job->triangles[known];
+    uint32_t *t = o->mesh.triangle + 3 * (uint64_t)job->triangles[known];
     uint64_t moved[8];
     uint32_t beside[8];
 
@@ -318,7 +318,7 @@ static void plain_surface_piece(void *user, uint64_t begin, uint64_t end)
         heard_count = bvxi_oblique_heard_planes(o, first, heard);
         blocks_beside(o, (uint32_t)i, beside);
         for (int way = 1; way < 8; way++) {
-            double *position = o->position + 3 * (uint64_t)crossed->first[way - 1];
+            double *position = o->mesh.position + 3 * (uint64_t)crossed->first[way - 1];
             for (uint64_t left = crossed->edges[way - 1]; left != 0; left &= left - 1, position += 3) {
                 double ends[2][3], value[2], at[3];
 
@@ -373,12 +373,13 @@ bvx_status bvxi_oblique_plain(bvxi_oblique *o, uint64_t more)
                                  "%s: the surface has more than 2^31 triangles", o->function);
     }
     job->triangles[o->known_count] = (uint32_t)triangles;
-    o->position_count = vertices;
-    o->triangle_count = o->plain_triangles = triangles;
+    o->mesh.vertex_count = vertices;
+    o->mesh.triangle_count = o->plain_triangles = triangles;
 
     /* A closed surface has half as many vertices as triangles; those of split cells follow these. */
-    uint64_t const positions = o->position_count + more / 2 + 1024;
-    BVXI_TRY(bvxi_reserve(ctx, &o->position, positions, &o->position_room, 24, what));
-    BVXI_TRY(bvxi_reserve(ctx, &o->triangle, o->triangle_count + more + 1, &o->triangle_room, 12, what));
+    uint64_t const positions = o->mesh.vertex_count + more / 2 + 1024;
+    BVXI_TRY(bvxi_reserve(ctx, &o->mesh.position, positions, &o->mesh.vertex_room, 24, what));
+    BVXI_TRY(bvxi_reserve(ctx, &o->mesh.triangle, o->mesh.triangle_count + more + 1, &o->mesh.triangle_room,
+                          12, what));
     return BVXI_SHARE(ctx, 0.3, 1.0, bvxi_for(ctx, "surface", n, PLAIN_GRAIN, plain_surface_piece, job));
 }

@@ -131,11 +131,11 @@ enum { HANDLE_ROUNDS = 3 };
 
 static bvx_status add_position(bvxi_oblique *o, const double at[3], uint32_t *number)
 {
-    BVXI_TRY(
-        BVXI_GROW_BY(o, o->position, o->position_count, o->position_room, 24, "the vertices of the surface"));
+    BVXI_TRY(BVXI_GROW_BY(o, o->mesh.position, o->mesh.vertex_count, o->mesh.vertex_room, 24,
+                          "the vertices of the surface"));
     for (int k = 0; k < 3; k++)
-        o->position[3 * o->position_count + (uint64_t)k] = o->origin[k] + o->step * at[k];
-    *number = (uint32_t)o->position_count++;
+        o->mesh.position[3 * o->mesh.vertex_count + (uint64_t)k] = o->origin[k] + o->step * at[k];
+    *number = (uint32_t)o->mesh.vertex_count++;
     return BVX_OK;
 }
 
@@ -204,12 +204,12 @@ static bvx_status march_tetrahedron(bvxi_oblique *o, uint32_t tetra, int inside)
     for (int k = 2; k < n; k++) {
         static const char what[] = "the triangles of the surface";
         uint32_t const corner[3] = {number[0], number[k - 1], number[k]};
-        uint64_t const t = o->triangle_count - o->plain_triangles;
+        uint64_t const t = o->mesh.triangle_count - o->plain_triangles;
 
         if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0]) continue;
-        BVXI_TRY(BVXI_GROW_BY(o, o->triangle, o->triangle_count, o->triangle_room, 12, what));
+        BVXI_TRY(BVXI_GROW_BY(o, o->mesh.triangle, o->mesh.triangle_count, o->mesh.triangle_room, 12, what));
         BVXI_TRY(BVXI_GROW(o, o->owner, t, o->owner_room, what));
-        memcpy(o->triangle + 3 * o->triangle_count++, corner, sizeof corner);
+        memcpy(o->mesh.triangle + 3 * o->mesh.triangle_count++, corner, sizeof corner);
         o->owner[t] = tetra;
     }
     return BVX_OK;
@@ -244,7 +244,7 @@ static bvx_status march_all(bvxi_oblique *o)
 
     /* Also after handles have split tetrahedra. */
     bvxi_map_clear(&o->crossing);
-    o->position_count = o->triangle_count = 0;
+    o->mesh.vertex_count = o->mesh.triangle_count = 0;
     BVXI_TRY(BVXI_RESERVE(o, o->output, o->vertex_count + 1, o->output_room, "the vertices on contours"));
     BVXI_TRY(BVXI_RESERVE(o, o->mark, o->tetra_count, o->mark_room, "the marks of tetrahedra"));
     memset(o->output, 0xff, (size_t)o->output_room * 4);
@@ -277,14 +277,14 @@ static bvx_status march_all(bvxi_oblique *o)
 /* Handles of all bodies, of a closed surface: V - E + F = 2 (parts - handles), E = 3 F / 2. */
 static bvx_status count_handles(bvxi_oblique *o, int64_t *handles)
 {
-    int64_t parts = (int64_t)o->position_count;
+    int64_t parts = (int64_t)o->mesh.vertex_count;
     uint32_t *joined;
-    BVXI_TRY(BVXI_ARRAY(o->ctx, o->position_count, "the parts of the surface", joined));
-    for (uint64_t i = 0; i < o->position_count; i++) joined[i] = (uint32_t)i;
-    for (uint64_t t = 0; t < o->triangle_count; t++)
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->mesh.vertex_count, "the parts of the surface", joined));
+    for (uint64_t i = 0; i < o->mesh.vertex_count; i++) joined[i] = (uint32_t)i;
+    for (uint64_t t = 0; t < o->mesh.triangle_count; t++)
         for (int k = 1; k < 3; k++)
-            parts -= bvxi_join(joined, o->triangle[3 * t], o->triangle[3 * t + (uint64_t)k]);
-    *handles = parts - ((int64_t)o->position_count - (int64_t)(o->triangle_count / 2)) / 2;
+            parts -= bvxi_join(joined, o->mesh.triangle[3 * t], o->mesh.triangle[3 * t + (uint64_t)k]);
+    *handles = parts - ((int64_t)o->mesh.vertex_count - (int64_t)(o->mesh.triangle_count / 2)) / 2;
     return BVX_OK;
 }
 
@@ -297,7 +297,7 @@ static bvx_status close_handles(bvxi_oblique *o)
     for (int round = 0; round < HANDLE_ROUNDS && settled > 0; round++) {
         uint64_t const vertices = o->vertex_count;
         BVXI_TRY(BVXI_SCOPE(o->ctx, count_handles(o, &handles)));
-        if (handles <= 0 || o->triangle_count == o->plain_triangles) return BVX_OK;
+        if (handles <= 0 || o->mesh.triangle_count == o->plain_triangles) return BVX_OK;
         BVXI_TRY(BVXI_SHARE(o->ctx, (double)round / HANDLE_ROUNDS, (round + 0.7) / HANDLE_ROUNDS,
                             bvxi_oblique_handles(o, o->owner, &settled)));
         if (settled == 0 && o->vertex_count == vertices) return BVX_OK;
@@ -318,7 +318,7 @@ static void oblique_count_unkept(bvxi_oblique *o, const uint32_t *renumbered)
             int kept = v != BVXI_NONE && o->output[v] != BVXI_NONE && renumbered[o->output[v]] != BVXI_NONE;
             /* Points of two planes may be one place but for rounding: the first one's coordinates are both's. */
             for (uint64_t k = 0; k < 3 && kept; k++)
-                kept = bvxi_absolute(o->position[3 * (uint64_t)o->output[v] + k] - given[k]) <= most;
+                kept = bvxi_absolute(o->mesh.position[3 * (uint64_t)o->output[v] + k] - given[k]) <= most;
             if (kept) continue;
             o->report.unkept_points++;
             bvxi_report_place(&o->report, given);
@@ -352,7 +352,7 @@ static void mark_bodies(bvxi_oblique *o, const uint32_t *joined)
             o->kept[most] = o->kept[most] == 0 && small ? 2 : 1;
         }
     }
-    for (uint64_t i = 0; i < o->position_count; i++) o->specks += o->kept[i] == 2;
+    for (uint64_t i = 0; i < o->mesh.vertex_count; i++) o->specks += o->kept[i] == 2;
 }
 
 /* Bodies with contours on them, their vertices numbered anew; joined becomes the new numbers. */
@@ -360,28 +360,29 @@ static bvx_status keep_bodies(bvxi_oblique *o, uint32_t *joined, uint64_t *verti
 {
     uint64_t kept = 0;
 
-    for (uint64_t i = 0; i < o->position_count; i++) joined[i] = (uint32_t)i;
-    for (uint64_t t = 0; t < o->triangle_count; t++)
-        for (int k = 1; k < 3; k++) bvxi_join(joined, o->triangle[3 * t], o->triangle[3 * t + (uint64_t)k]);
-    for (uint64_t i = 0; i < o->position_count; i++) joined[i] = bvxi_root(joined, (uint32_t)i);
-    memset(o->kept, 0, (size_t)o->position_count);
+    for (uint64_t i = 0; i < o->mesh.vertex_count; i++) joined[i] = (uint32_t)i;
+    for (uint64_t t = 0; t < o->mesh.triangle_count; t++)
+        for (int k = 1; k < 3; k++)
+            bvxi_join(joined, o->mesh.triangle[3 * t], o->mesh.triangle[3 * t + (uint64_t)k]);
+    for (uint64_t i = 0; i < o->mesh.vertex_count; i++) joined[i] = bvxi_root(joined, (uint32_t)i);
+    memset(o->kept, 0, (size_t)o->mesh.vertex_count);
     mark_bodies(o, joined);
     BVXI_TRY(BVXI_SCOPE(o->ctx, find_apart(o, joined)));
 
-    for (uint64_t t = 0; t < o->triangle_count; t++) {
-        if (!o->kept[joined[o->triangle[3 * t]]]) continue;
-        if (kept != t) memcpy(o->triangle + 3 * kept, o->triangle + 3 * t, 12);
+    for (uint64_t t = 0; t < o->mesh.triangle_count; t++) {
+        if (!o->kept[joined[o->mesh.triangle[3 * t]]]) continue;
+        if (kept != t) memcpy(o->mesh.triangle + 3 * kept, o->mesh.triangle + 3 * t, 12);
         kept++;
     }
-    o->triangle_count = kept;
+    o->mesh.triangle_count = kept;
 
     /* Vertices in the order in which triangles come to them; those of none have no number. */
-    memset(joined, 0xff, (size_t)o->position_count * 4);
+    memset(joined, 0xff, (size_t)o->mesh.vertex_count * 4);
     *vertices = 0;
-    for (uint64_t t = 0; t < 3 * o->triangle_count; t++) {
-        uint32_t *const number = &joined[o->triangle[t]];
+    for (uint64_t t = 0; t < 3 * o->mesh.triangle_count; t++) {
+        uint32_t *const number = &joined[o->mesh.triangle[t]];
         if (*number == BVXI_NONE) *number = (uint32_t)(*vertices)++;
-        o->triangle[t] = *number;
+        o->mesh.triangle[t] = *number;
     }
     return BVX_OK;
 }
@@ -390,7 +391,7 @@ static bvx_status write_surface(bvxi_oblique *o, uint32_t *joined, bvx_mesh *mes
 {
     uint64_t vertices;
 
-    memset(o->kept, 0, (size_t)o->position_count);
+    memset(o->kept, 0, (size_t)o->mesh.vertex_count);
 
     for (uint32_t i = 0; i < o->plane_count; i++) {
         const bvxi_plane *const p = &o->plane[i].plane;
@@ -398,24 +399,24 @@ static bvx_status write_surface(bvxi_oblique *o, uint32_t *joined, bvx_mesh *mes
             uint32_t const v = o->plane[i].vertex[n];
             if (v == BVXI_NONE || o->output[v] == BVXI_NONE || o->kept[o->output[v]]) continue;
             o->kept[o->output[v]] = 1; /* the first of two points at one vertex */
-            memcpy(o->position + 3 * (uint64_t)o->output[v], o->given->points + 3 * (uint64_t)p->given[n],
-                   24);
+            memcpy(o->mesh.position + 3 * (uint64_t)o->output[v],
+                   o->given->points + 3 * (uint64_t)p->given[n], 24);
         }
     }
 
     BVXI_TRY(keep_bodies(o, joined, &vertices));
     oblique_count_unkept(o, joined);
-    if (o->triangle_count == 0)
+    if (o->mesh.triangle_count == 0)
         return bvxi_fail_for(o->ctx, BVX_ERR_EMPTY, BVX_REASON_EMPTY,
                              "%s: no point of the lattice lies inside; take more cells", o->function);
-    if (o->triangle_count > INT32_MAX)
+    if (o->mesh.triangle_count > INT32_MAX)
         return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: the surface has more than 2^31 triangles", o->function);
-    BVXI_TRY(
-        bvxi_mesh_open(o->ctx, o->function, o->options.position_type, 0, vertices, o->triangle_count, mesh));
-    memcpy(mesh->triangles, o->triangle, (size_t)o->triangle_count * 12);
-    for (uint64_t i = 0; i < o->position_count; i++) {
-        const double *const at = o->position + 3 * i;
+    BVXI_TRY(bvxi_mesh_open(o->ctx, o->function, o->options.position_type, 0, vertices,
+                            o->mesh.triangle_count, mesh));
+    memcpy(mesh->triangles, o->mesh.triangle, (size_t)o->mesh.triangle_count * 12);
+    for (uint64_t i = 0; i < o->mesh.vertex_count; i++) {
+        const double *const at = o->mesh.position + 3 * i;
         if (joined[i] == BVXI_NONE) continue;
         bvxi_put_position(mesh, o->options.position_type, joined[i], at[0], at[1], at[2]);
     }
@@ -427,7 +428,7 @@ bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh)
     uint32_t *joined;
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6, march_all(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.7, close_handles(o)));
-    BVXI_TRY(BVXI_ARRAY(o->ctx, o->position_count, "the parts of the surface", joined));
-    BVXI_TRY(BVXI_ARRAY(o->ctx, o->position_count, "the parts of the surface", o->kept));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->mesh.vertex_count, "the parts of the surface", joined));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->mesh.vertex_count, "the parts of the surface", o->kept));
     return write_surface(o, joined, mesh);
 }

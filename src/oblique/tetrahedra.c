@@ -12,9 +12,9 @@ bvx_status bvxi_tetra_add_vertex(bvxi_oblique *o, const double at[3], uint32_t *
 {
     static const bvxi_tetra_vertex none = {
         {0.0, 0.0, 0.0}, {BVXI_NONE, BVXI_NONE}, BVXI_NONE, 0.0F, BVXI_SIGN_UNKNOWN, 0};
+    BVXI_TRY(BVXI_GROW_BESIDE(o, o->on, o->vertex_count, o->vertex_room, (uint64_t)o->plane_words * 8,
+                              "the planes of vertices"));
     BVXI_TRY(BVXI_GROW(o, o->vertex, o->vertex_count, o->vertex_room, "the vertices of tetrahedra"));
-    BVXI_TRY(BVXI_GROW_BY(o, o->on, o->vertex_count, o->on_room, (uint64_t)o->plane_words * 8,
-                          "the planes of vertices"));
     *number = (uint32_t)o->vertex_count++;
     o->vertex[*number] = none;
     memcpy(o->vertex[*number].at, at, 24);

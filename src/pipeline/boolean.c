@@ -501,7 +501,8 @@ static bvx_status choose_boolean_sharp(boolean_job *job)
 {
     job->report.sharp = job->options->placing.sharp == BVX_SHARP_ALWAYS;
     for (int32_t i = 0; i < 2 && job->options->placing.sharp == BVX_SHARP_AUTO && !job->report.sharp; i++)
-        BVXI_TRY(bvxi_sharp_edges(job->ctx, job->body[i].mesh, NULL, &job->report.sharp));
+        BVXI_TRY(
+            BVXI_SCOPE(job->ctx, bvxi_sharp_edges(job->ctx, job->body[i].mesh, NULL, &job->report.sharp)));
     return BVX_OK;
 }
 

@@ -302,12 +302,10 @@ static bvx_status open_around(flatten_job *f)
     take_around(f, &all);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, f->near.triangle_count * 12, "the triangles of thin walls",
                         &f->corner));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, f->near.vertex_count * 4, "the numbers of vertices at thin walls",
-                        &f->vertex));
+    BVXI_TRY(BVXI_ARRAY(ctx, f->near.vertex_count, "the numbers of vertices at thin walls", f->vertex));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, f->near.vertex_count * 24, "the places of vertices at thin walls",
                         &f->position));
-    BVXI_TRY(
-        bvxi_alloc(ctx, BVXI_SCRATCH, f->near.triangle_count * 4, "the triangles that change", &f->part));
+    BVXI_TRY(BVXI_ARRAY(ctx, f->near.triangle_count, "the triangles that change", f->part));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, f->near.triangle_count * 12, "the triangles that change",
                         &f->part_corner));
     /* Listed by now, with the numbers found before. */
@@ -446,8 +444,7 @@ static bvx_status aim_at_body(flatten_job *f, int32_t body)
 
 static bvx_status move_around(flatten_job *f)
 {
-    BVXI_TRY(bvxi_alloc_zero(f->ctx, BVXI_SCRATCH, f->mesh->vertex_count * 4,
-                             "the vertices around thin walls", &f->local));
+    BVXI_TRY(BVXI_ZEROS(f->ctx, f->mesh->vertex_count, "the vertices around thin walls", f->local));
     BVXI_TRY(open_around(f));
 
     bvx_mesh_view all;
@@ -529,8 +526,7 @@ bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_
         uint64_t const pieces = f.mesh->vertex_count / FLATTEN_GRAIN + 1;
 
         f.pieces = pieces < FLATTEN_PIECES ? (int32_t)pieces : FLATTEN_PIECES;
-        BVXI_TRY(bvxi_alloc_zero(f.ctx, BVXI_SCRATCH, f.count * sizeof *f.moved, "the vertices of thin walls",
-                                 &f.moved));
+        BVXI_TRY(BVXI_ZEROS(f.ctx, f.count, "the vertices of thin walls", f.moved));
         for (uint64_t n = 0; n < f.count; n++) {
             f.moved[n].distance = -1;
             f.moved[n].changed = 1;

@@ -274,7 +274,8 @@ static bvx_status measure_hull(hull_job *job, bvx_mesh *surface)
     BVXI_TRY(BVXI_SHARE(r->ctx, 0.6, 0.7, join_shells(job)));
     r->report.sharp = job->options->placing.sharp == BVX_SHARP_ALWAYS;
     if (job->options->placing.sharp == BVX_SHARP_AUTO)
-        BVXI_TRY(BVXI_SHARE(r->ctx, 0.7, 0.75, bvxi_sharp_edges(r->ctx, &r->mesh, NULL, &r->report.sharp)));
+        BVXI_TRY(BVXI_SHARE(r->ctx, 0.7, 0.75,
+                            BVXI_SCOPE(r->ctx, bvxi_sharp_edges(r->ctx, &r->mesh, NULL, &r->report.sharp))));
     BVXI_TRY(BVXI_SHARE(r->ctx, 0.75, 1.0, BVXI_SCOPE(r->ctx, bvxi_repair_surface(r, surface))));
 
     job->report.lattice = r->lattice;

@@ -99,7 +99,7 @@ typedef struct level_work {
     bvxi_march march;
 } level_work;
 
-/* Sample and count; close_level in any case. */
+/* Sample and count. */
 static bvx_status open_level(bvx_context *ctx, lod_job *job, int32_t resolution, int count_only,
                              level_work *w)
 {
@@ -129,18 +129,11 @@ static bvx_status open_level(bvx_context *ctx, lod_job *job, int32_t resolution,
     return BVX_OK;
 }
 
-static void close_level(bvx_context *ctx, level_work *w)
-{
-    bvxi_march_close(ctx, &w->march);
-    bvxi_downsample_close(ctx, &w->samples);
-}
-
 static bvx_status count_level(bvx_context *ctx, lod_job *job, int32_t resolution, uint64_t *triangles)
 {
     level_work w;
-    bvx_status const status = open_level(ctx, job, resolution, 1, &w);
+    bvx_status const status = BVXI_SCOPE(ctx, open_level(ctx, job, resolution, 1, &w));
     *triangles = w.march.triangle_count;
-    close_level(ctx, &w);
     job->searched++;
     return status;
 }
@@ -193,9 +186,6 @@ static bvx_status fill_collapsed(bvx_context *ctx, const lod_job *job, bvxi_marc
                              "%s: level %i asks for at most %u triangles; collapsing its %u ends at %u",
                              lod_name, level_number(job), target, fine.triangle_count, mesh->triangle_count);
     memcpy(mesh->frame, fine.frame, sizeof mesh->frame);
-
-    bvxi_drop(ctx, fine.triangles);
-    bvxi_drop(ctx, fine.positions);
     return BVX_OK;
 }
 
@@ -216,7 +206,6 @@ static bvx_status make_lod(bvx_context *ctx, lod_job *job, int32_t resolution, b
     BVXI_TRY(job->options->collapse != 0 ? fill_collapsed(ctx, job, &w.march, mesh)
                                          : bvxi_march_fill(ctx, &w.march, mesh));
     report_lod(job, &w, mesh);
-    close_level(ctx, &w);
     return BVX_OK;
 }
 
@@ -314,7 +303,8 @@ static bvx_status run_build_lods(bvx_context *context, const bvx_grid *solid, co
         int32_t resolution = o.resolutions != NULL ? o.resolutions[job.level] : 0;
         job.position_type = o.position_type;
         if (o.target_triangles != NULL) status = search_resolution(context, &job, &resolution);
-        if (status == BVX_OK) status = make_lod(context, &job, resolution, &levels[job.level]);
+        if (status == BVX_OK)
+            status = BVXI_SCOPE(context, make_lod(context, &job, resolution, &levels[job.level]));
     }
     if (status == BVX_OK) return BVX_OK;
     /* what the library made goes; arrays of the caller's stay his */

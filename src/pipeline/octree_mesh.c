@@ -151,13 +151,11 @@ static bvx_status run_blocks(octree_mesh_job *job, bvx_mesh *mesh)
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.05, visit_blocks(job)));
     if (job->room > 0) {
         if (job->options.position_type == BVX_POSITION_AUTO) job->options.position_type = BVX_F32;
-        BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->room * sizeof *job->part,
-                                 "the blocks' surfaces", &job->part));
+        BVXI_TRY(BVXI_ZEROS(job->ctx, job->room, "the blocks' surfaces", job->part));
         status = BVXI_SHARE(job->ctx, 0.05, 0.4, visit_blocks(job));
     }
     if (status == BVX_OK) status = BVXI_SHARE(job->ctx, 0.4, 1.0, merge_blocks(job, mesh));
     for (uint64_t i = job->part_count; i-- > 0;) bvx_mesh_free(job->ctx, &job->part[i]);
-    bvxi_drop(job->ctx, job->part);
     return status;
 }
 

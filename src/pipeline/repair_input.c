@@ -177,8 +177,7 @@ static bvx_status take_pieces(bvxi_repair_job *job, const uint32_t *representati
     const bvx_certificate *const c = &job->report.before;
     double centre[3];
 
-    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->vertex_count * 4, "the vertices' pieces",
-                        &job->piece));
+    BVXI_TRY(BVXI_ARRAY(job->ctx, job->given->vertex_count, "the vertices' pieces", job->piece));
     bvxi_pieces(&job->mesh, representative, job->piece);
     if (job->patches.part == NULL && (!c->closed || c->duplicates != 0)) return BVX_OK;
 
@@ -242,9 +241,10 @@ bvx_status bvxi_repair_take(bvxi_repair_job *job)
     int32_t const asked = job->options->placing.sharp;
 
     job->report.sharp = asked == BVX_SHARP_ALWAYS;
-    BVXI_TRY(asked == BVX_SHARP_AUTO
-                 ? bvxi_sharp_edges(job->ctx, &job->mesh, representative, &job->report.sharp)
-                 : BVX_OK);
+    BVXI_TRY(
+        asked == BVX_SHARP_AUTO
+            ? BVXI_SCOPE(job->ctx, bvxi_sharp_edges(job->ctx, &job->mesh, representative, &job->report.sharp))
+            : BVX_OK);
     BVXI_TRY(take_pieces(job, representative));
     bvxi_drop(ctx, representative);
     return BVX_OK;

@@ -407,13 +407,11 @@ static bvx_status join_open_pieces(bvxi_repair_job *job, all_sums *sums)
 static bvx_status open_sums(bvxi_repair_job *job, all_sums *sums)
 {
     memset(sums, 0, sizeof *sums);
-    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->vertex_count * 4, "the pieces' numbers",
-                        &sums->number));
+    BVXI_TRY(BVXI_ARRAY(job->ctx, job->given->vertex_count, "the pieces' numbers", sums->number));
     /* A piece is named after its least vertex. */
     for (uint64_t v = 0; v < job->given->vertex_count; v++)
         if (job->piece[v] == v) sums->number[v] = (uint32_t)sums->count++;
-    return bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sums->count * sizeof *sums->piece, "the pieces' areas",
-                           &sums->piece);
+    return BVXI_ZEROS(job->ctx, sums->count, "the pieces' areas", sums->piece);
 }
 
 bvx_status bvxi_repair_part(bvxi_repair_job *job)

@@ -216,10 +216,8 @@ bvx_status bvxi_know_pieces(bvx_context *ctx, bvxi_crumb_source *source)
 
     if (source->known) return BVX_OK;
     if (source->piece == NULL)
-        BVXI_TRY(
-            bvxi_alloc(ctx, BVXI_SCRATCH, source->mesh->vertex_count * 4, "a mesh's pieces", &source->piece));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, source->mesh->vertex_count * 4, "the vertices' places",
-                        &representative));
+        BVXI_TRY(BVXI_ARRAY(ctx, source->mesh->vertex_count, "a mesh's pieces", source->piece));
+    BVXI_TRY(BVXI_ARRAY(ctx, source->mesh->vertex_count, "the vertices' places", representative));
     BVXI_TRY(bvxi_weld(ctx, source->mesh, representative, &different));
     bvxi_pieces(source->mesh, representative, source->piece);
     bvxi_drop(ctx, representative);

@@ -216,8 +216,7 @@ static bvx_status split_front(level_job *job, double from, double to)
     if (job->level >= job->refine->start) {
         next->slots = next->count;
         next->pairs = bvxi_place_counts(job->pairs, (uint64_t)job->pieces);
-        BVXI_TRY(
-            bvxi_alloc(ctx, BVXI_SCRATCH, (next->slots + 1) * 8, "a level's list places", &next->offset));
+        BVXI_TRY(BVXI_ARRAY(ctx, next->slots + 1, "a level's list places", next->offset));
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, next->pairs * 4, "a level's triangle lists", &next->list));
 
         next->offset[next->slots] = next->pairs;

@@ -141,8 +141,7 @@ static bvx_status list_triangles(bvx_context *ctx, start_job *start, bvxi_refine
 {
     bvxi_surface_job *const surface = &start->surface;
 
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (front->slots + 1) * 8, "the start's list places",
-                             &front->offset));
+    BVXI_TRY(BVXI_ZEROS(ctx, front->slots + 1, "the start's list places", front->offset));
     surface->offset = front->offset;
 
     /* The last triangle of each voxel, so that one that comes by several rows counts once. */

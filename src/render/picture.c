@@ -133,10 +133,8 @@ static bvx_status draw_and_shade(bvx_context *ctx, bvxi_picture *p, uint64_t sam
                             draw_picture_band, &work));
     BVXI_TRY(bvxi_shade_open(ctx, p, &shade));
     work.shade = shade;
-    BVXI_TRY(bvxi_each_long(ctx, "render", 0.5, 1.0, bands, (double)samples / bands * NANOSECONDS_TO_SHADE,
-                            shade_picture_band, &work));
-    bvxi_shade_close(ctx, shade);
-    return BVX_OK;
+    return bvxi_each_long(ctx, "render", 0.5, 1.0, bands, (double)samples / bands * NANOSECONDS_TO_SHADE,
+                          shade_picture_band, &work);
 }
 
 bvx_status bvxi_picture_make(bvx_context *ctx, bvxi_picture *p)

@@ -48,6 +48,5 @@ bvx_status bvxi_picture_make(bvx_context *ctx, bvxi_picture *picture);
 typedef struct bvxi_shade bvxi_shade;
 bvx_status bvxi_shade_open(bvx_context *ctx, const bvxi_picture *picture, bvxi_shade **shade);
 void bvxi_shade_rows(const bvxi_shade *shade, int32_t begin, int32_t end);
-void bvxi_shade_close(bvx_context *ctx, bvxi_shade *shade);
 
 #endif

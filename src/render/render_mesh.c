@@ -109,8 +109,7 @@ static void place_piece(void *user, uint64_t begin, uint64_t end)
 static bvx_status place_vertices(bvx_context *ctx, mesh_scene *s)
 {
     if (s->cut.on) return BVX_OK;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, s->view->vertex_count * sizeof *s->vertex,
-                        "the picture's vertices", &s->vertex));
+    BVXI_TRY(BVXI_ARRAY(ctx, s->view->vertex_count, "the picture's vertices", s->vertex));
     return BVXI_SHARE(ctx, 0.05, 0.1,
                       bvxi_for(ctx, "render", s->view->vertex_count, SCENE_GRAIN, place_piece, s));
 }

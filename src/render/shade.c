@@ -169,11 +169,6 @@ bvx_status bvxi_shade_open(bvx_context *ctx, const bvxi_picture *picture, bvxi_s
     return BVX_OK;
 }
 
-void bvxi_shade_close(bvx_context *ctx, bvxi_shade *shade)
-{
-    bvxi_drop(ctx, shade);
-}
-
 /* ---- one sample ---- */
 
 /* Share of the ambient light that does not reach a sample, in [0, 1]. */

@@ -319,8 +319,7 @@ bvx_status bvxi_attributes_open(bvxi_collapse *c)
     const bvx_mesh_view *const m = c->given;
 
     if (m->materials != NULL) {
-        BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.triangles * 4, "the triangles' materials",
-                            &s->material));
+        BVXI_TRY(BVXI_ARRAY(c->ctx, c->mesh.triangles, "the triangles' materials", s->material));
         for (uint64_t t = 0; t < c->mesh.triangles; t++)
             s->material[t] = m->materials[given_corner(c, (int32_t)(4 * t)) / 3];
     }
@@ -329,8 +328,7 @@ bvx_status bvxi_attributes_open(bvxi_collapse *c)
         return BVX_OK;
     BVXI_TRY(find_rows(c));
     set_channels(c);
-    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, s->rows * (uint64_t)s->stride * 8,
-                             "the quadrics of attributes", &s->q));
+    BVXI_TRY(BVXI_ZEROS(c->ctx, s->rows * (uint64_t)s->stride, "the quadrics of attributes", s->q));
     for (uint64_t t = 0; t < c->mesh.triangles && s->channels > 0; t++) add_to_rows(c, t);
     return BVX_OK;
 }

@@ -444,8 +444,8 @@ static bvx_status list_loops(loop_work *w)
     bvx_context *const ctx = w->c->ctx;
     const bvxi_corners *const m = &w->c->mesh;
 
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (m->vertices + m->triangles + m->ghosts + LOOP_REACH + 3) * 4,
-                             "marks of loops", &w->mark));
+    BVXI_TRY(
+        BVXI_ZEROS(ctx, m->vertices + m->triangles + m->ghosts + LOOP_REACH + 3, "marks of loops", w->mark));
     w->mark_triangle = w->mark + m->vertices;
     w->queue = w->mark_triangle + m->triangles + m->ghosts;
     find_loops(w);
@@ -482,8 +482,5 @@ bvx_status bvxi_collapse_close_small(bvxi_collapse *c, double longest, uint64_t 
         c->order++;
         BVXI_TRY(bvxi_collapse_evaluate(c));
     }
-    bvxi_drop(c->ctx, w.length);
-    bvxi_drop(c->ctx, w.loop);
-    bvxi_drop(c->ctx, w.mark);
     return BVX_OK;
 }

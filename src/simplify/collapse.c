@@ -524,8 +524,6 @@ static bvx_status sweep_ranges(collapse_sweep *s)
     sweep_waiting(s, ranges, &r);
     c->order = r.order;
     take_range(c, &r);
-    bvxi_drop(c->ctx, s->waiting);
-    bvxi_drop(c->ctx, s->range);
     return BVX_OK;
 }
 
@@ -611,7 +609,7 @@ bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint
     *done = 0;
     if (s.candidates == 0) return BVX_OK;
     if (c->tree.node[0] == NULL && s.needed >= RANGE_COLLAPSES && c->mesh.vertices >= 2 * RANGE_VERTICES)
-        BVXI_TRY(sweep_ranges(&s));
+        BVXI_TRY(BVXI_SCOPE(c->ctx, sweep_ranges(&s)));
     else sweep_blocks(&s);
     *done = c->counts.collapsed - begun;
     return BVX_OK;

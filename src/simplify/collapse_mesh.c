@@ -118,7 +118,7 @@ static bvx_status close_small(bvxi_collapse *c, uint64_t target, int last, doubl
     double const longest = 3 * sqrt(EDGE_SQUARE * c->area / (double)target) / c->scale;
     uint64_t closed = 1;
     while (closed != 0 && (!last || c->mesh.left > target)) {
-        BVXI_TRY(bvxi_collapse_close_small(c, longest, &closed));
+        BVXI_TRY(BVXI_SCOPE(c->ctx, bvxi_collapse_close_small(c, longest, &closed)));
         if (closed != 0) BVXI_TRY(collapse_edges(c, target, last, at, at));
         if (!last) break;
     }
@@ -467,10 +467,8 @@ static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const 
 
     bvxi_ranges(c->ctx, pieces, mesh->vertex_count, used_piece, &o);
     c->mesh.vertices = c->mesh.vertex_room = bvxi_place_counts(o.used, (uint64_t)pieces);
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * sizeof *c->mesh.at, "the vertices",
-                        &c->mesh.at));
-    BVXI_TRY(
-        bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * 4, "the vertices' sources", &c->mesh.source));
+    BVXI_TRY(BVXI_ARRAY(c->ctx, c->mesh.vertex_room, "the vertices", c->mesh.at));
+    BVXI_TRY(BVXI_ARRAY(c->ctx, c->mesh.vertex_room, "the vertices' sources", c->mesh.source));
     BVXI_TRY(take_mesh(c, &o));
     bvxi_drop(c->ctx, block);
     return BVX_OK;
@@ -709,8 +707,7 @@ static bvx_status open_steps(bvxi_collapse *c, const bvx_mesh_view *mesh)
     c->scale = size > 0 ? 1 / size : 1;
 
     c->mesh.triangle_room = c->mesh.triangles = mesh->triangle_count;
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.triangle_room * sizeof *c->mesh.triangle,
-                        "the triangles", &c->mesh.triangle));
+    BVXI_TRY(BVXI_ARRAY(c->ctx, c->mesh.triangle_room, "the triangles", c->mesh.triangle));
 
     /* Ordered before it is connected, so that neighbours are written close to each other. */
     BVXI_TRY(order_mesh(c, mesh, low, size));

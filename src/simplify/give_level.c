@@ -176,7 +176,6 @@ static bvx_status give_rows(bvxi_collapse *c, bvx_mesh *level)
         }
     give_triangles(c, place, 1, level->triangles);
     if (level->uv_triangles != NULL) give_triangles(c, index, 1, level->uv_triangles);
-    bvxi_drop(c->ctx, index);
     return BVX_OK;
 }
 
@@ -190,7 +189,7 @@ bvx_status bvxi_collapse_give(bvxi_collapse *c, bvx_mesh *level)
     if (level->owned == 1 && bvxi_mesh_has_attributes(level)) bvx_mesh_free(c->ctx, level);
     int const owned = level->owned == 1 || level->positions == NULL;
     if (c->options.given.vertices == BVX_VERTICES_KEPT) status = give_kept(c, owned, level);
-    else if (c->attributes.row != NULL && owned) status = give_rows(c, level);
+    else if (c->attributes.row != NULL && owned) status = BVXI_SCOPE(c->ctx, give_rows(c, level));
     else status = bvxi_collapse_give_plain(c, level);
     if (status != BVX_OK || c->attributes.material == NULL || level->owned != 1) return status;
 

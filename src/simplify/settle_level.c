@@ -231,11 +231,9 @@ static bvx_status settle_nearest(bvxi_collapse *c)
                 }
             }
     }
-    bvxi_drop(c->ctx, l.asked);
 
     for (uint32_t v = 0; v < m->vertices; v++)
         if (!bvxi_collapse_is_gone(c, v) && c->kind[v] == 0) settle_vertex(c, v, &sum[v]);
-    bvxi_drop(c->ctx, sum);
     return BVX_OK;
 }
 
@@ -245,7 +243,7 @@ bvx_status bvxi_collapse_settle(bvxi_collapse *c)
     int turned = 1;
 
     if (c->options.enclosed != NULL) settle_inward(c);
-    else BVXI_TRY(settle_nearest(c));
+    else BVXI_TRY(BVXI_SCOPE(c->ctx, settle_nearest(c)));
     while (turned) {
         turned = 0;
         for (uint64_t t = 0; t < m->triangles; t++) {

@@ -113,8 +113,7 @@ static bvx_status weld(sheet_work *w, const bvx_mesh_view *mesh, int sources)
 
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, bytes, "the welded triangles", &w->corner));
     if (sources) w->source = w->corner + 3 * mesh->triangle_count;
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, mesh->vertex_count * 4, "the vertices' positions",
-                        &s.representative));
+    BVXI_TRY(BVXI_ARRAY(w->ctx, mesh->vertex_count, "the vertices' positions", s.representative));
     BVXI_TRY(bvxi_weld(w->ctx, mesh, s.representative, &different));
     s.corner = w->corner;
     s.source = w->source;

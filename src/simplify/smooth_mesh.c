@@ -137,8 +137,7 @@ static bvx_status find_neighbours(bvx_context *ctx, mesh_filter *w)
     /* Counted at v + 2, summed up, and filled from v + 1 on, which is then where they end. */
     add_neighbours(w, w->first + 2);
     for (uint64_t v = 0; v < vertices; v++) w->first[v + 2] += w->first[v + 1];
-    BVXI_TRY(
-        bvxi_alloc(ctx, BVXI_SCRATCH, (w->first[vertices + 1] + 1) * 4, "the neighbours", &w->neighbours));
+    BVXI_TRY(BVXI_ARRAY(ctx, w->first[vertices + 1] + 1, "the neighbours", w->neighbours));
     add_neighbours(w, w->first + 1);
     bvxi_drop(ctx, w->key);
     bvxi_drop(ctx, w->half);

@@ -150,8 +150,7 @@ bvx_status bvxi_solid_gather(bvx_context *ctx, bvxi_solid_job *job, double from,
     lists->rows = (uint64_t)job->block.ny * (uint64_t)job->block.nz;
 
     /* Counted first, then filled: one array of the exact size, whatever rows the crossings fall on. */
-    BVXI_TRY(
-        bvxi_alloc_zero(ctx, BVXI_SCRATCH, lists->rows * 8, "the rows' crossing counts", &lists->row_end));
+    BVXI_TRY(BVXI_ZEROS(ctx, lists->rows, "the rows' crossing counts", lists->row_end));
     BVXI_TRY(bvxi_solid_rounds(ctx, job, BVXI_COUNT_LIST, from, middle));
     /* counts become begins; filling turns them into ends */
     for (uint64_t row = 0; row < lists->rows; row++) {

@@ -98,7 +98,7 @@ static bvx_status choose_field_sharp(bvx_context *ctx, const char *function, con
     if (o->placing.sharp != BVX_SHARP_AUTO) return BVX_OK;
     BVXI_TRY(bvxi_view_check(ctx, function, mesh));
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.2, bvxi_sharp_edges(ctx, mesh, NULL, &sharp)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.2, BVXI_SCOPE(ctx, bvxi_sharp_edges(ctx, mesh, NULL, &sharp))));
     o->placing.sharp = sharp ? BVX_SHARP_ALWAYS : BVX_SHARP_NEVER;
     return BVX_OK;
 }
@@ -120,8 +120,6 @@ static bvx_status place_cuts(bvx_context *ctx, bvxi_cuts *c, bvx_field_surface_r
             report->lids += by == BVXI_CUT_LID ? n : 0;
         }
     }
-
-    bvxi_drop(ctx, c->piece_counts);
     return BVX_OK;
 }
 
@@ -142,7 +140,7 @@ static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, doub
     BVXI_TRY(
         bvxi_alloc(ctx, BVXI_SCRATCH, triangle_bytes, "the triangles before sharpening", &plain.triangles));
     BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.15, bvxi_march_fill(ctx, m, &plain)));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.15, 0.5, place_cuts(ctx, c, report)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.15, 0.5, BVXI_SCOPE(ctx, place_cuts(ctx, c, report))));
     return BVXI_SHARE(ctx, 0.5, 1.0, bvxi_sharpen(ctx, m, c, least_cosine, surface, report));
 }
 
@@ -172,7 +170,6 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
         BVXI_TRY(
             bvxi_mesh_made(ctx, BVXI_SHARE(ctx, 0.3, 1.0, place_cuts(ctx, &cuts, &report)), mine, surface));
     }
-    bvxi_march_close(ctx, &m);
     if (options->report != NULL) *options->report = report;
     return BVX_OK;
 }

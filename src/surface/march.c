@@ -252,18 +252,9 @@ bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid
     m->pieces = bvxi_piece_count(m->slot_count, SLOT_GRAIN);
     BVXI_TRY(BVXI_ARRAY(ctx, (m->slot_count + 1), "the rows' vertex indices", m->slots));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)m->pieces * 24, "the counts", &m->piece_counts));
-    BVXI_TRY(
-        bvxi_alloc_zero(ctx, BVXI_SCRATCH, (uint64_t)grid->words_per_row * 8, "an empty row", &m->empty_row));
+    BVXI_TRY(BVXI_ZEROS(ctx, grid->words_per_row, "an empty row", m->empty_row));
     BVXI_TRY(bvxi_each(ctx, "surface", 0.0, 0.35, m->pieces, march_count_piece, m));
     return number_slots(ctx, m);
-}
-
-void bvxi_march_close(bvx_context *ctx, bvxi_march *m)
-{
-    if (m->grid != NULL) bvxi_drop(ctx, m->across[0]);
-    if (m->grid != NULL) bvxi_drop(ctx, (void *)(uintptr_t)m->empty_row);
-    bvxi_drop(ctx, m->piece_counts);
-    bvxi_drop(ctx, m->slots);
 }
 
 /* ---- keys, by which the surfaces of windows merge into the whole's ---- */

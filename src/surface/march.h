@@ -64,11 +64,10 @@ bvx_status bvxi_choose_position_type(bvx_context *ctx, const char *function, con
 /* Doubles that could not distinguish neighbouring places. */
 bvx_status bvxi_check_f64(bvx_context *ctx, const char *function, const bvx_grid *grid,
                           const double origin[3]);
-/* Check, choose cells, count: after success the counts and slots stand. bvxi_march_close in any case. */
+/* Check, choose cells, count: after success the counts and slots stand. */
 bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid,
                            const bvx_extract_options *options);
 bvx_status bvxi_march_fill(bvx_context *ctx, bvxi_march *m, bvx_mesh *mesh);
-void bvxi_march_close(bvx_context *ctx, bvxi_march *m);
 
 /* emit.c: pieces of slots for bvxi_parallel. */
 void bvxi_march_emit_piece(void *march, int32_t piece);

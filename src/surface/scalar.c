@@ -82,11 +82,8 @@ static bvx_status run_extract_scalar(bvx_context *context, const bvx_volume_view
     inside.words_per_row = bvxi_row_words(volume->size[0]);
     inside.word_capacity = bvx_grid_bound(&volume->lattice, &window);
 
-    BVXI_TRY(
-        bvxi_alloc(context, BVXI_SCRATCH, inside.word_capacity * 8, "the samples' sides", &inside.words));
-    bvx_status const status = extract_level(context, name, volume, stride, &o, &inside, mesh);
-    bvxi_drop(context, inside.words);
-    return status;
+    BVXI_TRY(BVXI_ARRAY(context, inside.word_capacity, "the samples' sides", inside.words));
+    return extract_level(context, name, volume, stride, &o, &inside, mesh);
 }
 
 bvx_status bvx_extract_scalar(bvx_context *context, const bvx_volume_view *volume,

@@ -66,8 +66,7 @@ static bvx_status grow_labels(label_table *t)
                          room * sizeof *t->entries, "the labels"));
     t->room = room;
     if (t->tree.key != NULL) return bvxi_key_tree_grow(t->ctx, &t->tree, room);
-    BVXI_TRY(
-        bvxi_alloc_zero(t->ctx, BVXI_SCRATCH, 2 * room * sizeof *t->slots, "the table of labels", &t->slots));
+    BVXI_TRY(BVXI_ZEROS(t->ctx, 2 * room, "the table of labels", t->slots));
     for (uint64_t i = 0; i < t->count; i++) t->slots[label_slot(t, t->entries[i].value)] = (uint32_t)(i + 1);
     return BVX_OK;
 }

@@ -170,8 +170,16 @@ static void sweep_line(line_work *w, uint64_t ends)
     }
 }
 
-static bvx_status cancel_lines(bvx_context *ctx, line_work *w, uint64_t count)
+/* The edges that are left replace the given ones: never more, so they fit where those were. */
+static bvx_status cancel_lines(bvx_context *ctx, line_work *w, uint64_t count, uint64_t *left)
 {
+    BVXI_TRY(BVXI_ARRAY(ctx, count, "the open edges' lines", w->line));
+    BVXI_TRY(BVXI_ARRAY(ctx, count, "the open edges' hashes", w->key));
+    BVXI_TRY(BVXI_ARRAY(ctx, count, "the open edges by line", w->order));
+    BVXI_TRY(BVXI_ARRAY(ctx, 2 * count, "the ends on a line", w->place));
+    BVXI_TRY(BVXI_ARRAY(ctx, 2 * count, "the ends in order", w->end));
+    BVXI_TRY(BVXI_ARRAY(ctx, count, "the open edges on a line", w->open_at));
+    BVXI_TRY(BVXI_ARRAY(ctx, count, "the edges kept", w->kept));
     for (uint64_t i = 0; i < count; i++) {
         find_line(w->snapped, w->edges[i], &w->line[i]);
         w->key[i] = hash_line(&w->line[i]);
@@ -200,6 +208,7 @@ static bvx_status cancel_lines(bvx_context *ctx, line_work *w, uint64_t count)
         if (cancels) sweep_line(w, 2 * n);
         for (uint64_t k = 0; k < n && !cancels; k++) w->kept[w->kept_count++] = w->edges[edges[k]];
     }
+    memcpy(left, w->kept, (size_t)w->kept_count * 8);
     return BVX_OK;
 }
 
@@ -214,25 +223,7 @@ bvx_status bvxi_cancel_lines(bvx_context *ctx, const bvxi_snapped *s, int odd_on
     /* ends have numbers of 32 bits; more edges than those only stay as they are */
     if (n < 2 || n > UINT32_MAX / 2) return BVX_OK;
 
-    BVXI_TRY(BVXI_ARRAY(ctx, n, "the open edges' lines", w.line));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, "the open edges' hashes", &w.key));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the open edges by line", &w.order));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 16, "the ends on a line", &w.place));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, "the ends in order", &w.end));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the open edges on a line", &w.open_at));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, "the edges kept", &w.kept));
-    BVXI_TRY(cancel_lines(ctx, &w, n));
-    /* Never more edges than before, so they fit where the others were. */
-    memcpy(*edges, w.kept, (size_t)w.kept_count * 8);
-    BVXI_TRY(bvxi_resize(ctx, BVXI_SCRATCH, edges, n * 8, w.kept_count * 8, "the open edges"));
+    BVXI_TRY(BVXI_SCOPE(ctx, cancel_lines(ctx, &w, n, *edges)));
     *count = w.kept_count;
-
-    bvxi_drop(ctx, w.kept);
-    bvxi_drop(ctx, w.open_at);
-    bvxi_drop(ctx, w.end);
-    bvxi_drop(ctx, w.place);
-    bvxi_drop(ctx, w.order);
-    bvxi_drop(ctx, w.key);
-    bvxi_drop(ctx, w.line);
-    return BVX_OK;
+    return bvxi_resize(ctx, BVXI_SCRATCH, edges, n * 8, *count * 8, "the open edges");
 }

@@ -98,10 +98,10 @@ static bvx_status part_loops(bvx_context *ctx, strip_work *w, const bvxi_holes *
     uint64_t const most = 3 * w->count; /* a pair has four points in its strip and two edges in the rest */
     uint64_t begin = 0, rest = 0;
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->count * 8, "the loops' edges", &w->edge));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->count * 8, "the edges' places", &w->key));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->count * 4, "the edges in order", &w->order));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->count * 4, "the edges across", &w->other));
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * w->count, "the loops' edges", w->edge));
+    w->key = w->edge + w->count;
+    w->order = (uint32_t *)(void *)(w->key + w->count);
+    w->other = w->order + w->count;
     for (uint64_t l = 0, i = 0; l < holes->loops; begin = holes->loop_end[l++])
         for (; i < holes->loop_end[l]; i++) {
             uint64_t const next = i + 1 < holes->loop_end[l] ? i + 1 : begin;
@@ -122,7 +122,7 @@ static bvx_status part_loops(bvx_context *ctx, strip_work *w, const bvxi_holes *
         if (f == STRIP_NONE) w->key[rest++] = w->edge[i];
         else if (i < f) rest += add_strip(w->edge[i], w->edge[f], strips, w->key + rest);
     }
-    return rest == 0 ? BVX_OK : bvxi_holes_append(ctx, w->snapped, w->key, rest, strips);
+    return rest == 0 ? BVX_OK : BVXI_SCOPE(ctx, bvxi_holes_append(ctx, w->snapped, w->key, rest, strips));
 }
 
 bvx_status bvxi_holes_strips(bvx_context *ctx, const bvxi_holes *holes, const bvxi_snapped *snapped,
@@ -133,9 +133,6 @@ bvx_status bvxi_holes_strips(bvx_context *ctx, const bvxi_holes *holes, const bv
     /* Strips have up to three times as many points, which are counted in 32 bits. */
     if (holes->points < STRIP_EDGES || holes->points > UINT32_MAX / 8) return BVX_OK;
     BVXI_TRY(part_loops(ctx, &w, holes, strips));
-    bvxi_drop(ctx, w.other);
-    bvxi_drop(ctx, w.order);
-    bvxi_drop(ctx, w.key);
     bvxi_drop(ctx, w.edge);
     return BVX_OK;
 }

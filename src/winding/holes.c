@@ -80,7 +80,7 @@ static void walk_loops(hole_walk *w, const uint32_t *place, bvxi_holes *holes)
 static bvx_status join_loops(bvx_context *ctx, const uint64_t *edges, uint64_t count, const uint32_t *place,
                              uint64_t corners, bvxi_holes *holes)
 {
-    uint64_t const bytes = (corners + 1) * 8, mark = bvxi_scratch_begin(ctx);
+    uint64_t const bytes = (corners + 1) * 8;
     hole_walk w = {edges, count, NULL, NULL, NULL, NULL, NULL, NULL};
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the open edges that leave", &w.out));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the open edges that arrive", &w.in));
@@ -111,7 +111,7 @@ static bvx_status join_loops(bvx_context *ctx, const uint64_t *edges, uint64_t c
     w.in[0] = 0;
 
     walk_loops(&w, place, holes);
-    return bvxi_scratch_end(ctx, mark, BVX_OK);
+    return BVX_OK;
 }
 
 uint64_t bvxi_sheet_triangles(const bvxi_holes *holes, uint32_t *corner)
@@ -170,10 +170,7 @@ bvx_status bvxi_holes_append(bvx_context *ctx, const bvxi_snapped *s, uint64_t *
     bvxi_sort_u64(edges, count);
     uint64_t const corners = n;
 
-    BVXI_TRY(join_loops(ctx, edges, count, place, corners, holes));
-    bvxi_drop(ctx, number);
-    bvxi_drop(ctx, place);
-    return BVX_OK;
+    return join_loops(ctx, edges, count, place, corners, holes);
 }
 
 bvx_status bvxi_holes_open(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped,
@@ -190,7 +187,7 @@ bvx_status bvxi_holes_open(bvx_context *ctx, const bvx_mesh_view *view, const bv
         /* A loop has as many points as edges, so these arrays hold all of them. */
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the loops' points", &holes->vertex));
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the loops' ends", &holes->loop_end));
-        BVXI_TRY(bvxi_holes_append(ctx, snapped, edges, count, holes));
+        BVXI_TRY(BVXI_SCOPE(ctx, bvxi_holes_append(ctx, snapped, edges, count, holes)));
         /* Edges are sorted by their corners' numbers, and never there both ways (hole_edges.c). */
         for (uint64_t i = 1; i < count; i++) holes->repeated |= edges[i] == edges[i - 1];
     }

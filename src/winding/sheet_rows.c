@@ -120,8 +120,7 @@ bvx_status bvxi_turns_run(bvx_context *ctx, bvxi_turns_job *job, double from, do
 
     /* Memory for each worker, not for each column: a block is used again. */
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the workers' blocks of turns", &job->worker));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (uint64_t)job->columns * 8, "the columns' counts",
-                             &job->odd_rows));
+    BVXI_TRY(BVXI_ZEROS(ctx, job->columns, "the columns' counts", job->odd_rows));
     if (tree != NULL) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, cell_bytes, "the workers' cells", &pending));
     /* Each worker has a part of one block of memory for its cells. */
     for (int32_t w = 0; w < bvxi_threads(ctx) && pending != NULL; w++)

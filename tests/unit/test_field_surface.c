@@ -361,7 +361,8 @@ static void test_edges_without_values_are_asked_for(void)
     values.distances = NULL; /* the vectors' lengths */
     v.values = &values;
     v.missing = place_missing;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_field_surface(ctx, "test", &field.inside, &v, &o, &m));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                            BVXI_SCOPE(ctx, bvxi_field_surface(ctx, "test", &field.inside, &v, &o, &m)));
     assert_certificate(&m);
     for (uint64_t i = 0; i < 3 * m.vertex_count; i++) {
         double const at = ((const double *)m.positions)[i] - 2.5;
