@@ -93,7 +93,7 @@ void bvxi_series_move_local(const bvxi_series_table *t, const double *c, const d
 void bvxi_series_add(const bvxi_series_table *t, bvxi_series_parts *parts, int32_t locals, double *c)
 {
     if (parts->count == 0) return;
-    /* Lanes that are left over do what the first does, and count for nothing. */
+    /* Lanes without a part do what the first does, and count for nothing. */
     for (int32_t i = parts->count; i < 4; i++) {
         parts->moment[i] = parts->moment[0];
         for (int a = 0; a < 3; a++) parts->way[a][i] = parts->way[a][0];

@@ -186,7 +186,7 @@ static void settle_centres(bvxi_turns_block *block, const uint32_t *pending, con
     int clear;
 
     if (c->count == 0) return;
-    /* Lanes that are left over ask what the first does. */
+    /* Lanes without a centre ask what the first does. */
     for (int32_t i = c->count; i < 4; i++) memcpy(c->place[i], c->place[0], sizeof c->place[i]);
     if (v->pendings > 0)
         bvxi_sheet_cells_angles_four(s, (const int64_t(*)[3])c->place, pending, v->pendings, near);
