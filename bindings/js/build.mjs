@@ -17,7 +17,9 @@ mkdirSync(`${folder}/package`, { recursive: true });
 
 // ---- What the package calls and fills ----
 
-const header = readHeader(['bitvox', 'bitvox_io'].map(name => readFileSync(`include/${name}.h`, 'utf8')).join('\n'));
+// Of mesh.h the colours of materials, which the public header keeps to itself.
+const headers = ['include/bitvox.h', 'include/bitvox_io.h', 'src/mesh/mesh.h'];
+const header = readHeader(headers.map(name => readFileSync(name, 'utf8')).join('\n'));
 writeFileSync(`${folder}/layout.h`, layoutHeader(header));
 
 const CHAINED = new Set(['bitvox', 'makers']); // levels are made there
@@ -46,8 +48,11 @@ const HOT = new Set(
     point_triangle check radix collapse edge_costs sheet field_cuts crossings triangle_rows`.split(/\s+/),
 );
 
+// Arrays in the place of vectors stay in memory where size comes first: these are smaller for speed.
+const SMALLER = new Set(['sheet_series', 'nearest_order', 'sign_normal']);
+
 // Of the sum over a sheet the compiler chooses what it puts in line, which halves it.
-const wayOf = name => (name === 'sheet' ? 2 : HOT.has(name) ? 1 : 0);
+const wayOf = (name, simd) => (name === 'sheet' ? 2 : HOT.has(name) || (!simd && SMALLER.has(name)) ? 1 : 0);
 
 // Contraction would change results. With 128-bit instructions repairs take four fifths of the time. The stack lies
 // below all data, so a module whose stack overflows stops and does not write on.
@@ -99,7 +104,7 @@ async function compileAll(simd) {
 
     const batches = [];
     for (const [way, flags] of [['-Oz'], ['-O2'], ['-O2', ...SCALAR]].entries()) {
-        const chosen = files.filter(file => wayOf(basename(file, '.c')) === way);
+        const chosen = files.filter(file => wayOf(basename(file, '.c'), simd) === way);
         for (let i = 0; i < chosen.length; i += 40)
             batches.push([...flags, ...flagsOf(simd ? SIMD : SCALAR), '-c', ...chosen.slice(i, i + 40)]);
     }
@@ -131,9 +136,9 @@ const squeeze = file => {
 const version = ['MAJOR', 'MINOR', 'PATCH']
     .map(part => readFileSync('include/bitvox.h', 'utf8').match(`#define BVX_VERSION_${part} (\\d+)`)[1])
     .join('.');
-// Comments stay in the repository: the file is small before it is anything else.
+// Comments and indentation stay in the repository: the file is small before it is anything else.
 for (const { name, simd, source, structs } of modules) {
-    const bare = source.replace(/^ *(\/\/.*|\/\*\*.*\*\/)\n/gm, '').replace(/\n{2,}/g, '\n');
+    const bare = source.replace(/^ *(\/\/.*|\/\*\*.*\*\/)\n/gm, '').replace(/^ +|\n(?=\n)/gm, '');
     const packed = squeeze(`${folder}/${name}.wasm`).toString('base64');
     const text =
         `// bitvox ${version}, MIT licence; made by make js\nconst LAYOUT = ${JSON.stringify(layoutTable(header, structs))};\n` +

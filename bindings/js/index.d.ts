@@ -8,6 +8,9 @@ export type TripleIn = readonly [number, number, number] | Float64Array | Float3
 /** Formats of meshes that are read, and those that are written. */
 export type MeshFormatIn = 'stl' | 'obj' | 'ply' | 'off' | 'glb' | 'gltf' | '3mf';
 export type MeshFormat = 'stl' | 'obj' | 'ply' | 'off' | 'glb' | '3mf';
+/** Formats of grids that are read, and those that are written. */
+export type GridFormatIn = 'npy' | 'binvox' | 'vox' | 'nrrd' | 'vti' | 'bvx';
+export type GridFormat = GridFormatIn | 'vdb' | 'nvdb';
 
 export type Fill = 'auto' | 'parity' | 'nonzero' | 'vote' | 'flood' | 'regions' | 'below' | 'winding';
 export type FillReason = 'asked' | 'sound' | 'nested' | 'overlap' | 'open' | 'unorientable';
@@ -34,6 +37,8 @@ export interface MeshIn {
     uvs2?: Float32Array | undefined;
     /** Index of each triangle's material. */
     materials?: Uint32Array | undefined;
+    /** Red, green, blue, alpha of each material; looked at by labelVoxels alone. */
+    materialColours?: Uint8Array | undefined;
     /** Added to positions to reach the world; looked at by hash alone. */
     frame?: TripleIn | undefined;
 }
@@ -53,6 +58,8 @@ export interface Mesh {
     normals?: Float32Array<ArrayBuffer>;
     uvs2?: Float32Array<ArrayBuffer>;
     materials?: Uint32Array<ArrayBuffer>;
+    /** Of a glTF or 3MF file: red, green, blue, alpha of each material. */
+    materialColours?: Uint8Array<ArrayBuffer>;
     /** Add to positions to reach the world; there with localFrame alone. */
     frame?: Triple;
 }
@@ -445,6 +452,13 @@ export interface WriteOptions extends CallOptions {
     rounding?: 'refuse' | 'allow' | undefined;
     turn?: 'none' | 'z-to-y' | 'y-to-z' | undefined;
     quantize?: boolean | undefined;
+}
+
+/** A label of each voxel of a grid's window, x fastest, 0 where none is set, and the colour of each label. */
+export interface VoxelLabels {
+    labels: Uint8Array<ArrayBuffer>;
+    /** Red, green, blue, alpha of each of 256 labels. */
+    palette: Uint8Array<ArrayBuffer>;
 }
 
 export type Status =

@@ -1,5 +1,17 @@
-// Types of 'bitvox/labels': the surfaces between all labels of a volume.
-import type { CallOptions, LatticeIn, Library, LoadOptions, Mesh, PositionType, Triple, TripleIn } from './index.js';
+// Types of 'bitvox/labels': labels of voxels from a mesh, and the surfaces between all labels of a volume.
+import type {
+    CallOptions,
+    GridIn,
+    LatticeIn,
+    Library,
+    LoadOptions,
+    Mesh,
+    MeshIn,
+    PositionType,
+    Triple,
+    TripleIn,
+    VoxelLabels,
+} from './index.js';
 
 /** Labels as voxels, x fastest. Without a lattice voxel (i,j,k) is the box from (i,j,k) on, one wide. [bvx_volume_view] */
 export interface LabelVolume {
@@ -52,6 +64,8 @@ export interface LabelSurfaces {
 export interface Labels extends Library {
     /** Bodies of all labels, with shared faces. [bvx_label_surfaces] */
     labelSurfaces(volume: LabelVolume, options?: LabelsOptions): LabelSurfaces;
+    /** Labels of set voxels by the material or colour of the mesh's nearest point; textures are not looked up. [bvx_label_voxels] */
+    labelVoxels(mesh: MeshIn, grid: GridIn, options?: CallOptions): VoxelLabels;
 }
 
 /** The module, once it is compiled. */

@@ -81,7 +81,7 @@ export function readHeader(header) {
     const choices = readChoices(header);
     const structs = {};
 
-    for (const [, name, body] of header.matchAll(/^typedef struct (bvx_[a-z_]+) \{\n([^]*?)^\} \1;/gm)) {
+    for (const [, name, body] of header.matchAll(/^(?:typedef )?struct (bvx_[a-z_]+) \{\n([^]*?)^\}(?: \1)?;/gm)) {
         const fields = [];
         let offset = 0,
             align = 1;

@@ -3,6 +3,7 @@
  * All else is called as it is: the package fills the library's own structs, whose layouts build.mjs reads
  * from the header and the compiler confirms (layout.h, made by build.mjs). */
 #include "bitvox_io.h"
+#include "mesh/mesh.h"
 
 #include <stddef.h>
 

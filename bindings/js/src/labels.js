@@ -1,4 +1,4 @@
-// labels.js - the package's third part: the surfaces between all labels of a volume, in a module of their own.
+// labels.js - the package's third part: labels of voxels from a mesh, and the surfaces between all labels of a volume, in a module of their own.
 
 const SAMPLES = {
     u8: [Uint8Array, Uint8ClampedArray],
@@ -55,6 +55,27 @@ class Labels extends Library {
                 sides[2 * Math.floor(i / 2 / each) + (i % 2)],
             );
             return { labels, complex: mesh };
+        });
+    }
+
+    labelVoxels(mesh, grid, options = {}) {
+        return this._call('labelVoxels', options, (call, machine) => {
+            const source = call.mesh(mesh),
+                given = call.grid(grid),
+                colours = mesh.materialColours;
+            if (colours !== undefined) {
+                if (!(colours instanceof Uint8Array && colours.length % 4 === 0))
+                    refuse('labelVoxels', 'materialColours of the mesh must be a Uint8Array of four numbers a material');
+                const assets = call.struct('assets');
+                machine.setField('assets', assets, 'baseColours', call.copy(colours));
+                machine.setField('assets', assets, 'materialCount', colours.length / 4);
+                machine.setField('mesh', source, 'assets', assets);
+            }
+            const count = grid.size[0] * grid.size[1] * grid.size[2];
+            const labels = call.block(count),
+                palette = call.block(1024);
+            call.do('bvx_label_voxels', source, given, labels, palette);
+            return { labels: call.array(Uint8Array, labels, count), palette: call.array(Uint8Array, palette, 1024) };
         });
     }
 }

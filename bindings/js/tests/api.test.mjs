@@ -175,6 +175,72 @@ test('formats come back', () => {
     assert.equal(thrown(() => files.readMesh(text, 'off')).status, 'range');
 });
 
+/** The boxes of one .glb, each a node with its name and colour. */
+const COLOURS = [255, 0, 0, 255, 0, 90, 255, 255, 12, 200, 40, 255];
+const coloured = () =>
+    files.writeLevels([0, 5, 10].map(x => box([x, 0, 0], [x + 4, 3, 2])), 'glb', { names: ['red', 'blüe', 'green'], colours: COLOURS });
+
+test('a coloured .glb becomes a .vox, and that a .glb', () => {
+    const mesh = files.readMesh(coloured(), 'glb');
+    assert.deepEqual([...mesh.materialColours], COLOURS);
+    const { grid } = bitvox.voxelize(mesh, { resolution: 28 });
+    const made = labels.labelVoxels(mesh, grid);
+    assert.deepEqual([...grid.size, made.labels.length, made.palette.length], [28, 6, 4, 28 * 6 * 4, 1024]);
+    assert.ok(made.labels.every((label, n) => label === (n % 28 % 10 < 8 ? 1 + Math.floor((n % 28) / 10) : 0)));
+    assert.deepEqual([...made.palette.subarray(4, 16)], COLOURS);
+
+    const file = files.writeLabels(grid, made, 'vox');
+    const back = files.readLabels(file, 'vox');
+    assert.deepEqual([back.labels, back.grid.words, back.grid.size], [made.labels, grid.words, grid.size]);
+    assert.deepEqual([...back.palette.subarray(4, 16)], COLOURS);
+    assert.deepEqual(files.readGrid(file, 'vox'), back.grid);
+    assert.match(new TextDecoder().decode(files.writeLabels(grid, made, 'nrrd')), /Segment1_LabelValue:=2\n/);
+
+    // The file keeps no lattice: the grid's own is put in its place.
+    const { labels: bodies } = labels.labelSurfaces({ samples: back.labels, size: back.grid.size, lattice: grid.lattice }, { staircase: true });
+    const names = bodies.map(body => String(body.value));
+    const colours = bodies.flatMap(body => [...back.palette.subarray(4 * body.value, 4 * body.value + 4)]);
+    const again = files.readMesh(files.writeLevels(bodies.map(body => body.mesh), 'glb', { names, colours }), 'glb');
+    assert.deepEqual([...again.materialColours], COLOURS);
+    const { low, high, volume } = bitvox.check(again);
+    assert.deepEqual([low, high, volume], [[0, 0, 0], [14, 3, 2], 72]);
+    assert.deepEqual(labels.labelVoxels(again, grid), made);
+
+    // Colours of vertices are labels of their own, and count beside those of materials.
+    const painted = { ...box([0, 0, 0], [4, 3, 2]), colours: new Uint8Array(32).fill(100) };
+    const all = labels.labelVoxels(painted, grid);
+    assert.deepEqual([[...new Set(all.labels)], [...all.palette.subarray(4, 8)]], [[1, 0], [100, 100, 100, 255]]);
+});
+
+test('grids come back from their files', () => {
+    const { grid } = bitvox.voxelize(torus(24, 12, 0, 1), { resolution: 70 });
+    const corner = g => g.lattice.origin.map((x, i) => x + g.low[i] * g.lattice.spacing[i]);
+    for (const format of ['npy', 'binvox', 'vox', 'nrrd', 'vti', 'bvx']) {
+        const bytes = files.writeGrid(grid, format);
+        const back = files.readGrid(bytes, format);
+        assert.deepEqual([back.size, back.words], [grid.size, grid.words], format);
+        if (format === 'npy' || format === 'vox') assert.deepEqual([corner(back), back.lattice.spacing], [[0, 0, 0], [1, 1, 1]]);
+        else assert.ok(corner(back).every((x, i) => Math.abs(x - corner(grid)[i]) < 1e-5), format);
+        const window = { low: [3, 4, 5], size: [33, 20, 6] };
+        assert.deepEqual(files.readGrid(bytes.buffer, format, { window }).words, bitvox.crop(grid, window).words, format);
+
+        // Cut off anywhere a file is refused, and what was damaged is refused or a grid.
+        for (let n = 0; n < bytes.length; n += 1 + Math.floor(bytes.length / 40))
+            assert.equal(thrown(() => files.readGrid(bytes.subarray(0, n), format)).status, 'format', `${format} ${n}`);
+        for (let n = 0; n < bytes.length; n += 1 + Math.floor(bytes.length / 200)) {
+            const damaged = bytes.slice();
+            damaged[n] ^= 0x55;
+            for (const read of ['readGrid', format === 'vox' ? 'readLabels' : 'readGrid'])
+                try {
+                    files[read](damaged, format, { memoryLimit: 1 << 24 });
+                } catch (error) {
+                    assert.ok(error instanceof BitvoxError && /^bvx_read_(grid|labels)$/.test(error.function), `${format} ${n}: ${error}`);
+                }
+        }
+    }
+    for (const format of ['vdb', 'nvdb']) assert.ok(files.writeGrid(grid, format).length > 1000);
+});
+
 test('distances, crossings, planes', () => {
     const a = ball(8),
         b = { positions: a.positions.map(x => x * 2), triangles: a.triangles };
@@ -346,6 +412,24 @@ test('wrong arguments are refused before the library sees them', () => {
     );
     refused(() => files.readMesh('text', 'stl'), /must be an ArrayBuffer/);
     refused(() => files.readMesh(new Uint8Array(1), 'xls'), /format is "xls"/);
+    const { grid } = bitvox.voxelize(tetrahedron, { resolution: 4 });
+    const mesh = files.readMesh(coloured(), 'glb');
+    const made = labels.labelVoxels(mesh, grid);
+    refused(() => files.readGrid('text', 'vox'), /must be an ArrayBuffer/);
+    refused(() => files.readGrid(new Uint8Array(1), 'xls'), /format is "xls"/);
+    refused(() => files.readGrid(new Uint8Array(1), 'vdb'), /npy/);
+    refused(() => files.writeGrid(grid, 'stl'), /npy/, 'unsupported');
+    refused(() => files.writeGrid({}, 'vox'), /the grid has no lattice/);
+    refused(() => files.readLabels(new Uint8Array(1), 'nrrd'), /vox/, 'unsupported');
+    refused(() => files.writeLabels(grid, made, 'npy'), /vox/, 'unsupported');
+    refused(() => files.writeLabels(grid, undefined, 'vox'), /labels must be a Uint8Array of 64 numbers/);
+    refused(() => files.writeLabels(grid, { ...made, palette: [1, 2, 3, 4] }, 'vox'), /palette must be a Uint8Array of 1024 numbers/);
+    refused(() => files.writeLabels(grid, { ...made, labels: new Uint8Array(64) }, 'vox'), /voxel 0,0,0 has label 0/);
+    refused(() => files.writeLevels([mesh], 'glb', { names: [] }), /names has 0 values, and there are 1 meshes/);
+    refused(() => files.writeLevels([mesh], 'glb', { names: ['a'], colours: [1] }), /colours has 1 values/);
+    refused(() => labels.labelVoxels(tetrahedron, grid), /neither colours of its vertices nor materials/);
+    refused(() => labels.labelVoxels(mesh, {}), /the grid has no lattice/);
+    refused(() => labels.labelVoxels({ ...mesh, materialColours: new Uint8Array(3) }, grid), /four numbers a material/);
     refused(() => labels.labelSurfaces({ samples: new Float32Array(1), size: [1, 1, 1] }), /typed array of whole numbers/);
     refused(() => labels.labelSurfaces({ samples: new Uint8Array(3), size: [1, 1, 1] }), /samples of the volume are 3 numbers/);
     refused(() => labels.labelSurfaces({ samples: new Uint8Array(1), size: [1, 1] }), /size of the volume has 2 numbers/);

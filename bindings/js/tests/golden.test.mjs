@@ -336,16 +336,20 @@ test('volumes.txt, surfaces of labels', async () => {
     compare('volumes', 'label_surfaces_fewer', found);
 });
 
-/** Doubles one after the other, by bvx_hash. */
-function mixed(values) {
+/** bvx_hash of bytes. */
+function hashOf(bytes, seed) {
     const step = (h, word) => {
         h = BigInt.asUintN(64, (h ^ word) * 0x100000001b3n);
         return h ^ (h >> 32n);
     };
-    const words = new BigUint64Array(Float64Array.from(values).buffer);
-    const mix = (hash, word) => step(step(hash ^ 0xcbf29ce484222325n, word), 8n);
-    return [...words].reduce(mix, 0n).toString(16).padStart(16, '0');
+    const padded = new Uint8Array(8 * Math.ceil(bytes.length / 8));
+    padded.set(bytes);
+    return step(new BigUint64Array(padded.buffer).reduce(step, seed ^ 0xcbf29ce484222325n), BigInt(bytes.length));
 }
+const digits = hash => hash.toString(16).padStart(16, '0');
+
+/** Doubles one after the other. */
+const mixed = values => digits(values.reduce((hash, value) => hashOf(new Uint8Array(Float64Array.of(value).buffer), hash), 0n));
 
 test('questions.txt, mass and inspection', async () => {
     const makers = await loadMakers(),
@@ -366,6 +370,21 @@ test('questions.txt, mass and inspection', async () => {
             r.thinArea, r.leastGap, ...r.gapEnds, r.cavityVolume,
             ...found.flatMap(({ size, position, low, high }) => [size, ...position, ...low, ...high]),
         ])],
+    ]);
+});
+
+test('questions.txt, labels of voxels', async () => {
+    const [files, labels] = [await loadFiles(), await loadLabels()];
+    const { grid } = bitvox.voxelize(torus(48, 20, 0.25, 7), { resolution: 40, fill: 'parity' });
+    const surface = bitvox.extractSurface(grid);
+    const colours = Uint8Array.from({ length: (surface.positions.length / 3) * 4 }, (_, i) => ((i * 37) % 251) & 255);
+    const made = labels.labelVoxels({ ...surface, colours }, grid);
+    const read = files.readLabels(files.writeLabels(grid, made, 'vox'), 'vox');
+    const hashed = ({ labels, palette }) => digits(hashOf(labels, hashOf(palette, 0n)));
+    compare('questions', 'torus_40', [
+        ['labels', hashed(made)],
+        ['labels_read', hashed(read)],
+        ['segments', digits(hashOf(files.writeLabels(grid, read, 'nrrd'), 0n))],
     ]);
 });
 

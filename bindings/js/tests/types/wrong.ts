@@ -22,6 +22,10 @@ bitvox.voxelize(mesh, { resolution: '64' });
 bitvox.voxelize([0, 0, 0]);
 // @ts-expect-error bytes
 files.readMesh('scan.ply', 'ply');
+// @ts-expect-error OpenVDB is written, not read
+files.readGrid(new ArrayBuffer(8), 'vdb');
+// @ts-expect-error labels of a palette
+files.writeLabels(grid, new Uint8Array(8), 'vox');
 // @ts-expect-error whole numbers
 labels.labelSurfaces({ samples: new Float32Array(8), size: [2, 2, 2] });
 // @ts-expect-error thickness only where it was asked for
