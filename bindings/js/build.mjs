@@ -49,7 +49,7 @@ const HOT = new Set(
 );
 
 // Arrays in the place of vectors stay in memory where size comes first: these are smaller for speed.
-const SMALLER = new Set(['sheet_series', 'nearest_order', 'sign_normal']);
+const SMALLER = new Set(['sheet_series', 'nearest_order', 'sign_normal', 'mesh_rays']);
 
 // Of the sum over a sheet the compiler chooses what it puts in line, which halves it.
 const wayOf = (name, simd) => (name === 'sheet' ? 2 : HOT.has(name) || (!simd && SMALLER.has(name)) ? 1 : 0);
