@@ -1,6 +1,6 @@
 """peers_makers.py OUT MESHES - CGAL's alpha wrapping, by pymeshlab, at the counts of bench_makers; writes OUT/peers_makers.md.
 
-Offsets are a thirtieth of alpha, as in CGAL's example. Processor time of one thread, the least of BENCH_MAKERS_RUNS [3] runs. The volume
+Offsets are a thirtieth of alpha, as in CGAL's example. Processor time of one thread, the least of BENCH_MAKERS_RUNS [5] runs. The volume
 that is added is that beside what the mesh encloses.
 Source: Portaneri, Rouxel-Labbe, Hemmer, Cohen-Steiner, Alliez. Alpha Wrapping with an Offset. 2022."""
 import gzip
@@ -16,7 +16,7 @@ except ImportError:
     sys.exit(0)
 
 out, folder = sys.argv[1:3]
-runs = int(os.environ.get("BENCH_MAKERS_RUNS", "3"))
+runs = int(os.environ.get("BENCH_MAKERS_RUNS", "5"))
 # Of each mesh: alphas in percent of the diagonal that give about 5,000 and 1,000 triangles.
 models = (("rocker-arm", (2.778, 7.453)), ("fandisk", (2.174, 5.161)), ("cow", (2.052, 6.136)))
 
