@@ -354,7 +354,7 @@ static void test_every_allocation_may_fail_and_every_progress_call_may_cancel(vo
     one_thread.threads = 1;
     make_spoiled(12);
     TEST_ASSERT_NULL(fault_every_allocation(list_some, NULL, &one_thread, &allocations));
-    TEST_ASSERT_EQUAL_UINT64(17, allocations);
+    TEST_ASSERT_EQUAL_UINT64(15, allocations);
     TEST_ASSERT_NULL(fault_every_cancel(list_some, NULL, &one_thread, &calls));
     TEST_ASSERT_TRUE(calls >= 5);
 }
