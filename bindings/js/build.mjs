@@ -72,6 +72,7 @@ const flagsOf = simd => [
 ];
 const linkingOf = (simd, calls) => [
     '-Oz',
+    '-sBINARYEN_EXTRA_PASSES=--converge', // twice over is a kilobyte less
     ...simd,
     '-mbulk-memory',
     '-sSTANDALONE_WASM',
