@@ -48,7 +48,7 @@ const HOT = new Set(
     point_triangle check radix collapse edge_costs sheet field_cuts crossings triangle_rows`.split(/\s+/),
 );
 
-// Arrays in the place of vectors stay in memory where size comes first: these are smaller for speed.
+// Without vectors these are smaller at -O2: arrays of four become plain numbers there.
 const SMALLER = new Set(['sheet_series', 'nearest_order', 'sign_normal', 'mesh_rays']);
 
 // Of the sum over a sheet the compiler chooses what it puts in line, which halves it.
@@ -72,7 +72,7 @@ const flagsOf = simd => [
 ];
 const linkingOf = (simd, calls) => [
     '-Oz',
-    '-sBINARYEN_EXTRA_PASSES=--converge', // twice over is a kilobyte less
+    '-sBINARYEN_EXTRA_PASSES=--converge', // until nothing gets smaller: a kilobyte less
     ...simd,
     '-mbulk-memory',
     '-sSTANDALONE_WASM',

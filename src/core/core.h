@@ -86,7 +86,7 @@ bvx_status bvxi_grow(bvx_context *ctx, const char *function, void *block, uint64
 #define BVXI_GROW_BY(of, array, count, room, item, what) \
     ((count) < (room) ? BVX_OK : bvxi_grow((of)->ctx, (of)->function, &(array), &(room), item, what))
 #define BVXI_GROW(of, array, count, room, what) BVXI_GROW_BY(of, array, count, room, sizeof *(array), what)
-/* Before the last of several arrays with one room: room is that of all when the last one has grown. */
+/* For arrays that share a room: all but the last grow by these, which leave the room as it is; the last then sets it. */
 #define BVXI_GROW_BESIDE(of, array, count, room, item, what) \
     ((count) < (room) ? BVX_OK                               \
                       : bvxi_grow((of)->ctx, (of)->function, &(array), &(uint64_t){room}, item, what))

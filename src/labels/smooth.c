@@ -127,8 +127,8 @@ static void split_faces(void *user, uint64_t begin, uint64_t end)
 }
 
 /* 36 times the volume that a triangle sweeps; last gets twice its area vector at the end. That is a quadratic of the
- * share of the way, whose mean is the mean of both ends less a sixth of the quadratic term. Up to 55 bits, as ways are
- * shorter than 2 voxels: a double may round the last two, everywhere alike. */
+ * share of the way: its mean is that of both ends less a sixth of the quadratic term. Ways are shorter than 2 voxels, so
+ * up to 55 bits: a double may round the last two, everywhere alike. */
 static inline double swept(const bvxi_face *f, int32_t b, int32_t c, double last[3])
 {
     double place[2][3], moved[2][3], bent[3], sum = 0.0;

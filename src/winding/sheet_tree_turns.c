@@ -170,7 +170,7 @@ static void look_at_pending(const bvxi_turns_block *block, const turns_brick *b,
     v->looked = 1;
 }
 
-/* Up to four centres of a brick whose whole numbers need what is near. */
+/* Up to four centres of a brick that its look left open. */
 typedef struct tree_centres {
     int32_t count, at[4][3];
     int64_t place[4][3]; /* in whole numbers for exact questions */

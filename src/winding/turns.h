@@ -232,7 +232,7 @@ double bvxi_sheet_tree_angle(const bvxi_sheet *sheet, const int64_t p[3], double
 /* sheet.c: the angle of the triangles of some cells only, right to 1e-8. */
 double bvxi_sheet_cells_angle(const bvxi_sheet *sheet, const int64_t p[3], const uint32_t *cells,
                               uint64_t count);
-/* The same for four places, some of which may be one; the same digits. */
+/* The same for four places. Places may repeat. */
 void bvxi_sheet_cells_angles_four(const bvxi_sheet *sheet, const int64_t p[4][3], const uint32_t *cells,
                                   uint64_t count, double turns[4]);
 
