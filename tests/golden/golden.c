@@ -137,7 +137,12 @@ static int golden_skips(golden *g, const char *name)
                                         "torus_enclosed",
                                         "torus_48_open",
                                         "torus_40_shell",
-                                        "soup"};
+                                        "soup",
+                                        "torus_8_by_5",
+                                        "torus_stretched",
+                                        "torus_130",
+                                        "knot_f64",
+                                        "torus_x"};
     int is_long = 0;
 
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) is_long |= strcmp(name, names[i]) == 0;

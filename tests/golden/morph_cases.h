@@ -143,17 +143,19 @@ static void morph_cases(golden *g)
 
     for (int32_t stretched = 0; stretched < 2; stretched++) {
         bvx_grid grid = {0}, specks = {0}, rest = {0};
-        golden_begin(g, name[0][stretched]);
-        if (pitted_torus(g, stretched, &grid)) {
-            morphed(g, &grid, &grid, 6, 1, 0);
-            morphed(g, &grid, &grid, 18, 3, 0);
-            morphed(g, &grid, &grid, 26, 2, 0);
-            morphed(g, &grid, &grid, 0, 1, 2.3);
-            hollowed(g, &grid);
-            distances_of(g, &grid);
-            if (!stretched) squares_of(g, &grid);
+        if (!golden_skips(g, name[0][stretched])) {
+            golden_begin(g, name[0][stretched]);
+            if (pitted_torus(g, stretched, &grid)) {
+                morphed(g, &grid, &grid, 6, 1, 0);
+                morphed(g, &grid, &grid, 18, 3, 0);
+                morphed(g, &grid, &grid, 26, 2, 0);
+                morphed(g, &grid, &grid, 0, 1, 2.3);
+                hollowed(g, &grid);
+                distances_of(g, &grid);
+                if (!stretched) squares_of(g, &grid);
+            }
+            golden_end(g);
         }
-        golden_end(g);
         if (!golden_skips(g, name[1][stretched])) {
             golden_begin(g, name[1][stretched]);
             if (few_specks(g, stretched, &specks) &&

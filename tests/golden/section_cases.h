@@ -257,7 +257,7 @@ static void section_cases(golden *g)
     normal_values(g, "torus_normals", &view);
     smooth_values(g, "torus_smooth", &view);
     slice_values(g, "torus_z", &view, 0, 0, 1);
-    slice_values(g, "torus_x", &view, 1, 0, 0);
+    if (!golden_skips(g, "torus_x")) slice_values(g, "torus_x", &view, 1, 0, 0);
     slice_values(g, "torus_askew", &view, 0.6, -0.36, 0.72);
 }
 
