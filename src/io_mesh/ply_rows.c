@@ -325,10 +325,16 @@ static bvx_status ply_take_column(ply_file *f, const ply_element *e, uint32_t i,
     if (ply_is_run(h, e, i, PLY_ROLE_X, 3, PLY_F32) && f->mesh->position_type == BVX_F32)
         return ply_take_floats(f, e, p, row, count);
     if (ply_is_run(h, e, i, PLY_ROLE_RED, 3, PLY_U8)) {
-        *taken += ply_is_run(h, e, i, PLY_ROLE_RED, 4, PLY_U8) ? 1 : 0;
+        int const alpha = ply_is_run(h, e, i, PLY_ROLE_RED, 4, PLY_U8);
         /* Red, green, blue as bytes side by side; perhaps with alpha. */
         uint8_t *out = f->mesh->colours + (size_t)row * 4;
-        for (uint64_t k = 0; k < count; k++, p += e->least_bytes, out += 4) memcpy(out, p, *taken);
+        for (uint64_t k = 0; k < count; k++, p += e->least_bytes, out += 4) {
+            out[0] = p[0];
+            out[1] = p[1];
+            out[2] = p[2];
+            if (alpha) out[3] = p[3];
+        }
+        *taken += alpha ? 1 : 0;
         return BVX_OK;
     }
     *taken = 1;
