@@ -181,14 +181,15 @@ static void unpack_piece(void *user, int32_t piece)
 {
     const unpack_job *const job = user;
     const bvx_grid *const g = job->grid;
+    int32_t const nx = g->size[0];
     uint64_t row, end;
     /* Rows belong to one piece each, so no two workers write the same byte. */
     bvxi_piece(bvxi_grid_rows(g), job->pieces, piece, &row, &end);
     for (; row < end; row++) {
         const uint64_t *const words = g->words + row * (uint64_t)g->words_per_row;
-        uint8_t *const bytes = job->bytes + row * (uint64_t)g->size[0];
+        uint8_t *const bytes = job->bytes + row * (uint64_t)nx;
         int32_t x = 0;
-        for (; x + 8 <= g->size[0]; x += 8) {
+        for (; x + 8 <= nx; x += 8) {
             /* Eight voxels, lowest bit first, copied into every byte, of which each keeps another one; adding the
              * constant lifts any set bit to the top of its byte. */
             uint64_t const each = (words[x >> 6] >> (x & 63) & 0xff) * UINT64_C(0x0101010101010101) &
@@ -196,7 +197,7 @@ static void unpack_piece(void *user, int32_t piece)
             bvxi_store_u64(bytes + x,
                            (each + UINT64_C(0x00406070787c7e7f)) >> 7 & UINT64_C(0x0101010101010101));
         }
-        for (; x < g->size[0]; x++) bytes[x] = (uint8_t)(words[x >> 6] >> (x & 63) & 1);
+        for (; x < nx; x++) bytes[x] = (uint8_t)(words[x >> 6] >> (x & 63) & 1);
     }
 }
 
