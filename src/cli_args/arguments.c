@@ -90,14 +90,6 @@ static int find_argument(const cli_argument *const *row, int rows, const char *n
     return -1;
 }
 
-static int is_taken_by_any(const cli_run *run, const char *name, size_t length)
-{
-    const cli_argument *row[CLI_MAX_OPTIONS];
-    for (int i = 0; run->commands[i] != NULL; i++)
-        if (find_argument(row, cli_list_rows(run->commands[i], row), name, length) >= 0) return 1;
-    return 0;
-}
-
 int cli_takes(const cli_run *run, const char *name)
 {
     return find_argument(run->row, run->rows, name, strlen(name)) >= 0;
@@ -128,23 +120,6 @@ int cli_reduces(const cli_run *run)
     return run->options->triangles.count != 0 || run->options->errors.count != 0;
 }
 
-static int refuse_option(cli_run *run, const char *word, size_t length)
-{
-    char name[64];
-
-    snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), word);
-    /* A right option at the wrong command is not a misspelling. */
-    if (is_taken_by_any(run, word, length))
-        return cli_usage(run, "%s has no use for %s; see 'bitvox %s --help-all'", run->command->name, name,
-                         run->command->name);
-    const char *const nearest = strcmp(name, "--output") == 0 ? "-o" : cli_nearest(name, next_option, run);
-    if (nearest != NULL)
-        return cli_usage(run, "%s is not an option of %s; did you mean %s?", name, run->command->name,
-                         nearest);
-    return cli_usage(run, "%s is not an option of %s; see 'bitvox %s --help-all'", name, run->command->name,
-                     run->command->name);
-}
-
 /* ---- the command line ---- */
 
 /* Take the option at word[*at]; *at moves after it. */
@@ -157,7 +132,25 @@ static int parse_option(cli_run *run, int count, char **word, int *at)
     const char *value = equals != NULL ? equals + 1 : NULL;
     char wanted[256];
 
-    if (a == NULL) return refuse_option(run, text, length);
+    if (a == NULL) {
+        char name[64];
+
+        snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), text);
+        /* A right option at the wrong command is not a misspelling. */
+        for (int i = 0; run->commands[i] != NULL; i++) {
+            const cli_argument *of[CLI_MAX_OPTIONS];
+            if (find_argument(of, cli_list_rows(run->commands[i], of), text, length) >= 0)
+                return cli_usage(run, "%s has no use for %s; see 'bitvox %s --help-all'", run->command->name,
+                                 name, run->command->name);
+        }
+        const char *const nearest = strcmp(name, "--output") == 0 ? "-o"
+                                                                  : cli_nearest(name, next_option, run);
+        if (nearest != NULL)
+            return cli_usage(run, "%s is not an option of %s; did you mean %s?", name, run->command->name,
+                             nearest);
+        return cli_usage(run, "%s is not an option of %s; see 'bitvox %s --help-all'", name,
+                         run->command->name, run->command->name);
+    }
     /* Which of two would count is a guess; --cut stands once for each axis. */
     if (run->given[row] && a->kind != CLI_CUT) return cli_usage(run, "%s is given twice", a->name);
     run->given[row] = 1;

@@ -30,22 +30,16 @@ typedef struct batch {
     int status; /* of the first failure */
 } batch;
 
-static const char *last_part(const char *path)
-{
-    const char *part = path;
-    for (const char *p = path; *p != 0; p++) {
-#if defined(_WIN32)
-        if (*p == '\\' || *p == ':') part = p + 1;
-#endif
-        if (*p == '/') part = p + 1;
-    }
-    return part;
-}
-
 /* The name in the folder, with the format's ending or the input's own, .gz included; number before it. */
 static char *path_in_folder(const char *folder, const char *input, const char *number, const char *ending)
 {
-    const char *const name = last_part(input), *dot;
+    const char *name = input, *dot;
+    for (const char *p = input; *p != 0; p++) {
+#if defined(_WIN32)
+        if (*p == '\\' || *p == ':') name = p + 1;
+#endif
+        if (*p == '/') name = p + 1;
+    }
     size_t const whole = strlen(name);
     size_t length = whole;
     size_t const room = strlen(folder) + length + 32;

@@ -88,31 +88,6 @@ static const cli_rule boolean_rules[] = {
     {.also = cli_sharp_rules},
     {0}};
 
-static int take_operation(cli_run *run, boolean_run *b)
-{
-    const char *const word = run->options->input[0];
-    for (b->operation = 0; b->operation < 4; b->operation++)
-        if (strcmp(word, operation_names[b->operation]) == 0) return CLI_DONE;
-    return cli_usage(run, "unknown operation '%s'; it is one of union, intersection, difference and xor",
-                     word);
-}
-
-static int check_boolean_options(cli_run *run, boolean_run *b)
-{
-    int kind[2], grids, status = take_operation(run, b);
-
-    for (int i = 0; i < 2 && status == CLI_DONE; i++)
-        status = cli_input_kind(run, run->options->input[1 + i], &kind[i]);
-    if (status != CLI_DONE) return status;
-    for (int i = 0; i < 2; i++) b->is_mesh[i] = kind[i] == CLI_MESH;
-    grids = (kind[0] == CLI_GRID) + (kind[1] == CLI_GRID);
-    b->kind = cli_kind_of_format(bvx_format_of_name(run->options->output));
-    status = cli_check_rules(run, boolean_rules, (grids != 0 ? HAS_GRID : 0u) | (grids == 2 ? HAS_GRIDS : 0u),
-                             NULL);
-    b->by_mesh = grids == 0 && b->kind == CLI_MESH;
-    return status;
-}
-
 static int fail_boolean(cli_run *run, const boolean_run *b, bvx_status status)
 {
     char about[600];
@@ -123,45 +98,38 @@ static int fail_boolean(cli_run *run, const boolean_run *b, bvx_status status)
 
 /* ---- Meshes ---- */
 
-/* What can be left lies in the first box of a difference, in both of an intersection. */
-static void choose_boolean_box(const boolean_run *b, const cli_box box[2], cli_box *fit)
-{
-    *fit = box[0];
-    if (b->operation == BVX_BOOLEAN_UNION || b->operation == BVX_BOOLEAN_XOR) cli_join_boxes(fit, &box[1]);
-    if (b->operation != BVX_BOOLEAN_INTERSECTION) return;
-    for (int a = 0; a < 3; a++) {
-        if (box[1].low[a] > fit->low[a]) fit->low[a] = box[1].low[a];
-        if (box[1].high[a] < fit->high[a]) fit->high[a] = box[1].high[a];
-    }
-    /* Boxes that do not meet: any lattice will do for an empty result. */
-    for (int a = 0; a < 3; a++)
-        if (!(fit->low[a] < fit->high[a])) *fit = box[0]; /* nothing will be left */
-}
-
 /* A lattice around what can be left, as bvx_boolean fits it, with an empty voxel on every side. */
 static bvx_status fit_boolean_lattice(cli_run *run, const boolean_run *b, bvx_lattice *lattice)
 {
     cli_box box[2], fit;
 
     for (int i = 0; i < 2; i++) cli_mesh_box(&b->in[i].mesh, &box[i]);
-    choose_boolean_box(b, box, &fit);
+    /* What can be left lies in the first box of a difference, in both of an intersection. */
+    fit = box[0];
+    if (b->operation == BVX_BOOLEAN_UNION || b->operation == BVX_BOOLEAN_XOR) cli_join_boxes(&fit, &box[1]);
+    for (int a = 0; a < 3 && b->operation == BVX_BOOLEAN_INTERSECTION; a++) {
+        if (box[1].low[a] > fit.low[a]) fit.low[a] = box[1].low[a];
+        if (box[1].high[a] < fit.high[a]) fit.high[a] = box[1].high[a];
+    }
+    /* Boxes that do not meet: any lattice will do for an empty result. */
+    for (int a = 0; a < 3 && b->operation == BVX_BOOLEAN_INTERSECTION; a++)
+        if (!(fit.low[a] < fit.high[a])) fit = box[0];
     /* The surface of the result must close within the lattice. */
     run->options->padding = 1;
     bvx_mesh_view const corners = cli_corners_of_box(&fit);
-    bvx_status status = cli_make_lattice(run, &corners, lattice);
-    if (status == BVX_OK) {
-        /* A mesh that sticks out far needs fewer fraction bits for its vertices to fit. */
-        double farthest = 0.0;
-        for (int i = 0; i < 2; i++)
-            for (int a = 0; a < 3; a++) {
-                farthest = fmax(farthest, (lattice->origin[a] - box[i].low[a]) / lattice->spacing[a]);
-                farthest = fmax(farthest, (box[i].high[a] - lattice->origin[a]) / lattice->spacing[a]);
-            }
-        /* A snapped coordinate stays below 2^29. */
-        while (lattice->fraction_bits > 4 && ldexp(farthest, lattice->fraction_bits) > 536870912.0)
-            lattice->fraction_bits--;
-    }
-    return status;
+    CLI_TRY(cli_make_lattice(run, &corners, lattice));
+
+    /* A mesh that sticks out far needs fewer fraction bits for its vertices to fit. */
+    double farthest = 0.0;
+    for (int i = 0; i < 2; i++)
+        for (int a = 0; a < 3; a++) {
+            farthest = fmax(farthest, (lattice->origin[a] - box[i].low[a]) / lattice->spacing[a]);
+            farthest = fmax(farthest, (box[i].high[a] - lattice->origin[a]) / lattice->spacing[a]);
+        }
+    /* A snapped coordinate stays below 2^29. */
+    while (lattice->fraction_bits > 4 && ldexp(farthest, lattice->fraction_bits) > 536870912.0)
+        lattice->fraction_bits--;
+    return BVX_OK;
 }
 
 static int combine_meshes(cli_run *run, boolean_run *b)
@@ -196,70 +164,52 @@ static int combine_meshes(cli_run *run, boolean_run *b)
 
 /* ---- Grids ---- */
 
-static bvx_status fill_operand(cli_run *run, cli_input *in, const bvx_lattice *lattice,
-                               const bvx_window *window, bvx_solid_report *report)
+static bvx_status combine_operands(cli_run *run, boolean_run *b, uint64_t *set)
 {
-    /* No cli_take_fill: boolean takes the rule alone, none of its companions. */
-    bvx_voxelize_options v = {
-        .struct_size = sizeof v, .fill = run->options->fill, .window = *window, .report = report};
-    bvx_mesh_view const view = cli_view(&in->mesh);
-    bvx_status status = bvx_voxelize_solid(run->context, &view, lattice, &v, &in->grid);
-    cli_take_warnings(run, (const char *const[]){cli_input_name(in->path), NULL, NULL});
-    return status;
-}
-
-/* Operands that are meshes become grids, on the lattice of the one that is a grid. */
-static bvx_status fill_operands(cli_run *run, boolean_run *b)
-{
-    const cli_input *const with = b->in[0].kind == CLI_GRID ? &b->in[0] : &b->in[1];
-    bvx_window window = {{0, 0, 0}, {0, 0, 0}};
-    bvx_lattice lattice;
-    bvx_status status = BVX_OK;
-
-    /* A grid cannot be moved without loss, so the mesh comes to it. */
-    if (with->kind == CLI_GRID) {
-        lattice = with->grid.lattice;
-        memcpy(window.low, with->grid.low, sizeof window.low);
-        memcpy(window.size, with->grid.size, sizeof window.size);
-    } else {
-        status = fit_boolean_lattice(run, b, &lattice);
-    }
-    for (int i = 0; i < 2 && status == BVX_OK; i++)
-        if (b->in[i].kind == CLI_MESH) status = fill_operand(run, &b->in[i], &lattice, &window, &b->solid[i]);
-    return status;
-}
-
-static bvx_status resample_operand(cli_run *run, boolean_run *b)
-{
-    const bvx_grid *const a = &b->in[0].grid;
+    const boolean_options *const own = run->own;
+    bvx_grid *const grid[2] = {&b->in[0].grid, &b->in[1].grid};
+    int const with = b->in[0].kind == CLI_GRID ? 0 : 1;
     bvx_grid there = {0};
-    bvx_window window;
+    bvx_window window = {{0, 0, 0}, {0, 0, 0}};
+    bvx_lattice lattice = grid[with]->lattice;
+
+    /* Operands that are meshes become grids, on the lattice of the one that is a grid: that cannot be moved without
+     * loss, so the mesh comes to it. */
+    if (b->in[with].kind == CLI_GRID) {
+        memcpy(window.low, grid[with]->low, sizeof window.low);
+        memcpy(window.size, grid[with]->size, sizeof window.size);
+    } else CLI_TRY(fit_boolean_lattice(run, b, &lattice));
+    for (int i = 0; i < 2; i++) {
+        if (b->in[i].kind != CLI_MESH) continue;
+        /* No cli_take_fill: boolean takes the rule alone, none of its companions. */
+        bvx_voxelize_options v = {
+            .struct_size = sizeof v, .fill = run->options->fill, .window = window, .report = &b->solid[i]};
+        bvx_mesh_view const view = cli_view(&b->in[i].mesh);
+        bvx_status const status = bvx_voxelize_solid(run->context, &view, &lattice, &v, grid[i]);
+        cli_take_warnings(run, (const char *const[]){cli_input_name(b->in[i].path), NULL, NULL});
+        CLI_TRY(status);
+    }
 
     /* The window of A, since what lies outside it is in no result. */
-    memcpy(window.low, a->low, sizeof window.low);
-    memcpy(window.size, a->size, sizeof window.size);
-    bvx_status status = bvx_grid_resample(run->context, &b->in[1].grid, &a->lattice, &window, &there);
-    if (status != BVX_OK) return status;
-    bvx_grid_free(run->context, &b->in[1].grid);
-    b->in[1].grid = there;
-    return BVX_OK;
+    if (own->resample) {
+        memcpy(window.low, grid[0]->low, sizeof window.low);
+        memcpy(window.size, grid[0]->size, sizeof window.size);
+        CLI_TRY(bvx_grid_resample(run->context, grid[1], &grid[0]->lattice, &window, &there));
+        bvx_grid_free(run->context, grid[1]);
+        *grid[1] = there;
+    }
+    for (int i = 0; i < 2; i++) CLI_TRY(bvx_grid_count(run->context, grid[i], &b->voxels[i]));
+    CLI_TRY(bvx_grid_combine(run->context, grid[0], grid[1], b->operation, &b->grid));
+    CLI_TRY(bvx_grid_count(run->context, &b->grid, set));
+    return b->kind == CLI_MESH ? bvx_extract_surface(run->context, &b->grid, NULL, &b->mesh) : BVX_OK;
 }
 
 static int combine_grids(cli_run *run, boolean_run *b)
 {
-    const boolean_options *const own = run->own;
     uint64_t set = 0;
 
     cli_stage_begin(run, "boolean");
-    bvx_status status = fill_operands(run, b);
-    if (status == BVX_OK && own->resample) status = resample_operand(run, b);
-    for (int i = 0; i < 2 && status == BVX_OK; i++)
-        status = bvx_grid_count(run->context, &b->in[i].grid, &b->voxels[i]);
-    if (status == BVX_OK)
-        status = bvx_grid_combine(run->context, &b->in[0].grid, &b->in[1].grid, b->operation, &b->grid);
-    if (status == BVX_OK) status = bvx_grid_count(run->context, &b->grid, &set);
-    if (status == BVX_OK && b->kind == CLI_MESH)
-        status = bvx_extract_surface(run->context, &b->grid, NULL, &b->mesh);
+    bvx_status const status = combine_operands(run, b, &set);
     cli_stage_end(run);
     if (status != BVX_OK) return fail_boolean(run, b, status);
     cli_note_voxels(run, &b->grid.lattice, set);
@@ -291,21 +241,6 @@ static int is_thin_kept(const boolean_run *b, int i)
     return b->by_mesh && (b->report.thin_kept & (i == 0 ? BVX_KEPT_A : BVX_KEPT_B)) != 0;
 }
 
-static void report_operand(const cli_run *run, const boolean_run *b, int i, cli_made *made)
-{
-    cli_text *const t = &made->members;
-    const bvx_solid_report *const r = &b->solid[i];
-
-    if (!b->is_mesh[i]) return;
-    cli_text_add(t, ", \"%s\": {\"fill\": \"%s\", \"reason\": \"%s\"", i == 0 ? "a" : "b",
-                 cli_fill_names[r->fill], cli_fill_reasons[r->fill_reason]);
-    cli_json_count(t, "turned", r->turned);
-    cli_json_count(t, "unbalanced_rows", r->unbalanced_rows);
-    cli_json_losses(t, &run->report.lattice, r);
-    cli_json_truth(t, "thin_kept", is_thin_kept(b, i));
-    cli_text_add(t, "}");
-}
-
 static void tell_boolean(const cli_run *run, const void *work, cli_made *made)
 {
     const boolean_run *const b = work;
@@ -317,7 +252,17 @@ static void tell_boolean(const cli_run *run, const void *work, cli_made *made)
     cli_json_count(t, "voxels_b", b->voxels[1]);
     cli_json_count(t, "voxels", run->report.set);
     cli_json_truth(t, "surfaces_kept", b->by_mesh);
-    for (int i = 0; i < 2; i++) report_operand(run, b, i, made);
+    for (int i = 0; i < 2; i++) {
+        const bvx_solid_report *const r = &b->solid[i];
+        if (!b->is_mesh[i]) continue;
+        cli_text_add(t, ", \"%s\": {\"fill\": \"%s\", \"reason\": \"%s\"", i == 0 ? "a" : "b",
+                     cli_fill_names[r->fill], cli_fill_reasons[r->fill_reason]);
+        cli_json_count(t, "turned", r->turned);
+        cli_json_count(t, "unbalanced_rows", r->unbalanced_rows);
+        cli_json_losses(t, &run->report.lattice, r);
+        cli_json_truth(t, "thin_kept", is_thin_kept(b, i));
+        cli_text_add(t, "}");
+    }
     if (b->by_mesh) {
         cli_json_truth(t, "sharp", b->report.sharp);
         cli_json_count(t, "crumbs", b->report.crumbs);
@@ -348,10 +293,25 @@ static void tell_boolean(const cli_run *run, const void *work, cli_made *made)
 static int make_boolean(cli_run *run, void *work, cli_made *made)
 {
     boolean_run *const b = work;
-    const char *const output = run->options->output;
+    const char *const output = run->options->output, *const word = run->options->input[0];
+    int kind[2], grids;
+
     made->write = write_boolean;
     made->untitled = 1;
-    CLI_TRY(check_boolean_options(run, b));
+    for (b->operation = 0; b->operation < 4 && strcmp(word, operation_names[b->operation]) != 0;)
+        b->operation++;
+    if (b->operation == 4)
+        return cli_usage(run, "unknown operation '%s'; it is one of union, intersection, difference and xor",
+                         word);
+    for (int i = 0; i < 2; i++) {
+        CLI_TRY(cli_input_kind(run, run->options->input[1 + i], &kind[i]));
+        b->is_mesh[i] = kind[i] == CLI_MESH;
+    }
+    grids = (kind[0] == CLI_GRID) + (kind[1] == CLI_GRID);
+    b->kind = cli_kind_of_format(bvx_format_of_name(output));
+    CLI_TRY(cli_check_rules(run, boolean_rules, (grids != 0 ? HAS_GRID : 0u) | (grids == 2 ? HAS_GRIDS : 0u),
+                            NULL));
+    b->by_mesh = grids == 0 && b->kind == CLI_MESH;
     CLI_TRY(b->kind == CLI_GRID ? cli_open_grid_output(run, output) : cli_open_output(run, output));
     for (int i = 0; i < 2; i++) CLI_TRY(cli_read_input(run, run->options->input[1 + i], &b->in[i]));
     return b->by_mesh ? combine_meshes(run, b) : combine_grids(run, b);

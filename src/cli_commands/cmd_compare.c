@@ -20,21 +20,14 @@ static const cli_argument compare_rows[] = {
     {.also = cli_takes_all},
     {0}};
 
-static const char *pieces_text(uint64_t count, uint64_t largest, char *text, size_t room)
-{
-    if (count == 0) snprintf(text, room, "none");
-    else if (count == 1) snprintf(text, room, "in one piece");
-    else snprintf(text, room, "in %" PRIu64 " pieces, the largest of %" PRIu64, count, largest);
-    return text;
-}
-
 static void tell_only(cli_made *made, const char *name, uint64_t voxels, uint64_t count, uint64_t largest)
 {
     char text[96];
+    if (count == 0) snprintf(text, sizeof text, "none");
+    else if (count == 1) snprintf(text, sizeof text, "in one piece");
+    else snprintf(text, sizeof text, "in %" PRIu64 " pieces, the largest of %" PRIu64, count, largest);
     if (voxels == 0) cli_tell(made, "  only in %s   none\n", name);
-    else
-        cli_tell(made, "  only in %s   %" PRIu64 " voxels, %s\n", name, voxels,
-                 pieces_text(count, largest, text, sizeof text));
+    else cli_tell(made, "  only in %s   %" PRIu64 " voxels, %s\n", name, voxels, text);
 }
 
 static void tell_grid_difference(const cli_run *run, const bvx_grid *g, const bvx_grid_difference *d,
@@ -151,24 +144,6 @@ static void tell_way(cli_made *made, const char *way, double mean, double most, 
     cli_tell(made, "  %-10s %11.4g %8.4f%% %13.4g %8.4f%%\n", way, mean, mean * part, most, most * part);
 }
 
-static void report_distance(cli_made *made, const bvx_distance_report *d, double diagonal)
-{
-    cli_text *const t = &made->members;
-
-    cli_text_add(t, ", \"distance\": {\"samples\": %" PRIu64, d->samples);
-    cli_json_count(t, "seed", d->seed);
-    cli_json_value(t, "mean", d->mean);
-    cli_json_value(t, "max", d->max);
-    cli_json_value(t, "mean_a_to_b", d->mean_a_to_b);
-    cli_json_value(t, "max_a_to_b", d->max_a_to_b);
-    cli_json_value(t, "mean_b_to_a", d->mean_b_to_a);
-    cli_json_value(t, "max_b_to_a", d->max_b_to_a);
-    cli_json_value(t, "normal_a_to_b", d->normal_a_to_b);
-    cli_json_value(t, "normal_b_to_a", d->normal_b_to_a);
-    cli_json_value(t, "diagonal", diagonal);
-    cli_text_add(t, "}");
-}
-
 static int compare_meshes(cli_run *run, const cli_input in[2], cli_made *made)
 {
     const compare_options *const own = run->own;
@@ -200,17 +175,31 @@ static int compare_meshes(cli_run *run, const cli_input in[2], cli_made *made)
     tell_way(made, "B to A", d.mean_b_to_a, d.max_b_to_a, diagonal);
     tell_way(made, "both ways", d.mean, d.max, diagonal);
 
-    report_distance(made, &d, diagonal);
+    cli_text *const t = &made->members;
+
+    cli_text_add(t, ", \"distance\": {\"samples\": %" PRIu64, d.samples);
+    cli_json_count(t, "seed", d.seed);
+    cli_json_value(t, "mean", d.mean);
+    cli_json_value(t, "max", d.max);
+    cli_json_value(t, "mean_a_to_b", d.mean_a_to_b);
+    cli_json_value(t, "max_a_to_b", d.max_a_to_b);
+    cli_json_value(t, "mean_b_to_a", d.mean_b_to_a);
+    cli_json_value(t, "max_b_to_a", d.max_b_to_a);
+    cli_json_value(t, "normal_a_to_b", d.normal_a_to_b);
+    cli_json_value(t, "normal_b_to_a", d.normal_b_to_a);
+    cli_json_value(t, "diagonal", diagonal);
+    cli_text_add(t, "}");
     return CLI_DONE;
 }
 
-static int check_compare_options(cli_run *run)
+static int make_compare(cli_run *run, void *work, cli_made *made)
 {
     const cli_options *const o = run->options;
-    int kind[2], status = CLI_DONE;
+    cli_input *const in = work;
+    int kind[2];
 
-    for (int i = 0; i < 2 && status == CLI_DONE; i++) status = cli_input_kind(run, o->input[i], &kind[i]);
-    if (status != CLI_DONE) return status;
+    made->untitled = 1;
+    for (int i = 0; i < 2; i++) CLI_TRY(cli_input_kind(run, o->input[i], &kind[i]));
     /* A mesh has no voxels and a grid no points to measure from; which should change is the user's choice. */
     if (kind[0] != kind[1])
         return cli_usage(
@@ -218,21 +207,11 @@ static int check_compare_options(cli_run *run)
                  "or make a mesh of the grid with 'bitvox lod'");
     if (kind[0] == CLI_MESH && o->samples == 0 && cli_given(run, "--seed"))
         return cli_usage(run, "--seed has no use with --samples 0");
-    if (kind[0] == CLI_MESH) return CLI_DONE;
-    if (o->samples >= 0) return cli_usage(run, "--samples is for meshes; grids are compared voxel by voxel");
-    if (cli_given(run, "--seed"))
+    if (kind[0] != CLI_MESH && o->samples >= 0)
+        return cli_usage(run, "--samples is for meshes; grids are compared voxel by voxel");
+    if (kind[0] != CLI_MESH && cli_given(run, "--seed"))
         return cli_usage(run, "--seed is for meshes; grids are compared voxel by voxel");
-    return CLI_DONE;
-}
-
-static int make_compare(cli_run *run, void *work, cli_made *made)
-{
-    cli_input *const in = work;
-    int status = check_compare_options(run);
-    for (int i = 0; i < 2 && status == CLI_DONE; i++)
-        status = cli_read_input(run, run->options->input[i], &in[i]);
-    made->untitled = 1;
-    if (status != CLI_DONE) return status;
+    for (int i = 0; i < 2; i++) CLI_TRY(cli_read_input(run, o->input[i], &in[i]));
     return in[0].kind == CLI_MESH ? compare_meshes(run, in, made) : compare_grids(run, in, made);
 }
 

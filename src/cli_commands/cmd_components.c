@@ -46,22 +46,6 @@ typedef struct components_job {
     cli_voxels voxels; /* the output */
 } components_job;
 
-static int check_components_options(cli_run *run)
-{
-    const components_options *const own = run->own;
-    const cli_options *const o = run->options;
-    int kind;
-
-    CLI_TRY(cli_input_kind(run, o->input[0], &kind));
-    if (kind == CLI_MESH)
-        return cli_usage(run,
-                         "%s is a mesh; 'bitvox info' counts its parts, 'bitvox voxelize' makes a grid of it",
-                         cli_first_name(run));
-    if (own->seeds.count % 3 != 0)
-        return cli_usage(run, "--seed takes three numbers a seed, like 8,8,8 or 8,8,8,40,40,40");
-    return o->output != NULL ? cli_check_voxel_name(run) : CLI_DONE;
-}
-
 /* ---- what is kept ---- */
 
 static int keep_components(cli_run *run, components_job *job)
@@ -95,22 +79,29 @@ static int by_size(const void *a, const void *b)
     return p->first < q->first ? -1 : 1;
 }
 
-static int list_components(cli_run *run, components_job *job)
+/* Without memory for the list the parts are counted, and the list is not there. */
+static bvx_status look_at_components(cli_run *run, components_job *job)
 {
     const bvx_grid *const g = &job->in.grid;
 
-    cli_stage_begin(run, "components");
     /* Counted first: how many parts there are cannot be bounded by anything useful. */
-    bvx_status status = bvx_grid_components(run->context, g, job->connectivity, NULL, 0, &job->count);
-    if (status == BVX_OK && (job->count >= SIZE_MAX / sizeof *job->parts ||
-                             (job->parts = malloc(((size_t)job->count + 1) * sizeof *job->parts)) == NULL))
-        return cli_fail(run, "no memory for a list of %" PRIu64 " parts", job->count);
-    if (status == BVX_OK)
-        status = bvx_grid_components(run->context, g, job->connectivity, job->parts, job->count, &job->count);
+    CLI_TRY(bvx_grid_components(run->context, g, job->connectivity, NULL, 0, &job->count));
+    if (job->count < SIZE_MAX / sizeof *job->parts)
+        job->parts = malloc(((size_t)job->count + 1) * sizeof *job->parts);
+    if (job->parts == NULL) return BVX_OK;
+    CLI_TRY(bvx_grid_components(run->context, g, job->connectivity, job->parts, job->count, &job->count));
     /* The Euler number is counted for 6 and 26 only. */
-    if (status == BVX_OK && job->connectivity != 18)
-        status = bvx_grid_topology(run->context, g, job->connectivity, &job->topology);
-    if (status == BVX_OK) status = bvx_grid_count(run->context, g, &job->set);
+    if (job->connectivity != 18)
+        CLI_TRY(bvx_grid_topology(run->context, g, job->connectivity, &job->topology));
+    return bvx_grid_count(run->context, g, &job->set);
+}
+
+static int list_components(cli_run *run, components_job *job)
+{
+    cli_stage_begin(run, "components");
+    bvx_status const status = look_at_components(run, job);
+    if (status == BVX_OK && job->parts == NULL)
+        return cli_fail(run, "no memory for a list of %" PRIu64 " parts", job->count);
     CLI_TRY(cli_stage_check(run, status, cli_input_name(job->in.path)));
     /* Numbers are by the first voxel. */
     for (uint64_t i = 0; i < job->count; i++) job->parts[i].reserved = i + 1;
@@ -156,10 +147,44 @@ static void tell_parts(const cli_run *run, const components_job *job, cli_made *
     if (job->count > PARTS_SAID) cli_tell(made, "           and %" PRIu64 " more\n", job->count - PARTS_SAID);
 }
 
-static void report_parts(const components_job *job, cli_made *made)
+static int make_components(cli_run *run, void *work, cli_made *made)
 {
+    const components_options *const own = run->own;
+    components_job *const job = work;
+    const char *const output = run->options->output;
+    int kind;
+
+    job->connectivity = cli_neighbours[run->options->connectivity];
+    CLI_TRY(cli_input_kind(run, run->options->input[0], &kind));
+    if (kind == CLI_MESH)
+        return cli_usage(run,
+                         "%s is a mesh; 'bitvox info' counts its parts, 'bitvox voxelize' makes a grid of it",
+                         cli_first_name(run));
+    if (own->seeds.count % 3 != 0)
+        return cli_usage(run, "--seed takes three numbers a seed, like 8,8,8 or 8,8,8,40,40,40");
+    if (output != NULL) CLI_TRY(cli_check_voxel_name(run));
+    if (output != NULL) CLI_TRY(cli_open_voxels(run));
+    CLI_TRY(cli_read_input(run, run->options->input[0], &job->in));
+    /* Refused before parts are looked for, which takes longer. */
+    if (output != NULL && !CLI_HOLDS(run, CLI_TO_MESH))
+        CLI_TRY(cli_check_grid_format(run, output, &job->in.grid.lattice));
+    CLI_TRY(keep_components(run, job));
+    CLI_TRY(list_components(run, job));
+
+    job->voxels.name = run->options->input[0];
+    job->voxels.grid = made->shown = &job->in.grid;
+    if (output != NULL) made->voxels = &job->voxels;
+    made->set = job->set;
+    made->placed = job->in.placed;
+    return CLI_DONE;
+}
+
+static void tell_components(const cli_run *run, const void *work, cli_made *made)
+{
+    const components_job *const job = work;
     cli_text *const t = &made->members;
 
+    tell_parts(run, job, made);
     cli_text_add(t, ", \"components\": {\"connectivity\": %" PRId32, job->connectivity);
     cli_json_count(t, "count", job->count);
     cli_json_count(t, "dropped", job->kept.dropped);
@@ -185,35 +210,6 @@ static void report_parts(const components_job *job, cli_made *made)
         cli_text_add(t, "}");
     }
     cli_text_add(t, "]}");
-}
-
-static int make_components(cli_run *run, void *work, cli_made *made)
-{
-    components_job *const job = work;
-    const char *const output = run->options->output;
-
-    job->connectivity = cli_neighbours[run->options->connectivity];
-    CLI_TRY(check_components_options(run));
-    if (output != NULL) CLI_TRY(cli_open_voxels(run));
-    CLI_TRY(cli_read_input(run, run->options->input[0], &job->in));
-    /* Refused before parts are looked for, which takes longer. */
-    if (output != NULL && !CLI_HOLDS(run, CLI_TO_MESH))
-        CLI_TRY(cli_check_grid_format(run, output, &job->in.grid.lattice));
-    CLI_TRY(keep_components(run, job));
-    CLI_TRY(list_components(run, job));
-
-    job->voxels.name = run->options->input[0];
-    job->voxels.grid = made->shown = &job->in.grid;
-    if (output != NULL) made->voxels = &job->voxels;
-    made->set = job->set;
-    made->placed = job->in.placed;
-    return CLI_DONE;
-}
-
-static void tell_components(const cli_run *run, const void *work, cli_made *made)
-{
-    tell_parts(run, work, made);
-    report_parts(work, made);
 }
 
 static const cli_owned components_owns[] = {CLI_OWNS(VOXELS, components_job, voxels),

@@ -57,25 +57,32 @@ typedef struct convert_job {
     cli_voxels voxels;
 } convert_job;
 
-static int convert_tree(cli_run *run, convert_job *job, cli_made *made)
+static int make_convert(cli_run *run, void *work, cli_made *made)
 {
-    cli_tree *const t = &job->tree;
-    int status = cli_take_tree(run, job->in.tree, t);
-    /* cli_take_tree owns it, also where it failed. */
-    job->in.tree = NULL;
-    if (status == CLI_DONE) status = cli_check_tree_output(run, t);
-    if (status == CLI_DONE && t->kind == 0 && run->options->window.count != 0)
-        status = cli_usage(run, "--window of an octree is only for grids; %s is not a grid",
-                           run->options->output);
-    made->write = cli_write_tree;
-    return status;
-}
+    convert_job *const job = work;
+    const char *const out = run->options->output;
+    int kind;
+    CLI_TRY(check_convert_options(run, &kind, &job->tree));
+    if (kind == CLI_MESH) {
+        CLI_TRY(cli_open_output(run, out));
+        made->mesh = &job->in.mesh;
+        return cli_read_mesh(run, run->options->input[0], &job->in.mesh);
+    }
+    CLI_TRY(bvx_format_of_name(out) == BVX_FORMAT_VTU ? cli_open_output(run, out) : cli_open_voxels(run));
+    CLI_TRY(cli_read_grid_or_tree(run, run->options->input[0], &job->tree.window, &job->in));
+    if (job->in.kind == CLI_TREE) {
+        bvx_octree *const tree = job->in.tree;
+        made->write = cli_write_tree;
+        /* cli_take_tree owns it, also where it failed. */
+        job->in.tree = NULL;
+        CLI_TRY(cli_take_tree(run, tree, &job->tree));
+        CLI_TRY(cli_check_tree_output(run, &job->tree));
+        if (job->tree.kind != 0 || run->options->window.count == 0) return CLI_DONE;
+        return cli_usage(run, "--window of an octree is only for grids; %s is not a grid", out);
+    }
 
-static int convert_grid(cli_run *run, convert_job *job, cli_made *made)
-{
     /* .bvx may be either, so that it is no tree shows only here. */
-    if (bvx_format_of_name(run->options->output) == BVX_FORMAT_VTU || cli_given(run, "--expand") ||
-        cli_given(run, "--states"))
+    if (bvx_format_of_name(out) == BVX_FORMAT_VTU || cli_given(run, "--expand") || cli_given(run, "--states"))
         return cli_usage(run, "--expand, --states and .vtu are for octrees; %s is a grid",
                          cli_input_name(job->in.path));
     job->voxels.name = job->in.path;
@@ -84,22 +91,6 @@ static int convert_grid(cli_run *run, convert_job *job, cli_made *made)
     made->placed = job->in.placed;
     bvx_grid_count(run->context, &job->in.grid, &made->set);
     return CLI_DONE;
-}
-
-static int make_convert(cli_run *run, void *work, cli_made *made)
-{
-    convert_job *const job = work;
-    const char *const out = run->options->output;
-    int kind;
-    CLI_TRY(check_convert_options(run, &kind, &job->tree));
-    if (kind == CLI_MESH) {
-        int const status = cli_open_output(run, run->options->output);
-        made->mesh = &job->in.mesh;
-        return status == CLI_DONE ? cli_read_mesh(run, run->options->input[0], &job->in.mesh) : status;
-    }
-    CLI_TRY(bvx_format_of_name(out) == BVX_FORMAT_VTU ? cli_open_output(run, out) : cli_open_voxels(run));
-    CLI_TRY(cli_read_grid_or_tree(run, run->options->input[0], &job->tree.window, &job->in));
-    return job->in.kind == CLI_TREE ? convert_tree(run, job, made) : convert_grid(run, job, made);
 }
 
 static void tell_convert(const cli_run *run, const void *work, cli_made *made)

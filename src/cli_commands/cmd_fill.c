@@ -60,23 +60,10 @@ static int check_fill_options(cli_run *run, int *kind)
         return cli_usage(run, "--seed takes three numbers a seed, like 8,8,8 or 8,8,8,40,40,40");
     if (own->mesh != NULL && own->seeds.count != 0)
         return cli_usage(run, "--mesh says which pockets lie inside; it has no use with --seed");
-    if (own->mesh != NULL) {
-        status = cli_input_kind(run, own->mesh, &mesh);
-        if (status == CLI_DONE && mesh != CLI_MESH)
-            status = cli_usage(run, "--mesh takes a mesh; %s is a grid", own->mesh);
-        if (status != CLI_DONE) return status;
-    }
+    if (own->mesh != NULL) CLI_TRY(cli_input_kind(run, own->mesh, &mesh));
+    if (own->mesh != NULL && mesh != CLI_MESH)
+        return cli_usage(run, "--mesh takes a mesh; %s is a grid", own->mesh);
     return cli_check_voxel_name(run);
-}
-
-static int read_fill_inputs(cli_run *run, fill_job *job)
-{
-    const fill_options *const own = run->own;
-    int status = cli_read_input(run, run->options->input[0], &job->in);
-    if (status != CLI_DONE || own->mesh == NULL) return status;
-    status = cli_read_mesh(run, own->mesh, &job->mesh);
-    bvx_mesh_view_of(&job->mesh, &job->view);
-    return status;
 }
 
 static int make_room_for_seeds(cli_run *run, fill_job *job, uint64_t count)
@@ -84,18 +71,6 @@ static int make_room_for_seeds(cli_run *run, fill_job *job, uint64_t count)
     free(job->seeds);
     job->seeds = count < SIZE_MAX / 12 ? malloc((size_t)count * 12 + 1) : NULL;
     return job->seeds != NULL ? CLI_DONE : cli_fail(run, "no memory for %" PRIu64 " seeds", count);
-}
-
-static int take_given_seeds(cli_run *run, fill_job *job)
-{
-    const fill_options *const own = run->own;
-    const cli_list *const list = &own->seeds;
-    int const status = make_room_for_seeds(run, job, (uint64_t)list->count / 3);
-    job->given = 1;
-    if (status != CLI_DONE) return status;
-    job->count = (uint64_t)list->count / 3;
-    for (int i = 0; i < list->count; i++) job->seeds[i] = (int32_t)list->value[i];
-    return CLI_DONE;
 }
 
 static int find_seeds(cli_run *run, fill_job *job)
@@ -125,39 +100,6 @@ static int find_seeds(cli_run *run, fill_job *job)
         path);
 }
 
-static int fill_from_seeds(cli_run *run, fill_job *job)
-{
-    const bvx_grid *const walls = &job->in.grid;
-    cli_stage_begin(run, "fill");
-    bvx_status status = bvx_grid_fill(run->context, walls, job->seeds, job->count,
-                                      cli_neighbours[run->options->connectivity], &job->out);
-    if (status == BVX_OK) status = bvx_grid_count(run->context, &job->out, &job->filled);
-    CLI_TRY(cli_stage_check(run, status, cli_input_name(job->in.path)));
-    /* Before the shell joins, which may lie at a side by itself. */
-    job->reaches_side = cli_touches_side(&job->out);
-    size_t const words = (size_t)walls->words_per_row * (size_t)walls->size[1] * (size_t)walls->size[2];
-    for (size_t i = 0; i < words && run->options->add_shell; i++) job->out.words[i] |= walls->words[i];
-    return CLI_DONE;
-}
-
-static void tell_seeds(const fill_job *job, cli_made *made)
-{
-    const bvx_seed *const s = &job->search;
-
-    if (job->given) cli_tell(made, "  seeds       %" PRIu64 "\n", job->count);
-    else cli_tell(made, "  pockets     %" PRIu64 "\n", job->count);
-    for (uint64_t i = 0; i < job->count && i < FILL_SEEDS_SAID; i++)
-        cli_tell(made, "              %" PRId32 ",%" PRId32 ",%" PRId32 "\n", job->seeds[3 * i],
-                 job->seeds[3 * i + 1], job->seeds[3 * i + 2]);
-    if (job->count > FILL_SEEDS_SAID) cli_tell(made, "              and more\n");
-    cli_tell(made, "  filled      %" PRIu64 "\n", job->filled);
-    if (job->given) return;
-    cli_tell(made, "  search      %s", s->found ? "" : "no seed");
-    if (s->found) cli_tell(made, "%" PRId32 ",%" PRId32 ",%" PRId32, s->voxel[0], s->voxel[1], s->voxel[2]);
-    cli_tell(made, " after %" PRIu64 ", %" PRIu64 ", %" PRIu64 " lines along x, y, z%s\n", s->scans[0],
-             s->scans[1], s->scans[2], s->verified ? ", inside the mesh" : "");
-}
-
 static void add_voxel(cli_text *t, const int32_t v[3])
 {
     cli_text_add(t, "[%" PRId32 ", %" PRId32 ", %" PRId32 "]", v[0], v[1], v[2]);
@@ -166,11 +108,16 @@ static void add_voxel(cli_text *t, const int32_t v[3])
 static void tell_fill(const cli_run *run, const void *work, cli_made *made)
 {
     const fill_job *const job = work;
-    (void)run;
-    tell_seeds(job, made);
-
     const bvx_seed *const s = &job->search;
     cli_text *const t = &made->members;
+
+    (void)run;
+    cli_tell(made, "  %s%" PRIu64 "\n", job->given ? "seeds       " : "pockets     ", job->count);
+    for (uint64_t i = 0; i < job->count && i < FILL_SEEDS_SAID; i++)
+        cli_tell(made, "              %" PRId32 ",%" PRId32 ",%" PRId32 "\n", job->seeds[3 * i],
+                 job->seeds[3 * i + 1], job->seeds[3 * i + 2]);
+    if (job->count > FILL_SEEDS_SAID) cli_tell(made, "              and more\n");
+    cli_tell(made, "  filled      %" PRIu64 "\n", job->filled);
 
     cli_text_add(t, ", \"fill\": {\"filled\": %" PRIu64, job->filled);
     cli_json_truth(t, "reaches_side", job->reaches_side);
@@ -182,6 +129,11 @@ static void tell_fill(const cli_run *run, const void *work, cli_made *made)
     }
     cli_text_add(t, "]");
     if (!job->given) {
+        cli_tell(made, "  search      %s", s->found ? "" : "no seed");
+        if (s->found)
+            cli_tell(made, "%" PRId32 ",%" PRId32 ",%" PRId32, s->voxel[0], s->voxel[1], s->voxel[2]);
+        cli_tell(made, " after %" PRIu64 ", %" PRIu64 ", %" PRIu64 " lines along x, y, z%s\n", s->scans[0],
+                 s->scans[1], s->scans[2], s->verified ? ", inside the mesh" : "");
         cli_text_add(t, ", \"search\": {\"voxel\": ");
         if (s->found) add_voxel(t, s->voxel);
         else cli_text_add(t, "null");
@@ -209,9 +161,26 @@ static int make_fill(cli_run *run, void *work, cli_made *made)
 
     CLI_TRY(check_fill_options(run, &kind));
     CLI_TRY(cli_open_voxels(run));
-    CLI_TRY(read_fill_inputs(run, job));
-    CLI_TRY(own->seeds.count != 0 ? take_given_seeds(run, job) : find_seeds(run, job));
-    CLI_TRY(fill_from_seeds(run, job));
+    CLI_TRY(cli_read_input(run, run->options->input[0], &job->in));
+    if (own->mesh != NULL) CLI_TRY(cli_read_mesh(run, own->mesh, &job->mesh));
+    bvx_mesh_view_of(&job->mesh, &job->view);
+    job->given = own->seeds.count != 0;
+    if (job->given) {
+        job->count = (uint64_t)own->seeds.count / 3;
+        CLI_TRY(make_room_for_seeds(run, job, job->count));
+        for (int i = 0; i < own->seeds.count; i++) job->seeds[i] = (int32_t)own->seeds.value[i];
+    } else CLI_TRY(find_seeds(run, job));
+
+    const bvx_grid *const walls = &job->in.grid;
+    cli_stage_begin(run, "fill");
+    bvx_status status = bvx_grid_fill(run->context, walls, job->seeds, job->count,
+                                      cli_neighbours[run->options->connectivity], &job->out);
+    if (status == BVX_OK) status = bvx_grid_count(run->context, &job->out, &job->filled);
+    CLI_TRY(cli_stage_check(run, status, cli_input_name(job->in.path)));
+    /* Before the shell joins, which may lie at a side by itself. */
+    job->reaches_side = cli_touches_side(&job->out);
+    size_t const words = (size_t)walls->words_per_row * (size_t)walls->size[1] * (size_t)walls->size[2];
+    for (size_t i = 0; i < words && run->options->add_shell; i++) job->out.words[i] |= walls->words[i];
 
     job->voxels.name = job->in.path;
     job->voxels.grid = &job->out;

@@ -80,20 +80,6 @@ static int check(cli_run *run, const bvx_mesh *mesh, int weld, bvx_certificate *
     return cli_stage_check(run, bvx_mesh_check(run->context, &view, weld, c), cli_first_name(run));
 }
 
-/* Many files repeat a vertex where colours or normals change: then the
- * surface is closed although the indices are not. */
-static int check_both(cli_run *run, const bvx_mesh *mesh, bvx_certificate *c, bvx_certificate *welded,
-                      int *differs)
-{
-    int const stl = cli_input_format(run, run->options->input[0]) == BVX_FORMAT_STL;
-    int status = check(run, mesh, stl, c); /* STL has no indices */
-    *differs = 0;
-    if (status != CLI_DONE || stl || c->closed) return status;
-    status = check(run, mesh, 1, welded);
-    *differs = status == CLI_DONE && welded->vertices != c->vertices;
-    return status;
-}
-
 static int count_crossings(cli_run *run, const bvx_mesh *mesh, cli_mesh_entry *entry)
 {
     const info_options *const own = run->own;
@@ -131,40 +117,6 @@ static void report_measure(const bvx_measure_report *r, const char *mjcf, const 
     cli_text_add(t, "}");
 }
 
-static void tell_measure(cli_made *made, const bvx_measure_report *r)
-{
-    const double *const c = r->center, *const i = r->inertia;
-    cli_text mjcf = {0}, urdf = {0};
-
-    /* The element of MuJoCo's models, then that of robots in ROS. */
-    static const char *const names[6] = {"ixx", "iyy", "izz", "ixy", "ixz", "iyz"};
-    cli_text_add(&mjcf,
-                 "<inertial pos=\"%.10g %.10g %.10g\" mass=\"%.10g\" "
-                 "fullinertia=\"%.10g %.10g %.10g %.10g %.10g %.10g\"/>",
-                 c[0], c[1], c[2], r->mass, i[0], i[1], i[2], i[3], i[4], i[5]);
-    cli_text_add(&urdf, "<inertial><origin xyz=\"%.10g %.10g %.10g\"/><mass value=\"%.10g\"/><inertia", c[0],
-                 c[1], c[2], r->mass);
-    for (int k = 0; k < 6; k++) cli_text_add(&urdf, " %s=\"%.10g\"", names[k], i[k]);
-    cli_text_add(&urdf, "/></inertial>");
-
-    if (r->resolution == 0) cli_tell(made, "  body        summed up over its triangles");
-    else
-        cli_tell(made, "  body        filled by the rule %s, %" PRId32 " voxels along each axis",
-                 cli_fill_names[r->fill], r->resolution);
-    if (r->turned != 0) cli_tell(made, ", %" PRIu64 " triangles turned", r->turned);
-    cli_tell(made, "\n  encloses    %.10g, at most %.3g off\n  mass        %.10g\n", r->volume,
-             r->volume_error, r->mass);
-    cli_tell(made, "  center      %.10g, %.10g, %.10g, at most %.3g off\n", c[0], c[1], c[2],
-             r->center_error);
-    cli_tell(made, "  inertia     xx %.10g, yy %.10g, zz %.10g,\n", i[0], i[1], i[2]);
-    cli_tell(made, "              xy %.10g, xz %.10g, yz %.10g, at most %.3g off\n", i[3], i[4], i[5],
-             r->inertia_error);
-    cli_tell(made, "  MJCF        %s\n  URDF        %s\n", mjcf.bytes, urdf.bytes);
-    report_measure(r, mjcf.bytes, urdf.bytes, &made->members);
-    cli_text_free(&mjcf);
-    cli_text_free(&urdf);
-}
-
 static int measure(cli_run *run, const bvx_mesh *mesh, cli_made *made)
 {
     info_options *const own = run->own;
@@ -173,7 +125,35 @@ static int measure(cli_run *run, const bvx_mesh *mesh, cli_made *made)
     own->mass.struct_size = sizeof own->mass;
     bvx_mesh_view const view = cli_view(mesh);
     CLI_TRY(CLI_STAGE(run, "measure", bvx_measure(run->context, &view, &own->mass, &r), cli_first_name(run)));
-    tell_measure(made, &r);
+    const double *const c = r.center, *const i = r.inertia;
+    cli_text mjcf = {0}, urdf = {0};
+
+    /* The element of MuJoCo's models, then that of robots in ROS. */
+    static const char *const names[6] = {"ixx", "iyy", "izz", "ixy", "ixz", "iyz"};
+    cli_text_add(&mjcf,
+                 "<inertial pos=\"%.10g %.10g %.10g\" mass=\"%.10g\" "
+                 "fullinertia=\"%.10g %.10g %.10g %.10g %.10g %.10g\"/>",
+                 c[0], c[1], c[2], r.mass, i[0], i[1], i[2], i[3], i[4], i[5]);
+    cli_text_add(&urdf, "<inertial><origin xyz=\"%.10g %.10g %.10g\"/><mass value=\"%.10g\"/><inertia", c[0],
+                 c[1], c[2], r.mass);
+    for (int k = 0; k < 6; k++) cli_text_add(&urdf, " %s=\"%.10g\"", names[k], i[k]);
+    cli_text_add(&urdf, "/></inertial>");
+
+    if (r.resolution == 0) cli_tell(made, "  body        summed up over its triangles");
+    else
+        cli_tell(made, "  body        filled by the rule %s, %" PRId32 " voxels along each axis",
+                 cli_fill_names[r.fill], r.resolution);
+    if (r.turned != 0) cli_tell(made, ", %" PRIu64 " triangles turned", r.turned);
+    cli_tell(made, "\n  encloses    %.10g, at most %.3g off\n  mass        %.10g\n", r.volume, r.volume_error,
+             r.mass);
+    cli_tell(made, "  center      %.10g, %.10g, %.10g, at most %.3g off\n", c[0], c[1], c[2], r.center_error);
+    cli_tell(made, "  inertia     xx %.10g, yy %.10g, zz %.10g,\n", i[0], i[1], i[2]);
+    cli_tell(made, "              xy %.10g, xz %.10g, yz %.10g, at most %.3g off\n", i[3], i[4], i[5],
+             r.inertia_error);
+    cli_tell(made, "  MJCF        %s\n  URDF        %s\n", mjcf.bytes, urdf.bytes);
+    report_measure(&r, mjcf.bytes, urdf.bytes, &made->members);
+    cli_text_free(&mjcf);
+    cli_text_free(&urdf);
     return CLI_DONE;
 }
 
@@ -181,9 +161,14 @@ static int info_of_mesh(cli_run *run, info_job *job, cli_made *made)
 {
     const bvx_mesh *const mesh = &job->in.mesh;
     cli_mesh_entry *const entry = &run->report.mesh[0];
-    int differs;
+    int const stl = cli_input_format(run, run->options->input[0]) == BVX_FORMAT_STL;
 
-    CLI_TRY(check_both(run, mesh, &job->certificate, &job->welded, &differs));
+    /* STL has no indices. Many other files repeat a vertex where colours or normals change: then the surface is
+     * closed although the indices are not. */
+    CLI_TRY(check(run, mesh, stl, &job->certificate));
+    int const again = !stl && !job->certificate.closed;
+    if (again) CLI_TRY(check(run, mesh, 1, &job->welded));
+    int const differs = again && job->welded.vertices != job->certificate.vertices;
     CLI_TRY(count_crossings(run, mesh, entry));
     entry->path = run->options->input[0];
     entry->certificate = job->certificate;
@@ -228,11 +213,13 @@ typedef struct grid_facts {
     uint64_t hash;
 } grid_facts;
 
-static void find_box(const bvx_grid *g, grid_facts *f)
+static bvx_status find_facts(cli_run *run, const bvx_grid *g, uint64_t *set, grid_facts *f)
 {
     int32_t low[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, high[3] = {-1, -1, -1};
     const uint64_t *row = g->words;
 
+    CLI_TRY(bvx_grid_count(run->context, g, set));
+    CLI_TRY(bvx_grid_hash(run->context, g, &f->hash));
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t y = 0; y < g->size[1]; y++, row += g->words_per_row) {
             int32_t first = 0, last = g->words_per_row - 1;
@@ -252,11 +239,19 @@ static void find_box(const bvx_grid *g, grid_facts *f)
         f->low[a] = high[a] < 0 ? 0 : low[a];
         f->size[a] = high[a] < 0 ? 0 : high[a] - low[a] + 1;
     }
+    f->volume = (double)*set * g->lattice.spacing[0] * g->lattice.spacing[1] * g->lattice.spacing[2];
+    return BVX_OK;
 }
 
-static void report_facts(const cli_run *run, const cli_input *in, const grid_facts *f, cli_made *made)
+static int info_of_grid(cli_run *run, const cli_input *in, cli_made *made)
 {
     const bvx_grid *const g = &in->grid;
+    grid_facts f;
+
+    cli_stage_begin(run, "check");
+    CLI_TRY(cli_stage_check(run, find_facts(run, g, &made->set, &f), cli_input_name(in->path)));
+    made->shown = g;
+    made->placed = in->placed;
     cli_text *const t = &made->members;
     double corner[3], centre[3];
 
@@ -272,30 +267,12 @@ static void report_facts(const cli_run *run, const cli_input *in, const grid_fac
     cli_json_triple(t, "corner", corner);
     cli_json_triple(t, "center0", centre);
     cli_json_value(t, "share", (double)made->set / ((double)g->size[0] * g->size[1] * g->size[2]));
-    cli_text_add(t, ", \"box\": {\"low\": [%" PRId32 ", %" PRId32 ", %" PRId32 "]", f->low[0], f->low[1],
-                 f->low[2]);
-    cli_json_ints(t, "size", f->size);
+    cli_text_add(t, ", \"box\": {\"low\": [%" PRId32 ", %" PRId32 ", %" PRId32 "]", f.low[0], f.low[1],
+                 f.low[2]);
+    cli_json_ints(t, "size", f.size);
     cli_text_add(t, "}");
-    cli_json_value(t, "volume", f->volume);
-    cli_text_add(t, ", \"hash\": \"%016" PRIx64 "\"}", f->hash);
-}
-
-static int info_of_grid(cli_run *run, const cli_input *in, cli_made *made)
-{
-    const bvx_grid *const g = &in->grid;
-    grid_facts f;
-
-    cli_stage_begin(run, "check");
-    bvx_status status = bvx_grid_count(run->context, g, &made->set);
-    if (status == BVX_OK) status = bvx_grid_hash(run->context, g, &f.hash);
-    if (status == BVX_OK) find_box(g, &f);
-    CLI_TRY(cli_stage_check(run, status, cli_input_name(in->path)));
-    f.volume = (double)made->set * g->lattice.spacing[0] * g->lattice.spacing[1] * g->lattice.spacing[2];
-    made->shown = g;
-    made->placed = in->placed;
-    report_facts(run, in, &f, made);
-    double centre[3];
-    cli_grid_corner(&in->grid, 0.5, centre);
+    cli_json_value(t, "volume", f.volume);
+    cli_text_add(t, ", \"hash\": \"%016" PRIx64 "\"}", f.hash);
     cli_text_add(&made->head, "  format      %s\n", cli_format_name(cli_input_format(run, in->path)));
     cli_tell(made, "  center0     %.9g, %.9g, %.9g\n", centre[0], centre[1], centre[2]);
     if (made->set == 0) cli_tell(made, "  box         empty\n");
@@ -330,30 +307,6 @@ static int info_of_tree(cli_run *run, cli_input *in, cli_made *made)
     return status;
 }
 
-/* ---- clouds ---- */
-
-static int info_of_cloud(const bvx_mesh *points, const char *path, cli_made *made)
-{
-    cli_text *const t = &made->members;
-    cli_box box;
-
-    cli_box_of_points(points->positions, points->position_type, points->vertex_count, &box);
-    cli_text_add(t, ", \"cloud\": {\"path\": ");
-    cli_json_string(t, path);
-    cli_json_count(t, "points", points->vertex_count);
-    cli_json_triple(t, "low", box.low);
-    cli_json_triple(t, "high", box.high);
-    cli_text_add(t, "}");
-    cli_tell(made, "  points      %" PRIu64 ", no triangles\n", points->vertex_count);
-    cli_tell_box(made, box.low, box.high);
-    return CLI_DONE;
-}
-
-static int holds_samples(int32_t format)
-{
-    return format == BVX_FORMAT_NRRD || format == BVX_FORMAT_NPY || format == BVX_FORMAT_VTI;
-}
-
 static int read_for_info(cli_run *run, cli_input *in, int *cloud, cli_made *made)
 {
     const info_options *const own = run->own;
@@ -370,7 +323,10 @@ static int read_for_info(cli_run *run, cli_input *in, int *cloud, cli_made *made
         return cli_usage(run, "%s is used with meshes; %s is not a mesh", of_meshes(own),
                          cli_input_name(path));
     /* The same file is read as samples first, then as voxels; standard input cannot be read twice. */
-    if (holds_samples(cli_input_format(run, path)) && strcmp(path, "-") != 0)
+    int32_t const format = cli_input_format(run, path);
+
+    if ((format == BVX_FORMAT_NRRD || format == BVX_FORMAT_NPY || format == BVX_FORMAT_VTI) &&
+        strcmp(path, "-") != 0)
         CLI_TRY(cli_tell_samples(run, path, made));
     return kind == CLI_GRID ? cli_read_grid_or_tree(run, path, NULL, in)
                             : cli_read_mesh_or_cloud(run, path, &in->mesh, cloud);
@@ -384,10 +340,22 @@ static int make_info(cli_run *run, void *work, cli_made *made)
     made->untitled = 1; /* samples come before the name */
     CLI_TRY(read_for_info(run, in, &cloud, made));
     cli_text_add(&made->head, "%s\n", cli_input_name(in->path));
-    return cloud                  ? info_of_cloud(&in->mesh, in->path, made)
-           : in->kind == CLI_MESH ? info_of_mesh(run, job, made)
-           : in->kind == CLI_TREE ? info_of_tree(run, in, made)
-                                  : info_of_grid(run, in, made);
+    if (!cloud && in->kind == CLI_MESH) return info_of_mesh(run, job, made);
+    if (!cloud) return in->kind == CLI_TREE ? info_of_tree(run, in, made) : info_of_grid(run, in, made);
+
+    const bvx_mesh *const points = &in->mesh;
+    cli_text *const t = &made->members;
+    cli_box box;
+    cli_box_of_points(points->positions, points->position_type, points->vertex_count, &box);
+    cli_text_add(t, ", \"cloud\": {\"path\": ");
+    cli_json_string(t, in->path);
+    cli_json_count(t, "points", points->vertex_count);
+    cli_json_triple(t, "low", box.low);
+    cli_json_triple(t, "high", box.high);
+    cli_text_add(t, "}");
+    cli_tell(made, "  points      %" PRIu64 ", no triangles\n", points->vertex_count);
+    cli_tell_box(made, box.low, box.high);
+    return CLI_DONE;
 }
 
 static const cli_owned info_owns[] = {CLI_OWNS(INPUT, info_job, in), {0}};

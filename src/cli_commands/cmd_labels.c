@@ -113,20 +113,6 @@ static label_body *find_body(labels_job *j, const char *text, size_t size, int b
     return NULL;
 }
 
-static void take_segment_colour(label_body *b, const char *text, size_t size)
-{
-    char copy[KEY_ROOM], *p = copy;
-
-    if (size >= sizeof copy) return;
-    memcpy(copy, text, size);
-    copy[size] = 0;
-    b->coloured = 1;
-    for (int c = 0; c < 3; c++) {
-        double const v = strtod(p, &p);
-        b->colour[c] = (uint8_t)(v >= 1.0 ? 255.0 : v > 0.0 ? v * 255.0 + 0.5 : 0.0);
-    }
-}
-
 static int take_name(cli_run *run, label_body *b, const char *text, size_t size)
 {
     if ((b->named = malloc(size + 1)) == NULL) return cli_fail(run, "no memory for names");
@@ -142,12 +128,21 @@ static int take_segments(cli_run *run, labels_job *j)
 {
     const cli_bytes *const file = &j->volume.file;
     const char *text;
+    char colour[KEY_ROOM];
     size_t size;
 
     for (int n = 0; (text = find_segment(file, n, "LabelValue", &size)) != NULL; n++) {
         label_body *const b = find_body(j, text, size, 0);
         if (b == NULL || b->named != NULL) continue;
-        if ((text = find_segment(file, n, "Color", &size)) != NULL) take_segment_colour(b, text, size);
+        text = find_segment(file, n, "Color", &size);
+        int const coloured = text != NULL && size < sizeof colour;
+        char *p = colour;
+        if (coloured) snprintf(colour, sizeof colour, "%.*s", (int)size, text);
+        if (coloured) b->coloured = 1;
+        for (int c = 0; coloured && c < 3; c++) {
+            double const v = strtod(p, &p);
+            b->colour[c] = (uint8_t)(v >= 1.0 ? 255.0 : v > 0.0 ? v * 255.0 + 0.5 : 0.0);
+        }
         if ((text = find_segment(file, n, "Name", &size)) == NULL) continue;
         CLI_TRY(take_name(run, b, text, size));
     }

@@ -121,27 +121,6 @@ static uint32_t facts_of_method(const cli_run *run, int kind, int collapses)
            (own->method == METHOD_OF + BVX_LOD_COVERAGE ? COVERS : 0u);
 }
 
-static int check_lod_options(cli_run *run, cli_chain *c)
-{
-    const cli_lod_options *const own = run->own;
-    const cli_options *const o = run->options;
-
-    CLI_TRY(cli_check_rules(run, solid_rules, facts_of_method(run, c->kind, 0), cli_first_name(run)));
-    c->by_triangles = o->triangles.count != 0;
-    c->asked = c->by_triangles               ? o->triangles.count
-               : own->resolutions.count != 0 ? own->resolutions.count
-                                             : 3;
-    CLI_TRY(cli_check_level_names(run, c->asked));
-    /* A level has no more samples than the solid has voxels to sample. */
-    for (int i = 0; i < own->resolutions.count && o->resolution.count != 0; i++)
-        if (own->resolutions.value[i] > o->resolution.value[0])
-            return cli_usage(run,
-                             "--resolution %" PRId64 " is below level %" PRId64
-                             "; it must be at least the finest level",
-                             o->resolution.value[0], own->resolutions.value[i]);
-    return CLI_DONE;
-}
-
 /* ---- the levels ---- */
 
 /* Samples coarser than what they see break it. The solid's walls are reported with the solid. */
@@ -167,13 +146,6 @@ static void warn_of_broken_level(const cli_run *run, const cli_chain *c, int i, 
             made, BVX_WARN_VOLUME,
             "level %d has a volume of %.6g, the solid of %.6g: take more samples, or --method collapse",
             number, level->volume, volume);
-}
-
-/* Why a level is not there: it keeps nothing, or its target is below what any resolution gives. */
-static int cannot_be(const cli_run *run, bvx_status status)
-{
-    return status == BVX_ERR_EMPTY ||
-           (status == BVX_ERR_RANGE && bvx_last_error(run->context)->reason == BVX_REASON_TARGET);
 }
 
 /* A level that cannot be takes no other with it: its file is left out, and whoever asked is told. */
@@ -221,7 +193,10 @@ static int make_level(cli_run *run, cli_chain *c, int number, cli_made *made)
     bvx_status const status = bvx_build_lods(run->context, &c->solid, &l, 1, &c->mesh[c->count]);
 
     entry->milliseconds = cli_stage_end(run) * 1e3;
-    if (cannot_be(run, status)) return leave_out(run, c, status, number, made);
+    /* Why a level is not there: it keeps nothing, or its target is below what any resolution gives. */
+    if (status == BVX_ERR_EMPTY ||
+        (status == BVX_ERR_RANGE && bvx_last_error(run->context)->reason == BVX_REASON_TARGET))
+        return leave_out(run, c, status, number, made);
     if (status != BVX_OK) {
         char about[32];
         snprintf(about, sizeof about, "level %d", number);
@@ -237,20 +212,6 @@ static int make_level(cli_run *run, cli_chain *c, int number, cli_made *made)
     entry->lod = &c->lod[i];
     entry->rate = (double)c->mesh[i].triangle_count / (double)c->input_triangles;
     c->count++;
-    return CLI_DONE;
-}
-
-static int measure_level(cli_run *run, cli_chain *c, int i)
-{
-    uint64_t const samples = cli_samples(run);
-    if (samples == 0) return CLI_DONE;
-    bvx_mesh_view const view = cli_view(&c->mesh[i]);
-    cli_stage_begin(run, "distance %d", run->report.mesh[i].number);
-    CLI_TRY(cli_stage_check(
-        run, bvx_mesh_distance(run->context, &view, &c->view, samples, CLI_SEED, &c->distance[i]),
-        c->path[i]));
-    /* The report has a pointer to it, which the job keeps until the report is written. */
-    run->report.mesh[i].distance = &c->distance[i];
     return CLI_DONE;
 }
 
@@ -286,17 +247,42 @@ static int write_chain(cli_run *run, void *work)
 
 static int make_chain(cli_run *run, void *work, cli_made *made)
 {
+    const cli_lod_options *const own = run->own;
+    const cli_options *const o = run->options;
     cli_chain *const c = work;
+
     made->untitled = 1;
     made->write = write_chain;
-    CLI_TRY(cli_input_kind(run, run->options->input[0], &c->kind));
-    CLI_TRY(check_lod_options(run, c));
+    CLI_TRY(cli_input_kind(run, o->input[0], &c->kind));
+    CLI_TRY(cli_check_rules(run, solid_rules, facts_of_method(run, c->kind, 0), cli_first_name(run)));
+    c->by_triangles = o->triangles.count != 0;
+    c->asked = c->by_triangles               ? o->triangles.count
+               : own->resolutions.count != 0 ? own->resolutions.count
+                                             : 3;
+    CLI_TRY(cli_check_level_names(run, c->asked));
+    /* A level has no more samples than the solid has voxels to sample. */
+    for (int i = 0; i < own->resolutions.count && o->resolution.count != 0; i++)
+        if (own->resolutions.value[i] > o->resolution.value[0])
+            return cli_usage(run,
+                             "--resolution %" PRId64 " is below level %" PRId64
+                             "; it must be at least the finest level",
+                             o->resolution.value[0], own->resolutions.value[i]);
     /* Known before the first stage, so that the bar knows how many rounds follow. */
     run->progress.rounds = c->asked;
     CLI_TRY(cli_open_levels(run, c->asked, c->path));
     CLI_TRY(cli_open_chain(run, c));
     for (int i = 0; i < c->asked; i++) CLI_TRY(make_level(run, c, i, made));
-    for (int i = 0; i < c->count; i++) CLI_TRY(measure_level(run, c, i));
+
+    uint64_t const samples = cli_samples(run);
+    for (int i = 0; i < c->count && samples != 0; i++) {
+        bvx_mesh_view const view = cli_view(&c->mesh[i]);
+        cli_stage_begin(run, "distance %d", run->report.mesh[i].number);
+        CLI_TRY(cli_stage_check(
+            run, bvx_mesh_distance(run->context, &view, &c->view, samples, CLI_SEED, &c->distance[i]),
+            c->path[i]));
+        /* The report has a pointer to it, which the job keeps until the report is written. */
+        run->report.mesh[i].distance = &c->distance[i];
+    }
     return CLI_DONE;
 }
 

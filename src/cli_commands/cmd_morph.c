@@ -89,22 +89,6 @@ static const char *action_at(const void *user, int i)
     return action_names[i];
 }
 
-static int take_action(cli_run *run, int32_t *action)
-{
-    const char *const word = run->options->input[0];
-    for (int i = 0; i < ACTIONS; i++)
-        if (strcmp(word, action_names[i]) == 0) {
-            *action = i;
-            return CLI_DONE;
-        }
-    const char *const near = cli_nearest(word, action_at, NULL);
-    if (near != NULL) return cli_usage(run, "unknown action '%s'; did you mean '%s'?", word, near);
-    return cli_usage(
-        run,
-        "unknown action '%s'; it is one of dilate, erode, open, close, hollow and distance, before the input",
-        word);
-}
-
 enum {
     GROWS = 1 << CLI_FIRST_FACT,
     HOLLOWS = 2 << CLI_FIRST_FACT,
@@ -113,15 +97,6 @@ enum {
     DRAINS = 16 << CLI_FIRST_FACT,        /* --drain above 0 */
     NOTHING_BEYOND = 32 << CLI_FIRST_FACT /* --beyond nothing */
 };
-
-static uint32_t facts_of_action(const morph_options *own, morph_action action)
-{
-    return (action == HOLLOW     ? (uint32_t)HOLLOWS
-            : action == DISTANCE ? (uint32_t)MEASURES
-                                 : (uint32_t)GROWS) |
-           (own->hollow.thickness > 0.0 ? IS_THICK : 0u) | (own->hollow.drain_radius > 0.0 ? DRAINS : 0u) |
-           (own->distance.beyond == BVX_BEYOND_NOTHING ? NOTHING_BEYOND : 0u);
-}
 
 /* The word is the action's name. */
 static const cli_rule action_rules[] = {
@@ -182,7 +157,11 @@ static int open_morph(cli_run *run, morph_job *job, cli_made *made)
     const char *const path = run->options->input[1];
     int kind;
     job->action = (morph_action)own->action;
-    CLI_TRY(cli_check_rules(run, action_rules, facts_of_action(own, job->action), action_names[job->action]));
+    uint32_t facts = job->action == HOLLOW ? HOLLOWS : job->action == DISTANCE ? MEASURES : GROWS;
+    if (own->hollow.thickness > 0.0) facts |= IS_THICK;
+    if (own->hollow.drain_radius > 0.0) facts |= DRAINS;
+    if (own->distance.beyond == BVX_BEYOND_NOTHING) facts |= NOTHING_BEYOND;
+    CLI_TRY(cli_check_rules(run, action_rules, facts, action_names[job->action]));
     CLI_TRY(cli_input_kind(run, path, &kind));
     if (kind != CLI_GRID && CLI_HOLDS(run, CLI_TO_MESH) && !cli_given(run, "--padding") &&
         !run->options->origin.given)
@@ -199,25 +178,6 @@ static int open_morph(cli_run *run, morph_job *job, cli_made *made)
     return CLI_DONE;
 }
 
-static bvx_status change_voxels(cli_run *run, morph_job *job)
-{
-    const morph_options *const own = run->own;
-    bvx_morph_options m = own->change;
-    m.neighbourhood = cli_given(run, "--radius") ? BVX_BALL : cli_neighbours[own->neighbourhood];
-    m.beyond = own->distance.beyond == BVX_BEYOND_SET;
-    return bvx_grid_morph(run->context, &job->in.grid, (int32_t)job->action, &m, &job->out);
-}
-
-static bvx_status hollow_voxels(cli_run *run, morph_job *job)
-{
-    const morph_options *const own = run->own;
-    bvx_hollow_options h = own->hollow;
-    h.drain_side = 1 << own->drain_side;
-    h.beyond = own->distance.beyond == BVX_BEYOND_SET;
-    h.report = &job->hollow;
-    return bvx_grid_hollow(run->context, &job->in.grid, &h, &job->out);
-}
-
 /* ---- walls at their distance from a mesh ---- */
 
 /* The voxels that a drill takes on its way into a hollow. The hollow by distances from the mesh lies a
@@ -228,55 +188,22 @@ static bvx_status drill_hole(cli_run *run, morph_job *job, bvx_grid *hole)
     const double *const h = job->in.grid.lattice.spacing;
     double const most = fmax(h[0], fmax(h[1], h[2]));
     bvx_hollow_options d = own->hollow;
-    bvx_grid closed = {0};
-    bvx_status status = BVX_OK;
 
     d.drain_side = 1 << own->drain_side;
     d.beyond = own->distance.beyond == BVX_BEYOND_SET;
-    for (int deep = 1; deep >= 0 && status == BVX_OK; deep--) {
+    for (int deep = 1; deep >= 0; deep--) {
         /* Deeper first, and as deep as requested where nothing lies so deep. */
         d.thickness = own->hollow.thickness + deep * 1.75 * most;
         d.drain_radius = 0.0;
         d.report = NULL;
         /* Made twice, without and with the hole: what only the first one has is the hole. */
-        status = bvx_grid_hollow(run->context, &job->in.grid, &d, &closed);
+        CLI_TRY(bvx_grid_hollow(run->context, &job->in.grid, &d, &job->out));
         d.drain_radius = own->hollow.drain_radius;
         d.report = &job->hollow;
-        if (status == BVX_OK) status = bvx_grid_hollow(run->context, &job->in.grid, &d, hole);
-        if (status == BVX_OK && job->hollow.hollowed != 0) break;
+        CLI_TRY(bvx_grid_hollow(run->context, &job->in.grid, &d, hole));
+        if (job->hollow.hollowed != 0) break;
     }
-    if (status == BVX_OK)
-        status = bvx_grid_combine(run->context, &closed, hole, BVX_BOOLEAN_DIFFERENCE, hole);
-    bvx_grid_free(run->context, &closed);
-    return status;
-}
-
-/* What stays of a voxel of this distance; that of one without is more than any that is requested. */
-static int stays(const cli_run *run, const morph_job *job, int solid, double distance)
-{
-    const morph_options *const own = run->own;
-    if (job->action == DILATE) return solid || distance <= own->change.radius;
-    if (job->action == ERODE) return solid && distance > own->change.radius;
-    return solid && distance <= own->hollow.thickness;
-}
-
-static void take_drill(const cli_run *run, morph_job *job)
-{
-    const morph_options *const own = run->own;
-    cli_drill *const drill = &job->voxels.drill;
-    if (job->hole.words == NULL || job->hollow.drained == 0) return;
-    drill->hole = &job->hole;
-    drill->axis = own->drain_side / 2;
-    drill->radius = own->hollow.drain_radius;
-    memcpy(drill->at, job->hollow.drain, sizeof drill->at);
-}
-
-/* 1 when walls move by a distance that the surface of a mesh can keep. */
-static int moves_walls(const cli_run *run, const morph_job *job)
-{
-    if (!CLI_HOLDS(run, CLI_TO_MESH) || job->in.kind != CLI_MESH) return 0;
-    return job->action == HOLLOW ||
-           ((job->action == DILATE || job->action == ERODE) && cli_given(run, "--radius"));
+    return bvx_grid_combine(run->context, &job->out, hole, BVX_BOOLEAN_DIFFERENCE, hole);
 }
 
 static bvx_status move_walls(cli_run *run, morph_job *job)
@@ -284,11 +211,9 @@ static bvx_status move_walls(cli_run *run, morph_job *job)
     const morph_options *const own = run->own;
     double const far = job->action == HOLLOW ? own->hollow.thickness : own->change.radius;
     job->voxels.offset = job->action == DILATE ? far : -far;
-    bvx_status status = cli_measure_source(run, &job->in.mesh, &job->in.grid, far, &job->field);
-    if (status == BVX_OK && job->action == HOLLOW && own->hollow.drain_radius > 0.0)
-        status = drill_hole(run, job, &job->hole);
-    if (status == BVX_OK) status = bvx_grid_create(run->context, &job->in.grid.lattice, NULL, &job->out);
-    if (status != BVX_OK) return status;
+    CLI_TRY(cli_measure_source(run, &job->in.mesh, &job->in.grid, far, &job->field));
+    if (job->action == HOLLOW && own->hollow.drain_radius > 0.0) CLI_TRY(drill_hole(run, job, &job->hole));
+    CLI_TRY(bvx_grid_create(run->context, &job->in.grid.lattice, NULL, &job->out));
 
     /* Grown, shrunk and hollowed by the distance to the mesh itself, not to the centres of voxels. */
     const bvx_field *const f = &job->field;
@@ -304,15 +229,23 @@ static bvx_status move_walls(cli_run *run, morph_job *job)
                 /* Values stand in the order of the band's voxels, so one counter follows them. */
                 double const d = bvx_grid_get(&f->band, x, y, z) ? fabs((double)distances[value++])
                                                                  : (double)INFINITY;
-                int const kept = stays(run, job, solid, d);
+                /* A voxel without a distance lies farther than any that is requested. */
+                int const kept = job->action == DILATE  ? solid || d <= own->change.radius
+                                 : job->action == ERODE ? solid && d > own->change.radius
+                                                        : solid && d <= own->hollow.thickness;
                 int const drilled = kept && job->hole.words != NULL && bvx_grid_get(&job->hole, x, y, z);
                 bvx_grid_set(&job->out, x, y, z, kept && !drilled);
                 job->hollow.hollowed += solid && !kept;
                 job->hollow.drained += (uint64_t)drilled;
             }
 
-    take_drill(run, job);
     job->voxels.field = &job->field;
+    if (job->hole.words == NULL || job->hollow.drained == 0) return BVX_OK;
+    cli_drill *const drill = &job->voxels.drill;
+    drill->hole = &job->hole;
+    drill->axis = own->drain_side / 2;
+    drill->radius = own->hollow.drain_radius;
+    memcpy(drill->at, job->hollow.drain, sizeof drill->at);
     return BVX_OK;
 }
 
@@ -348,16 +281,37 @@ static void tell_changed(const cli_run *run, const void *work, cli_made *made)
     if (made->set == 0) cli_advise(made, BVX_WARN_EMPTY, "the result is empty");
 }
 
+static bvx_status change_voxels(cli_run *run, morph_job *job, uint64_t *set)
+{
+    const morph_options *const own = run->own;
+    int const hollows = job->action == HOLLOW, beyond = own->distance.beyond == BVX_BEYOND_SET;
+    int const by_radius = (job->action == DILATE || job->action == ERODE) && cli_given(run, "--radius");
+
+    /* The surface of a mesh can keep walls that move by a distance. */
+    if (CLI_HOLDS(run, CLI_TO_MESH) && job->in.kind == CLI_MESH && (hollows || by_radius)) {
+        CLI_TRY(move_walls(run, job));
+    } else if (hollows) {
+        bvx_hollow_options h = own->hollow;
+        h.drain_side = 1 << own->drain_side;
+        h.beyond = beyond;
+        h.report = &job->hollow;
+        CLI_TRY(bvx_grid_hollow(run->context, &job->in.grid, &h, &job->out));
+    } else {
+        bvx_morph_options m = own->change;
+        m.neighbourhood = cli_given(run, "--radius") ? BVX_BALL : cli_neighbours[own->neighbourhood];
+        m.beyond = beyond;
+        CLI_TRY(bvx_grid_morph(run->context, &job->in.grid, (int32_t)job->action, &m, &job->out));
+    }
+    return bvx_grid_count(run->context, &job->out, set);
+}
+
 static int make_changed(cli_run *run, void *work, cli_made *made)
 {
     morph_job *const job = work;
 
     CLI_TRY(open_morph(run, job, made));
     cli_stage_begin(run, action_names[job->action]);
-    bvx_status status = moves_walls(run, job)   ? move_walls(run, job)
-                        : job->action == HOLLOW ? hollow_voxels(run, job)
-                                                : change_voxels(run, job);
-    if (status == BVX_OK) status = bvx_grid_count(run->context, &job->out, &made->set);
+    bvx_status const status = change_voxels(run, job, &made->set);
     CLI_TRY(cli_stage_check(run, status, cli_input_name(job->in.path)));
 
     job->voxels.name = job->in.path;
@@ -371,14 +325,14 @@ static int make_changed(cli_run *run, void *work, cli_made *made)
 /* ---- distances ---- */
 
 /* Every voxel has a value: a field whose band is the whole window; its rows are the caller's to free. */
-static bvx_status make_band(cli_run *run, const bvx_grid *grid, bvx_field *field)
+static bvx_status measure(cli_run *run, const bvx_grid *grid, bvx_field *field)
 {
     bvx_window const window = {{grid->low[0], grid->low[1], grid->low[2]},
                                {grid->size[0], grid->size[1], grid->size[2]}};
     size_t const rows = (size_t)grid->size[1] * (size_t)grid->size[2];
-    bvx_status const status = bvx_grid_create(run->context, &grid->lattice, &window, &field->band);
+    size_t const size = field->value_type == BVX_F64 ? 8 : 4;
 
-    if (status != BVX_OK) return status;
+    CLI_TRY(bvx_grid_create(run->context, &grid->lattice, &window, &field->band));
     /* A field finds its values by rows: where every voxel has one the counts are known. */
     field->row_values = malloc((rows + 1) * sizeof *field->row_values);
     if (field->row_values == NULL) return BVX_ERR_MEMORY;
@@ -387,22 +341,13 @@ static bvx_status make_band(cli_run *run, const bvx_grid *grid, bvx_field *field
         for (int32_t y = 0; y < grid->size[1]; y++)
             for (int32_t x = 0; x < grid->size[0]; x++) bvx_grid_set(&field->band, x, y, z, 1);
     field->value_count = field->row_values[rows];
-    return BVX_OK;
-}
-
-static bvx_status measure(cli_run *run, const bvx_grid *grid, bvx_field *field)
-{
-    const morph_options *const own = run->own;
-    size_t const size = field->value_type == BVX_F64 ? 8 : 4;
-    bvx_status const status = make_band(run, grid, field);
-    if (status != BVX_OK) return status;
     /* By malloc and not by the context, which has no call for arrays of its callers. */
     field->distances = field->value_count < SIZE_MAX / size ? malloc((size_t)field->value_count * size)
                                                             : NULL;
     if (field->distances == NULL) return BVX_ERR_MEMORY;
     cli_note_peak(run, field->value_count * size);
-    return bvx_grid_distance(run->context, grid, &own->distance, field->value_type, field->distances,
-                             field->value_count);
+    return bvx_grid_distance(run->context, grid, &((const morph_options *)run->own)->distance,
+                             field->value_type, field->distances, field->value_count);
 }
 
 static double value_at(const bvx_field *f, uint64_t i)
@@ -477,7 +422,16 @@ static const cli_job voxel_distances = {
 static int choose_morph(cli_run *run, const cli_job **job)
 {
     morph_options *const own = run->own;
-    CLI_TRY(take_action(run, &own->action));
+    const char *const word = run->options->input[0], *const near = cli_nearest(word, action_at, NULL);
+    for (own->action = 0; own->action < ACTIONS && strcmp(word, action_names[own->action]) != 0;)
+        own->action++;
+    if (own->action == ACTIONS && near != NULL)
+        return cli_usage(run, "unknown action '%s'; did you mean '%s'?", word, near);
+    if (own->action == ACTIONS)
+        return cli_usage(run,
+                         "unknown action '%s'; it is one of dilate, erode, open, close, hollow and distance, "
+                         "before the input",
+                         word);
     *job = own->action == DISTANCE ? &voxel_distances : &changed_voxels;
     return CLI_DONE;
 }

@@ -61,18 +61,6 @@ static int32_t levels_asked_for(const cli_run *run)
     return run->options->resolution.count != 0 ? REFINE_AUTO : REFINE_LEVELS;
 }
 
-static int check_levels(cli_run *run)
-{
-    const refine_options *const own = run->own;
-    int32_t const levels = levels_asked_for(run);
-    CLI_TRY(cli_check_rules(run, mesh_rules, levels == REFINE_AUTO ? CHOOSES_LEVELS : 0, NULL));
-    if (levels == REFINE_AUTO) return CLI_DONE;
-    if (own->tree.outer_levels > levels)
-        return cli_usage(run, "--outer-levels %" PRId32 " is beyond the last level, %" PRId32,
-                         own->tree.outer_levels, levels);
-    return cli_check_tree_level(run, levels);
-}
-
 static int check_refine_options(cli_run *run, cli_tree *t, int *kind)
 {
     const char *const path = run->options->input[0];
@@ -83,42 +71,42 @@ static int check_refine_options(cli_run *run, cli_tree *t, int *kind)
     if (*kind == CLI_GRID && run->options->window.count != 0 && t->kind != CLI_GRID)
         return cli_usage(run, "--window of an octree is only for grids; %s is not a grid",
                          run->options->output);
-    CLI_TRY(*kind == CLI_MESH ? check_levels(run) : cli_check_rules(run, tree_rules, 0, NULL));
+    if (*kind != CLI_MESH) {
+        CLI_TRY(cli_check_rules(run, tree_rules, 0, NULL));
+        return cli_window_option(run, &t->window);
+    }
+
+    const refine_options *const own = run->own;
+    int32_t const levels = levels_asked_for(run);
+    CLI_TRY(cli_check_rules(run, mesh_rules, levels == REFINE_AUTO ? CHOOSES_LEVELS : 0, NULL));
+    if (levels != REFINE_AUTO && own->tree.outer_levels > levels)
+        return cli_usage(run, "--outer-levels %" PRId32 " is beyond the last level, %" PRId32,
+                         own->tree.outer_levels, levels);
+    if (levels != REFINE_AUTO) CLI_TRY(cli_check_tree_level(run, levels));
     return cli_window_option(run, &t->window);
 }
 
-static bvx_status make_base(cli_run *run, const bvx_mesh_view *view, bvx_refine_options *r, bvx_lattice *base)
+static bvx_status refine_mesh(cli_run *run, const bvx_mesh *mesh, cli_tree *t, bvx_octree **tree)
 {
     const refine_options *const own = run->own;
     const cli_options *const o = run->options;
     int32_t const levels = levels_asked_for(run);
     int64_t const finest = o->resolution.count != 0 ? o->resolution.value[0] : 0;
-    if (levels == REFINE_AUTO) return bvx_refine_choose(run->context, view, (int32_t)finest, r, base);
-    r->levels = levels != 0 ? levels : BVX_NONE;
-    /* The base is rounded up, so that the last level has at least as many voxels. */
-    if (finest != 0)
-        return bvx_lattice_fit(run->context, view, (int32_t)((finest + (INT64_C(1) << levels) - 1) >> levels),
-                               base);
-    return bvx_lattice_fit(run->context, view, own->base_voxels != 0 ? own->base_voxels : REFINE_BASE, base);
-}
-
-static int refine_mesh(cli_run *run, const bvx_mesh *mesh, cli_tree *t)
-{
-    const refine_options *const own = run->own;
-    const char *const path = cli_first_name(run);
-    bvx_refine_options r = own->tree;
-    bvx_octree *tree = NULL;
-
+    int32_t base = own->base_voxels != 0 ? own->base_voxels : REFINE_BASE;
     bvx_mesh_view const view = cli_view(mesh);
+    bvx_refine_options r = own->tree;
+
     r.struct_size = sizeof r;
     r.window = t->window;
-    cli_stage_begin(run, "refine");
-    bvx_status status = make_base(run, &view, &r, &t->base);
-    if (status == BVX_OK) status = bvx_refine(run->context, &view, &t->base, &r, &tree);
-    t->seconds = cli_stage_end(run);
-    /* Not 0, which is how the report knows that a mesh was refined. */
-    t->triangles = mesh->triangle_count;
-    return status == BVX_OK ? cli_take_tree(run, tree, t) : cli_fail_status(run, status, path);
+    if (levels == REFINE_AUTO) {
+        CLI_TRY(bvx_refine_choose(run->context, &view, (int32_t)finest, &r, &t->base));
+    } else {
+        r.levels = levels != 0 ? levels : BVX_NONE;
+        /* Rounded up, so that the last level has at least as many voxels. */
+        if (finest != 0) base = (int32_t)((finest + (INT64_C(1) << levels) - 1) >> levels);
+        CLI_TRY(bvx_lattice_fit(run->context, &view, base, &t->base));
+    }
+    return bvx_refine(run->context, &view, &t->base, &r, tree);
 }
 
 static int make_refine(cli_run *run, void *work, cli_made *made)
@@ -144,10 +132,17 @@ static int make_refine(cli_run *run, void *work, cli_made *made)
         cli_free_input(run, &in);
         return status;
     }
-    int status = cli_read_mesh(run, run->options->input[0], &mesh);
-    if (status == CLI_DONE) status = refine_mesh(run, &mesh, t);
+    bvx_octree *tree = NULL;
+    CLI_TRY(cli_read_mesh(run, run->options->input[0], &mesh));
+    cli_stage_begin(run, "refine");
+    bvx_status const status = refine_mesh(run, &mesh, t, &tree);
+    t->seconds = cli_stage_end(run);
+    /* Not 0, which is how the report knows that a mesh was refined. */
+    t->triangles = mesh.triangle_count;
+    int const result = status == BVX_OK ? cli_take_tree(run, tree, t)
+                                        : cli_fail_status(run, status, cli_first_name(run));
     bvx_mesh_free(run->context, &mesh);
-    return status;
+    return result;
 }
 
 static void tell_refine(const cli_run *run, const void *work, cli_made *made)

@@ -72,18 +72,6 @@ typedef struct render_job {
 
 enum { COMPARED_RESOLUTION = 256 };
 
-static bvx_status fit_lattice(cli_run *run, const cli_input *in, int count, int32_t resolution,
-                              bvx_lattice *lattice)
-{
-    cli_box box, other;
-    cli_mesh_box(&in[0].mesh, &box);
-    cli_mesh_box(&in[count - 1].mesh, &other);
-    cli_join_boxes(&box, &other);
-    bvx_mesh_view const corners = cli_corners_of_box(&box);
-    bvx_lattice_options fit = {.struct_size = sizeof fit, .resolution = resolution};
-    return bvx_lattice_fit_with(run->context, &corners, &fit, lattice);
-}
-
 static int voxelize_scene(cli_run *run, cli_scene *s, int count)
 {
     const cli_render_options *const own = run->own;
@@ -92,7 +80,13 @@ static int voxelize_scene(cli_run *run, cli_scene *s, int count)
     int status = CLI_DONE;
 
     cli_stage_begin(run, "voxelize");
-    bvx_status const fitted = fit_lattice(run, s->input, count, resolution, &lattice);
+    cli_box box, other;
+    cli_mesh_box(&s->input[0].mesh, &box);
+    cli_mesh_box(&s->input[count - 1].mesh, &other);
+    cli_join_boxes(&box, &other);
+    bvx_mesh_view const corners = cli_corners_of_box(&box);
+    bvx_lattice_options fit = {.struct_size = sizeof fit, .resolution = resolution};
+    bvx_status const fitted = bvx_lattice_fit_with(run->context, &corners, &fit, &lattice);
     if (fitted != BVX_OK) return cli_fail_status(run, fitted, cli_input_name(s->input[0].path));
     for (int i = 0; i < count && status == CLI_DONE; i++) {
         status = cli_fill_on(run, &lattice, &s->input[i]);
@@ -157,9 +151,20 @@ static int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32
 
 /* ---- sheets ---- */
 
-static int open_sheet(cli_run *run, sheet *s)
+/* ---- pictures ---- */
+
+static int render_sheet(cli_run *run, cli_scene *scene, sheet *s)
 {
+    const cli_render_options *const own = run->own;
     const cli_options *const o = run->options;
+    int const pictures = own->difference ? 1 : o->inputs;
+    int status = CLI_DONE;
+
+    CLI_TRY(cli_open_output(run, o->output));
+    s->width = own->size.count != 0 ? (int32_t)own->size.value[0] : pictures == 1 ? 1024 : 640;
+    s->height = own->size.count != 0 ? (int32_t)own->size.value[1] : pictures == 1 ? 768 : 480;
+    s->rows = (pictures + 3) / 4;
+    s->columns = (pictures + s->rows - 1) / s->rows;
     s->image.width = s->width * s->columns;
     s->image.height = s->height * s->rows;
     uint64_t const bytes = (uint64_t)s->image.width * (uint64_t)s->image.height * 3;
@@ -168,46 +173,6 @@ static int open_sheet(cli_run *run, sheet *s)
     s->image.pixels = bytes <= SIZE_MAX ? malloc((size_t)bytes) : NULL;
     if (s->image.pixels == NULL) return cli_fail(run, "no memory for a picture of %" PRIu64 " bytes", bytes);
     memset(s->image.pixels, 255, (size_t)bytes);
-    return CLI_DONE;
-}
-
-static int write_image(cli_run *run, int number, const bvx_image *image)
-{
-    bvx_buffer file = {0};
-    bvx_status const status = bvx_write_png(run->context, image, &file);
-    return cli_write_buffer(run, number, status, &file, run->output[number].path);
-}
-
-/* ---- what is said ---- */
-
-static void tell_compared(const cli_scene *s, cli_made *made)
-{
-    const bvx_grid_difference *const d = &s->difference;
-    cli_text *const t = &made->members;
-    if (!s->compared) return;
-    cli_tell(
-        made, "%s -> %s: %" PRIu64 " voxels of both, %" PRIu64 " added (green), %" PRIu64 " removed (red)\n",
-        cli_input_name(s->input[0].path), cli_input_name(s->input[1].path), d->both, d->only_b, d->only_a);
-    cli_text_add(t, ", \"difference\": {\"both\": %" PRIu64, d->both);
-    cli_json_count(t, "added", d->only_b);
-    cli_json_count(t, "removed", d->only_a);
-    cli_text_add(t, "}");
-}
-
-/* ---- pictures ---- */
-
-static int render_sheet(cli_run *run, cli_scene *scene, sheet *s)
-{
-    const cli_render_options *const own = run->own;
-    const cli_options *const o = run->options;
-    int const pictures = own->difference ? 1 : o->inputs;
-    int status = cli_open_output(run, o->output);
-
-    s->width = own->size.count != 0 ? (int32_t)own->size.value[0] : pictures == 1 ? 1024 : 640;
-    s->height = own->size.count != 0 ? (int32_t)own->size.value[1] : pictures == 1 ? 768 : 480;
-    s->rows = (pictures + 3) / 4;
-    s->columns = (pictures + s->rows - 1) / s->rows;
-    if (status == CLI_DONE) status = open_sheet(run, s);
     for (int i = 0; i < pictures && status == CLI_DONE; i++) {
         bvx_image picture = {0};
         status = cli_open_scene(run, i, scene);
@@ -229,9 +194,10 @@ static int render_sheet(cli_run *run, cli_scene *scene, sheet *s)
 
 static int write_pictures(cli_run *run, void *work)
 {
-    const sheet *const s = &((render_job *)work)->sheet;
+    bvx_buffer file = {0};
     cli_stage_begin(run, "write");
-    int status = write_image(run, 0, &s->image);
+    bvx_status const written = bvx_write_png(run->context, &((render_job *)work)->sheet.image, &file);
+    int status = cli_write_buffer(run, 0, written, &file, run->output[0].path);
     if (status == CLI_DONE) status = cli_keep_outputs(run);
     cli_stage_end(run);
     return status;
@@ -242,7 +208,18 @@ static void tell_render(const cli_run *run, const void *work, cli_made *made)
     const render_job *const job = work;
     const bvx_image *const image = &job->sheet.image;
     cli_text *const t = &made->members;
-    tell_compared(&job->scene, made);
+    if (job->scene.compared) {
+        const cli_input *const in = job->scene.input;
+        const bvx_grid_difference *const d = &job->scene.difference;
+        cli_tell(made,
+                 "%s -> %s: %" PRIu64 " voxels of both, %" PRIu64 " added (green), %" PRIu64
+                 " removed (red)\n",
+                 cli_input_name(in[0].path), cli_input_name(in[1].path), d->both, d->only_b, d->only_a);
+        cli_text_add(t, ", \"difference\": {\"both\": %" PRIu64, d->both);
+        cli_json_count(t, "added", d->only_b);
+        cli_json_count(t, "removed", d->only_a);
+        cli_text_add(t, "}");
+    }
     cli_text_add(t, ", \"pictures\": {\"path\": ");
     cli_json_string(t, cli_output_name(run, run->options->output));
     cli_text_add(t, ", \"count\": 1, \"width\": %" PRId32 ", \"height\": %" PRId32 "}", image->width,
@@ -278,25 +255,6 @@ static const cli_rule render_rules[] = {
     {.also = cli_fill_rules},
     {0}};
 
-static int check_kinds(cli_run *run)
-{
-    const cli_options *const o = run->options;
-    int meshes = 0, kind, status = CLI_DONE;
-    char count[16];
-
-    for (int i = 0; i < o->inputs && status == CLI_DONE; i++) {
-        status = cli_input_kind(run, o->input[i], &kind);
-        meshes += status == CLI_DONE && kind == CLI_MESH;
-    }
-    /* Rules know facts, not numbers, so the count comes as the word of messages. */
-    if (status != CLI_DONE) return status;
-    snprintf(count, sizeof count, "%d", o->inputs);
-    return cli_check_rules(run, render_rules,
-                           (meshes != 0 ? HAS_MESH : 0u) | (o->inputs == 2 ? HAS_TWO : 0u) |
-                               (meshes == 1 ? ARE_MIXED : 0u),
-                           count);
-}
-
 static int make_render(cli_run *run, void *work, cli_made *made)
 {
     render_job *const job = work;
@@ -310,8 +268,19 @@ static int make_render(cli_run *run, void *work, cli_made *made)
                          o->output);
     if (points_nowhere(&own->from)) return cli_usage(run, "--from 0,0,0 points nowhere");
     if (points_nowhere(&own->up)) return cli_usage(run, "--up 0,0,0 points nowhere");
-    CLI_TRY(check_kinds(run));
 
+    /* Rules know facts, not numbers, so the count comes as the word of messages. */
+    int meshes = 0, kind;
+    char count[16];
+    for (int i = 0; i < o->inputs; i++) {
+        CLI_TRY(cli_input_kind(run, o->input[i], &kind));
+        meshes += kind == CLI_MESH;
+    }
+    snprintf(count, sizeof count, "%d", o->inputs);
+    CLI_TRY(cli_check_rules(run, render_rules,
+                            (meshes != 0 ? HAS_MESH : 0u) | (o->inputs == 2 ? HAS_TWO : 0u) |
+                                (meshes == 1 ? ARE_MIXED : 0u),
+                            count));
     return render_sheet(run, &job->scene, &job->sheet);
 }
 

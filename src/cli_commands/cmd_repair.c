@@ -106,22 +106,6 @@ static void tell_repaired(const cli_run *run, const bvx_repair_report *r, const 
              r->distance.max_b_to_a);
 }
 
-static void take_repair_options(const cli_run *run, bvx_repair_options *o)
-{
-    const repair_options *const own = run->own;
-    const cli_options *const c = run->options;
-
-    *o = own->library;
-    o->struct_size = sizeof *o;
-    if (c->resolution.count != 0) o->fit.resolution = (int32_t)c->resolution.value[0];
-    o->sign = c->sign;
-    o->placing.interpolation = c->interpolation;
-    o->placing.sharp = cli_sharp(c);
-    if (cli_given(run, "--shell")) o->shell = cli_or_none(c->shell);
-    o->parts = cli_parts(run);
-    if (own->measure) o->samples = REPAIR_SAMPLES;
-}
-
 /* Edges of the result collapse; what was measured of it is measured again. */
 static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired,
                            bvx_repair_report *report, cli_reduction *reduction)
@@ -147,34 +131,26 @@ typedef struct repair_job {
     cli_reduction reduction;
 } repair_job;
 
-static int write_input(cli_run *run)
-{
-    cli_bytes b = {NULL, 0, 0, 0};
-    int result = cli_read_file(run, run->options->input[0], &b);
-    bvx_buffer const file = {.bytes = b.bytes, .size = b.size};
-    if (result == CLI_DONE) result = cli_write_output(run, 0, &file);
-    if (result == CLI_DONE) result = cli_keep_outputs(run);
-    if (result == CLI_DONE) run->report.kept = run->report.had;
-    free(b.bytes);
-    return result;
-}
-
-/* 1: the file that is written would say nothing else than the input. */
-static int is_same_file(const cli_run *run)
-{
-    const cli_options *const o = run->options;
-    return strcmp(o->input[0], "-") != 0 && run->report.nonfinite == 0 &&
-           cli_input_format(run, o->input[0]) == bvx_format_of_name(o->output) &&
-           cli_turn_of(run) == BVX_TURN_NONE &&
-           cli_given_of(run, "--normals --output-origin --quantize") == NULL;
-}
-
 /* The report's certificate becomes that of the file. A copy is the input itself, which has its attributes. */
 static int write_repaired(cli_run *run, void *work)
 {
     repair_job *const job = work;
+    const cli_options *const o = run->options;
     int const copied = job->report.copied && !job->reduction.done;
-    if (copied && is_same_file(run)) return write_input(run);
+    /* The file that is written would say nothing else than the input. */
+    if (copied && strcmp(o->input[0], "-") != 0 && run->report.nonfinite == 0 &&
+        cli_input_format(run, o->input[0]) == bvx_format_of_name(o->output) &&
+        cli_turn_of(run) == BVX_TURN_NONE &&
+        cli_given_of(run, "--normals --output-origin --quantize") == NULL) {
+        cli_bytes b = {NULL, 0, 0, 0};
+        int result = cli_read_file(run, o->input[0], &b);
+        bvx_buffer const file = {.bytes = b.bytes, .size = b.size};
+        if (result == CLI_DONE) result = cli_write_output(run, 0, &file);
+        if (result == CLI_DONE) result = cli_keep_outputs(run);
+        if (result == CLI_DONE) run->report.kept = run->report.had;
+        free(b.bytes);
+        return result;
+    }
     run->source = &job->source;
     int result = cli_write_mesh(run, copied ? &job->source : &job->repaired);
     job->report.after = run->report.mesh[0].certificate;
@@ -200,9 +176,17 @@ static int make_repair(cli_run *run, void *work, cli_made *made)
     CLI_TRY(cli_open_output(run, run->options->output));
     CLI_TRY(cli_read_mesh(run, run->options->input[0], &job->source));
     CLI_TRY(cli_check_carry(run, &job->source));
-    bvx_repair_options o;
 
-    take_repair_options(run, &o);
+    const cli_options *const c = run->options;
+    bvx_repair_options o = own->library;
+    o.struct_size = sizeof o;
+    if (c->resolution.count != 0) o.fit.resolution = (int32_t)c->resolution.value[0];
+    o.sign = c->sign;
+    o.placing.interpolation = c->interpolation;
+    o.placing.sharp = cli_sharp(c);
+    if (cli_given(run, "--shell")) o.shell = cli_or_none(c->shell);
+    o.parts = cli_parts(run);
+    if (own->measure) o.samples = REPAIR_SAMPLES;
     o.report = r;
     bvx_mesh_view const view = cli_view(&job->source);
     CLI_TRY(

@@ -121,26 +121,6 @@ static int wants_all_labels(const cli_run *run)
     return cli_given(run, "--label") && own->body.label == BVX_LABEL_ZERO;
 }
 
-static uint32_t facts_of_sections(const cli_run *run)
-{
-    const sections_options *const own = run->own;
-    const cli_options *const o = run->options;
-    uint32_t facts = HAS_BLOCKS;
-
-    if (cli_is_contours(run, o->input[0])) facts |= READS_CONTOURS;
-    if (cli_input_format(run, o->input[0]) == BVX_FORMAT_CSV) facts |= READS_CSV;
-    if (own->body.caps == BVX_CAPS_OPEN) facts |= STAYS_OPEN;
-    if (wants_all_labels(run)) facts |= ALL_LABELS;
-    if (own->touching == TOUCHING_SHARED) facts |= SHARED_FACES;
-    if (cli_has_number(o->output)) facts |= HAS_NUMBER;
-    if (cli_has_two_numbers(o->output)) facts |= HAS_NUMBERS;
-    if (own->block_model != NULL && bvx_format_of_name(own->block_model) == BVX_FORMAT_CSV)
-        facts |= MODEL_IS_CSV;
-    for (int k = 0; k < 3; k++)
-        if (!(own->block.value[k] > 0.0 && own->block.value[k] < 1e300)) facts &= ~(uint32_t)HAS_BLOCKS;
-    return facts;
-}
-
 /* The word is the block model's name. */
 static const cli_rule sections_rules[] = {
     {.unless = READS_CONTOURS,
@@ -247,39 +227,47 @@ static int reduce_body(cli_run *run, sections_job *job)
 
 /* ---- blocks ---- */
 
-/* Fine bits of block column (i, j) in a grid that is one block high. */
-static uint32_t count_block(const bvx_grid *g, int32_t i, int32_t j)
+/* Layer k of blocks; a layer at a time, as the fine voxels of the whole model may not fit into memory. */
+static bvx_status add_blocks(cli_run *run, sections_job *job, const bvx_lattice *lattice, int32_t k)
 {
-    uint32_t n = 0;
-    for (int32_t z = 0; z < BLOCK_PARTS; z++)
-        for (int32_t y = 0; y < BLOCK_PARTS; y++) {
-            size_t const row = (size_t)z * (size_t)g->size[1] + (size_t)(j * BLOCK_PARTS + y);
-            /* eight blocks a word */
-            uint64_t bits = g->words[row * (size_t)g->words_per_row + (size_t)(i / 8)] >> (i % 8 * 8) & 0xff;
-            for (; bits != 0; bits &= bits - 1) n++;
-        }
-    return n;
-}
+    const double *const low = lattice->origin, *const side =
+                                                   ((const sections_options *)run->own)->block.value;
+    bvx_voxelize_options v = {.struct_size = sizeof v};
+    bvx_mesh_view const view = cli_view(&job->mesh);
+    bvx_grid grid = {0}, *const g = &grid;
 
-static void add_blocks(sections_job *job, const bvx_grid *g, int32_t k, const double side[3], cli_text *text)
-{
-    const double *const low = g->lattice.origin;
-
+    v.window.low[2] = k * BLOCK_PARTS;
+    v.window.size[0] = lattice->dims[0];
+    v.window.size[1] = lattice->dims[1];
+    v.window.size[2] = BLOCK_PARTS;
+    CLI_TRY(bvx_voxelize_solid(run->context, &view, lattice, &v, &grid));
     for (int32_t j = 0; j < g->size[1] / BLOCK_PARTS; j++)
         for (int32_t i = 0; i < g->size[0] / BLOCK_PARTS; i++) {
-            uint32_t const n = count_block(g, i, j);
+            /* Fine bits of block column (i, j) in a grid that is one block high. */
+            uint32_t n = 0;
+            for (int32_t z = 0; z < BLOCK_PARTS; z++)
+                for (int32_t y = 0; y < BLOCK_PARTS; y++) {
+                    size_t const row = (size_t)z * (size_t)g->size[1] + (size_t)(j * BLOCK_PARTS + y);
+                    /* eight blocks a word */
+                    uint64_t bits = g->words[row * (size_t)g->words_per_row + (size_t)(i / 8)] >>
+                                        (i % 8 * 8) &
+                                    0xff;
+                    for (; bits != 0; bits &= bits - 1) n++;
+                }
             double const share = (double)n / (BLOCK_PARTS * BLOCK_PARTS * BLOCK_PARTS);
             if (n == 0) continue;
             /* twelve digits: centres that are decimals in the user's eyes stay so */
-            cli_text_add(text, "%.12g,%.12g,%.12g,%.12g,%.12g,%.12g,%.9g\n", low[0] + (i + 0.5) * side[0],
-                         low[1] + (j + 0.5) * side[1], low[2] + (k + 0.5) * side[2], side[0], side[1],
-                         side[2], share);
+            cli_text_add(&job->text, "%.12g,%.12g,%.12g,%.12g,%.12g,%.12g,%.9g\n",
+                         low[0] + (i + 0.5) * side[0], low[1] + (j + 0.5) * side[1],
+                         low[2] + (k + 0.5) * side[2], side[0], side[1], side[2], share);
             job->blocks++;
             job->block_volume += share * side[0] * side[1] * side[2];
         }
+    bvx_grid_free(run->context, &grid);
+    return BVX_OK;
 }
 
-/* Corners of blocks at whole multiples of their sides, as in block models; a layer of blocks at a time. */
+/* Corners of blocks at whole multiples of their sides, as in block models. */
 static int make_blocks(cli_run *run, sections_job *job)
 {
     const sections_options *const own = run->own;
@@ -287,7 +275,7 @@ static int make_blocks(cli_run *run, sections_job *job)
     const double *const side = own->block.value;
     const bvx_certificate *const c = &run->report.mesh[0].certificate;
     double origin[3], spacing[3];
-    int32_t dims[3], layers;
+    int32_t dims[3];
     bvx_lattice lattice;
 
     for (int k = 0; k < 3; k++) {
@@ -299,23 +287,11 @@ static int make_blocks(cli_run *run, sections_job *job)
         spacing[k] = side[k] / BLOCK_PARTS;
         dims[k] = (int32_t)(end - first) * BLOCK_PARTS;
     }
-    /* A layer at a time: the fine voxels of the whole model may not fit into memory. */
-    layers = dims[2] / BLOCK_PARTS;
-    bvx_mesh_view const view = cli_view(&job->mesh);
     cli_stage_begin(run, "blocks");
     bvx_status status = bvx_lattice_make(run->context, origin, spacing, dims, &lattice);
     cli_text_add(text, "x,y,z,dx,dy,dz,fraction\n");
-    for (int32_t k = 0; k < layers && status == BVX_OK; k++) {
-        bvx_voxelize_options v = {.struct_size = sizeof v};
-        bvx_grid grid = {0};
-        v.window.low[2] = k * BLOCK_PARTS;
-        v.window.size[0] = dims[0];
-        v.window.size[1] = dims[1];
-        v.window.size[2] = BLOCK_PARTS;
-        status = bvx_voxelize_solid(run->context, &view, &lattice, &v, &grid);
-        if (status == BVX_OK) add_blocks(job, &grid, k, side, text);
-        bvx_grid_free(run->context, &grid);
-    }
+    for (int32_t k = 0; k < dims[2] / BLOCK_PARTS && status == BVX_OK; k++)
+        status = add_blocks(run, job, &lattice, k);
     cli_stage_end(run);
     CLI_TRY(cli_check_call(run, status, own->block_model));
     return text->failed ? cli_fail(run, "no memory for the block model") : CLI_DONE;
@@ -331,13 +307,6 @@ static int write_body(cli_run *run, void *work)
     bvx_buffer text = {.bytes = (uint8_t *)job->text.bytes, .size = job->text.size};
     if (result == CLI_DONE && own->block_model != NULL) result = cli_write_output(run, 1, &text);
     return result == CLI_DONE ? cli_keep_outputs(run) : result;
-}
-
-static const char *verdict(const bvx_certificate *c)
-{
-    if (cli_is_sound(c)) return "closed, manifold, oriented";
-    return c->edge_manifold && c->vertex_manifold && c->oriented ? "manifold, oriented, open"
-                                                                 : "not manifold";
 }
 
 static void tell_body(const cli_run *run, const sections_job *job, cli_made *made)
@@ -368,7 +337,10 @@ static void tell_body(const cli_run *run, const sections_job *job, cli_made *mad
         cli_tell(made, "              at %g, %g, %g\n", r->unkept[i][0], r->unkept[i][1], r->unkept[i][2]);
     cli_tell_reduction(&job->reduction, made);
     cli_tell(made, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " shell%s: %s\n",
-             c->triangles, c->vertices, c->components, c->components == 1 ? "" : "s", verdict(c));
+             c->triangles, c->vertices, c->components, c->components == 1 ? "" : "s",
+             cli_is_sound(c)                                         ? "closed, manifold, oriented"
+             : c->edge_manifold && c->vertex_manifold && c->oriented ? "manifold, oriented, open"
+                                                                     : "not manifold");
     cli_tell(made, "  volume      %g by the mesh", c->volume);
     if (flat) cli_tell(made, ", %g by prismoids", r->prismoid_volume);
     if (flat && own->block_model != NULL)
@@ -449,22 +421,6 @@ static void tell_topology(const cli_run *run, const sections_job *job, cli_made 
 
 /* ---- every body ---- */
 
-/* Labels ascending, each once; NULL without memory. */
-static int32_t *list_labels(const bvx_sections *s, int *count)
-{
-    int32_t *const label = calloc((size_t)s->loop_count + 1, sizeof *label);
-    *count = 0;
-    for (uint64_t i = 0; label != NULL && i < s->loop_count && *count <= CLI_MAX_OUTPUTS; i++) {
-        int at = *count;
-        while (at > 0 && label[at - 1] > s->loops[i].label) at--;
-        if (at > 0 && label[at - 1] == s->loops[i].label) continue;
-        memmove(label + at + 1, label + at, (size_t)(*count - at) * sizeof *label);
-        label[at] = s->loops[i].label;
-        ++*count;
-    }
-    return label;
-}
-
 /* All bodies by one call, which takes what is the same faces from the same numbers. */
 static int build_all(cli_run *run, sections_job *job, const int32_t *label, int count)
 {
@@ -524,7 +480,18 @@ static int make_all_labels(cli_run *run, void *work, cli_made *made)
     made->write = keep_bodies;
     made->untitled = 1;
     CLI_TRY(read_stack(run, job));
-    int32_t *const label = list_labels(&job->sections, &count);
+
+    /* Labels ascending, each once; NULL without memory. */
+    int32_t *const label = calloc((size_t)job->sections.loop_count + 1, sizeof *label);
+    count = 0;
+    for (uint64_t i = 0; label != NULL && i < job->sections.loop_count && count <= CLI_MAX_OUTPUTS; i++) {
+        int at = count;
+        while (at > 0 && label[at - 1] > job->sections.loops[i].label) at--;
+        if (at > 0 && label[at - 1] == job->sections.loops[i].label) continue;
+        memmove(label + at + 1, label + at, (size_t)(count - at) * sizeof *label);
+        label[at] = job->sections.loops[i].label;
+        ++count;
+    }
     if (label == NULL) return cli_fail(run, "no memory for labels");
     if (count == 0) result = cli_fail(run, "%s: there are no loops", cli_first_name(run));
     if (count > CLI_MAX_OUTPUTS)
@@ -586,7 +553,21 @@ static int choose_sections(cli_run *run, const cli_job **job)
 {
     const sections_options *const own = run->own;
     *job = wants_all_labels(run) ? &every_body : &one_body;
-    return cli_check_rules(run, sections_rules, facts_of_sections(run), own->block_model);
+    const cli_options *const o = run->options;
+    uint32_t facts = HAS_BLOCKS;
+
+    if (cli_is_contours(run, o->input[0])) facts |= READS_CONTOURS;
+    if (cli_input_format(run, o->input[0]) == BVX_FORMAT_CSV) facts |= READS_CSV;
+    if (own->body.caps == BVX_CAPS_OPEN) facts |= STAYS_OPEN;
+    if (wants_all_labels(run)) facts |= ALL_LABELS;
+    if (own->touching == TOUCHING_SHARED) facts |= SHARED_FACES;
+    if (cli_has_number(o->output)) facts |= HAS_NUMBER;
+    if (cli_has_two_numbers(o->output)) facts |= HAS_NUMBERS;
+    if (own->block_model != NULL && bvx_format_of_name(own->block_model) == BVX_FORMAT_CSV)
+        facts |= MODEL_IS_CSV;
+    for (int k = 0; k < 3; k++)
+        if (!(own->block.value[k] > 0.0 && own->block.value[k] < 1e300)) facts &= ~(uint32_t)HAS_BLOCKS;
+    return cli_check_rules(run, sections_rules, facts, own->block_model);
 }
 
 const cli_command cli_sections = {

@@ -20,23 +20,6 @@ static const cli_argument simplify_rows[] = {
     {.also = cli_takes_all},
     {0}};
 
-static int simplify_input(cli_run *run, cli_collapse_run *c)
-{
-    const cli_options *const o = run->options;
-
-    bvx_simplify_options s = {.struct_size = sizeof s, .targets = cli_targets(run, c)};
-    if (cli_given(run, "--attributes")) s.collapse.attribute_weight = cli_or_none(o->attributes);
-    s.collapse.lock_border = o->lock_border;
-    s.collapse.topology = o->topology;
-    s.collapse.vertices = o->keep_vertices ? BVX_VERTICES_KEPT : BVX_VERTICES_PLACED;
-    s.reports = c->level;
-
-    cli_stage_begin(run, "level 0");
-    bvx_status const status = bvx_mesh_simplify(run->context, &c->view, &s, (uint64_t)c->count, c->mesh);
-    c->seconds = cli_stage_end(run);
-    return cli_check_call(run, status, cli_first_name(run));
-}
-
 static int make_simplify(cli_run *run, void *work, cli_made *made)
 {
     cli_collapse_run *const c = work;
@@ -54,7 +37,19 @@ static int make_simplify(cli_run *run, void *work, cli_made *made)
     const char *const in = cli_first_name(run);
     /* Vertices at equal positions count as one: files repeat them where colours or normals change. */
     CLI_TRY(CLI_STAGE(run, "check input", bvx_mesh_check(run->context, &c->view, 1, &c->before), in));
-    CLI_TRY(simplify_input(run, c));
+    const cli_options *const o = run->options;
+
+    bvx_simplify_options s = {.struct_size = sizeof s, .targets = cli_targets(run, c)};
+    if (cli_given(run, "--attributes")) s.collapse.attribute_weight = cli_or_none(o->attributes);
+    s.collapse.lock_border = o->lock_border;
+    s.collapse.topology = o->topology;
+    s.collapse.vertices = o->keep_vertices ? BVX_VERTICES_KEPT : BVX_VERTICES_PLACED;
+    s.reports = c->level;
+
+    cli_stage_begin(run, "level 0");
+    bvx_status const status = bvx_mesh_simplify(run->context, &c->view, &s, (uint64_t)c->count, c->mesh);
+    c->seconds = cli_stage_end(run);
+    CLI_TRY(cli_check_call(run, status, cli_first_name(run)));
     return cli_finish_collapse(run, c);
 }
 

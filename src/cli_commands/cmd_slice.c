@@ -20,35 +20,6 @@ static const cli_argument slice_rows[] = {
     {.also = cli_takes_all},
     {0}};
 
-static int check_slice_options(cli_run *run)
-{
-    const slice_options *const own = run->own;
-    const cli_options *const o = run->options;
-    int32_t const format = bvx_format_of_name(o->output);
-    int kind;
-
-    CLI_TRY(cli_input_kind(run, o->input[0], &kind));
-    if (format != BVX_FORMAT_CSL && format != BVX_FORMAT_CSV)
-        return cli_usage(
-            run,
-            "%s: the name does not end in a contour format that can be written (" CLI_CONTOURS_WRITTEN ")",
-            o->output);
-    if (!cli_given(run, "--spacing")) return cli_usage(run, "--spacing is needed");
-    /* Its columns are x and y of a section at a height z. */
-    if (format == BVX_FORMAT_CSV && own->up_axis != 0 && own->up_axis != 3)
-        return cli_usage(run, "%s: .csv holds planes across z only; take .csl", o->output);
-    return CLI_DONE;
-}
-
-static int slice_surface(cli_run *run, cli_input *in)
-{
-    if (in->kind == CLI_MESH) return CLI_DONE;
-    /* Contours are doubles: a surface in floats would round them twice. */
-    bvx_extract_options e = {.struct_size = sizeof e, .position_type = BVX_F64};
-    return CLI_STAGE(run, "surface", bvx_extract_surface(run->context, &in->grid, &e, &in->mesh),
-                     cli_input_name(in->path));
-}
-
 typedef struct slice_job {
     cli_input in;
     bvx_sections sections;
@@ -69,14 +40,32 @@ static int write_contours(cli_run *run, void *work)
 
 static int make_slice(cli_run *run, void *work, cli_made *made)
 {
-    slice_job *const job = work;
-    made->write = write_contours;
-    CLI_TRY(check_slice_options(run));
-    CLI_TRY(cli_open_output(run, run->options->output));
-    CLI_TRY(cli_read_input(run, run->options->input[0], &job->in));
-    CLI_TRY(slice_surface(run, &job->in));
-
     const slice_options *const own = run->own;
+    const cli_options *const o = run->options;
+    int32_t const format = bvx_format_of_name(o->output);
+    slice_job *const job = work;
+    int kind;
+
+    made->write = write_contours;
+    CLI_TRY(cli_input_kind(run, o->input[0], &kind));
+    if (format != BVX_FORMAT_CSL && format != BVX_FORMAT_CSV)
+        return cli_usage(
+            run,
+            "%s: the name does not end in a contour format that can be written (" CLI_CONTOURS_WRITTEN ")",
+            o->output);
+    if (!cli_given(run, "--spacing")) return cli_usage(run, "--spacing is needed");
+    /* Its columns are x and y of a section at a height z. */
+    if (format == BVX_FORMAT_CSV && own->up_axis != 0 && own->up_axis != 3)
+        return cli_usage(run, "%s: .csv holds planes across z only; take .csl", o->output);
+    CLI_TRY(cli_open_output(run, o->output));
+    CLI_TRY(cli_read_input(run, o->input[0], &job->in));
+
+    /* Contours are doubles: a surface in floats would round them twice. */
+    bvx_extract_options e = {.struct_size = sizeof e, .position_type = BVX_F64};
+    if (job->in.kind != CLI_MESH)
+        CLI_TRY(CLI_STAGE(run, "surface", bvx_extract_surface(run->context, &job->in.grid, &e, &job->in.mesh),
+                          cli_input_name(job->in.path)));
+
     int const axis = own->up_axis != 0 ? own->up_axis - 1 : 2;
     bvx_slice_options s = {.struct_size = sizeof s};
     for (int k = 0; k < 3; k++) s.normal[k] = k == axis;

@@ -95,15 +95,6 @@ enum {
     TO_SEGMENTS = 8 << CLI_FIRST_FACT     /* .nrrd or .vox */
 };
 
-static uint32_t facts_of_mode(const cli_run *run)
-{
-    const cli_voxelize_options *const own = run->own;
-    int32_t const format = bvx_format_of_name(run->options->output);
-    return (own->mode == CLI_MODE_SOLID ? SETS_SOLID : 0u) | (own->mode == CLI_MODE_FIELD ? SETS_FIELD : 0u) |
-           (format == BVX_FORMAT_NRRD || format == BVX_FORMAT_VOX ? TO_SEGMENTS : 0u) |
-           (own->solid.check_thin == BVX_CHECK_ALWAYS ? LOOKS_FOR_THIN : 0u);
-}
-
 static const cli_rule cloud_rules[] = {
     {.when = CLI_OF_CLOUD,
      .given = "--mode --fill --add-shell --check-thin --half-width --sign --vectors "
@@ -157,67 +148,32 @@ static const cli_rule mesh_rules[] = {
          "choose voxels of a volume"},
     {0}};
 
-static int check_second(cli_run *run)
-{
-    const cli_voxelize_options *const own = run->own;
-    const char *const second = own->second;
-    int kind, status;
-    if (second == NULL) return CLI_DONE;
-    /* Standard input can be read once, and IN may be it. */
-    if (strcmp(second, "-") == 0)
-        return cli_usage(run, "--second takes a file with a name, not standard input");
-    status = cli_input_kind(run, second, &kind);
-    if (status == CLI_DONE && kind == CLI_GRID)
-        return cli_usage(run, "--second takes a mesh; %s is a grid", second);
-    return status;
-}
-
-/* By the input's name; of a cloud in .ply it is known once it is read. */
-static int find_kind(cli_run *run, uint32_t *kind)
-{
-    const char *const input = run->options->input[0];
-    int of;
-    *kind = CLI_OF_CLOUD;
-    if (cli_input_format(run, input) == BVX_FORMAT_XYZ) return CLI_DONE;
-    CLI_TRY(cli_input_kind(run, input, &of));
-    *kind = of == CLI_GRID ? CLI_OF_GRID : 0;
-    return CLI_DONE;
-}
-
 /* ---- the lattice ---- */
-
-/* The lattice holds both terrains, and goes down to the base. */
-static int choose_box(cli_run *run, voxel_job *job)
-{
-    const cli_voxelize_options *const own = run->own;
-    int const based = cli_given(run, "--base");
-    int const up = own->solid.up == BVX_UP_Z ? 2 : own->solid.up - BVX_UP_X;
-    bvx_lattice unused;
-    bvx_status status = BVX_OK;
-
-    if (own->second == NULL && !based) return CLI_DONE;
-    status = bvx_lattice_fit(run->context, &job->view, 1, &unused); /* refuses what has no box */
-    CLI_TRY(cli_check_call(run, status, cli_first_name(run)));
-    cli_mesh_box(&job->mesh, &job->box);
-    if (own->second != NULL) {
-        cli_box other;
-        CLI_TRY(
-            cli_check_call(run, bvx_lattice_fit(run->context, &job->second_view, 1, &unused), own->second));
-        cli_mesh_box(&job->second, &other);
-        cli_join_boxes(&job->box, &other);
-    }
-    if (based && own->solid.base < job->box.low[up]) job->box.low[up] = own->solid.base;
-    job->boxed = 1;
-    return CLI_DONE;
-}
 
 static int choose_lattice(cli_run *run, voxel_job *job)
 {
+    const cli_voxelize_options *const own = run->own;
     const cli_options *const o = run->options;
     bvx_lattice *const l = &run->report.lattice;
-    int const result = job->cloud ? CLI_DONE : choose_box(run, job);
+    int const based = cli_given(run, "--base");
+    int const up = own->solid.up == BVX_UP_Z ? 2 : own->solid.up - BVX_UP_X;
+    bvx_lattice unused;
 
-    if (result != CLI_DONE) return result;
+    if (!job->cloud && (own->second != NULL || based)) {
+        /* Refuses what has no box. */
+        CLI_TRY(
+            cli_check_call(run, bvx_lattice_fit(run->context, &job->view, 1, &unused), cli_first_name(run)));
+        cli_mesh_box(&job->mesh, &job->box);
+        if (own->second != NULL) {
+            cli_box other;
+            CLI_TRY(cli_check_call(run, bvx_lattice_fit(run->context, &job->second_view, 1, &unused),
+                                   own->second));
+            cli_mesh_box(&job->second, &other);
+            cli_join_boxes(&job->box, &other);
+        }
+        if (based && own->solid.base < job->box.low[up]) job->box.low[up] = own->solid.base;
+        job->boxed = 1;
+    }
     bvx_mesh_view const corners = cli_corners_of_box(&job->box);
     const bvx_mesh_view *const around = job->boxed && !job->cloud ? &corners : &job->view;
     CLI_TRY(cli_check_call(run, cli_make_lattice(run, around, l), cli_first_name(run)));
@@ -228,60 +184,7 @@ static int choose_lattice(cli_run *run, voxel_job *job)
     return cli_check_grid_format(run, o->output, l);
 }
 
-static void choose_field_padding(cli_run *run)
-{
-    const cli_voxelize_options *const own = run->own;
-    cli_options *const o = run->options;
-    double const width = own->field.half_width;
-    /* The band reaches so far beyond the mesh. Who asks for a wide one wants distances inside, not a
-     * lattice many times as large; a field without an end takes the usual room. */
-    if (!cli_given(run, "--padding") && !o->origin.given)
-        o->padding = width > 0.0 ? (int32_t)ceil(fmin(width, FIELD_MOST_PADDING)) : FIELD_HALF_WIDTH;
-}
-
-/* The surface of a solid ends where the mesh does, also at the lattice's sides. */
-static void make_room_for_surface(cli_run *run)
-{
-    cli_options *const o = run->options;
-    if (CLI_HOLDS(run, CLI_TO_MESH) && o->fill != BVX_FILL_BELOW && !cli_given(run, "--padding") &&
-        !o->origin.given)
-        o->padding = 1;
-}
-
 /* ---- voxels ---- */
-
-static bvx_status make_surface(const cli_run *run, voxel_job *job, bvx_surface_report *report)
-{
-    const cli_voxelize_options *const own = run->own;
-    /* The modes of the program begin with the solid, those of the library do not. */
-    bvx_surface_options s = {.struct_size = sizeof s,
-                             .mode = own->mode - CLI_MODE_CONSERVATIVE + BVX_SURFACE_CONSERVATIVE,
-                             .window = job->window,
-                             .report = report};
-    return bvx_voxelize_surface(run->context, &job->view, &run->report.lattice, &s, &job->grid);
-}
-
-static bvx_status make_solid_voxels(const cli_run *run, voxel_job *job, bvx_solid_report *report)
-{
-    const cli_voxelize_options *const own = run->own;
-    bvx_voxelize_options v = own->solid;
-    cli_take_fill(run, &v);
-    v.report = report;
-    v.window = job->window;
-    v.has_base = cli_given(run, "--base");
-    if (own->second != NULL) v.second = &job->second_view;
-    return bvx_voxelize_solid(run->context, &job->view, &run->report.lattice, &v, &job->grid);
-}
-
-static bvx_status make_cloud(const cli_run *run, voxel_job *job, bvx_points_report *report)
-{
-    const cli_voxelize_options *const own = run->own;
-    bvx_points_options p = own->cloud;
-    p.close_gaps = run->options->close_gaps;
-    p.window = job->window;
-    p.report = report;
-    return bvx_voxelize_points(run->context, &job->view, &run->report.lattice, &p, &job->grid);
-}
 
 static void tell_surface(const cli_run *run, const bvx_surface_report *r, cli_made *made)
 {
@@ -344,10 +247,8 @@ static bvx_status make_field(const cli_run *run, voxel_job *job, cli_made *made)
     o.sign = run->options->sign;
     o.no_vectors = !run->options->vectors;
     o.window = job->window;
-    bvx_status status = bvx_measure_field(run->context, &job->view, &run->report.lattice, &o, field);
-    if (status == BVX_OK && field->inside.words != NULL)
-        status = bvx_grid_count(run->context, &field->inside, &inside);
-    if (status != BVX_OK) return status;
+    CLI_TRY(bvx_measure_field(run->context, &job->view, &run->report.lattice, &o, field));
+    if (field->inside.words != NULL) CLI_TRY(bvx_grid_count(run->context, &field->inside, &inside));
 
     made->field = field;
     made->set = field->value_count;
@@ -382,34 +283,35 @@ typedef struct voxel_reports {
 static bvx_status make_voxels(cli_run *run, voxel_job *job, voxel_reports *reports, cli_made *made)
 {
     const cli_voxelize_options *const own = run->own;
-    if (job->cloud) return make_cloud(run, job, &reports->cloud);
+    if (job->cloud) {
+        bvx_points_options p = own->cloud;
+        p.close_gaps = run->options->close_gaps;
+        p.window = job->window;
+        p.report = &reports->cloud;
+        return bvx_voxelize_points(run->context, &job->view, &run->report.lattice, &p, &job->grid);
+    }
     if (own->mode == CLI_MODE_FIELD) return make_field(run, job, made);
-    if (own->mode == CLI_MODE_SOLID) return make_solid_voxels(run, job, &reports->solid);
-    return make_surface(run, job, &reports->surface);
+    if (own->mode == CLI_MODE_SOLID) {
+        bvx_voxelize_options v = own->solid;
+        cli_take_fill(run, &v);
+        v.report = &reports->solid;
+        v.window = job->window;
+        v.has_base = cli_given(run, "--base");
+        if (own->second != NULL) v.second = &job->second_view;
+        return bvx_voxelize_solid(run->context, &job->view, &run->report.lattice, &v, &job->grid);
+    }
+    /* The modes of the program begin with the solid, those of the library do not. */
+    bvx_surface_options s = {.struct_size = sizeof s,
+                             .mode = own->mode - CLI_MODE_CONSERVATIVE + BVX_SURFACE_CONSERVATIVE,
+                             .window = job->window,
+                             .report = &reports->surface};
+    return bvx_voxelize_surface(run->context, &job->view, &run->report.lattice, &s, &job->grid);
 }
 
 static bvx_status keep_voxels(cli_run *run, voxel_job *job, cli_made *made)
 {
-    bvx_status status = BVX_OK;
-    if (CLI_HOLDS(run, CLI_KEEPS_PARTS)) status = cli_keep_parts(run, &job->grid, &job->grid);
-    return status == BVX_OK ? bvx_grid_count(run->context, &job->grid, &made->set) : status;
-}
-
-static void tell_voxels(const cli_run *run, const voxel_job *job, const voxel_reports *reports,
-                        cli_made *made)
-{
-    const cli_voxelize_options *const own = run->own;
-    int const solid = !job->cloud && own->mode == CLI_MODE_SOLID;
-
-    if (job->cloud) tell_cloud(run, &reports->cloud, made);
-    else if (solid) cli_tell_solid(run, &job->grid, &reports->solid, made);
-    else tell_surface(run, &reports->surface, made);
-
-    if (made->set == 0 && !job->cloud)
-        cli_advise(made, BVX_WARN_EMPTY, "the result is empty: %s",
-                   solid ? "the mesh contains no voxel's centre"
-                         : "the surface meets no voxel of the "
-                           "window");
+    if (CLI_HOLDS(run, CLI_KEEPS_PARTS)) CLI_TRY(cli_keep_parts(run, &job->grid, &job->grid));
+    return bvx_grid_count(run->context, &job->grid, &made->set);
 }
 
 static int make_all(cli_run *run, voxel_job *job, cli_made *made)
@@ -427,7 +329,17 @@ static int make_all(cli_run *run, voxel_job *job, cli_made *made)
     CLI_TRY(cli_check_call(run, status, cli_first_name(run)));
     if (made->field != NULL) return CLI_DONE;
 
-    tell_voxels(run, job, &reports, made);
+    int const solid = !job->cloud && own->mode == CLI_MODE_SOLID;
+
+    if (job->cloud) tell_cloud(run, &reports.cloud, made);
+    else if (solid) cli_tell_solid(run, &job->grid, &reports.solid, made);
+    else tell_surface(run, &reports.surface, made);
+
+    if (made->set == 0 && !job->cloud)
+        cli_advise(made, BVX_WARN_EMPTY, "the result is empty: %s",
+                   solid ? "the mesh contains no voxel's centre"
+                         : "the surface meets no voxel of the "
+                           "window");
     job->voxels.name = o->input[0];
     job->voxels.grid = job->voxels.solid = &job->grid;
     /* Only the plain solid of one mesh has the mesh as its surface. */
@@ -443,17 +355,40 @@ static int make_all(cli_run *run, voxel_job *job, cli_made *made)
 static int make_voxelize(cli_run *run, void *work, cli_made *made)
 {
     const cli_voxelize_options *const own = run->own;
-    const cli_options *const o = run->options;
+    cli_options *const o = run->options;
     voxel_job *const job = work;
-    uint32_t kind;
+    uint32_t facts = CLI_OF_CLOUD;
+    int kind = CLI_MESH;
 
-    CLI_TRY(find_kind(run, &kind));
-    CLI_TRY(cli_check_rules(run, mesh_rules, kind | facts_of_mode(run), cli_mode_names[own->mode]));
-    CLI_TRY(check_second(run));
+    /* By the input's name; of a cloud in .ply it is known once it is read. */
+    if (cli_input_format(run, o->input[0]) != BVX_FORMAT_XYZ) {
+        CLI_TRY(cli_input_kind(run, o->input[0], &kind));
+        facts = kind == CLI_GRID ? CLI_OF_GRID : 0;
+    }
+    int32_t const format = bvx_format_of_name(o->output);
+    if (own->mode == CLI_MODE_SOLID) facts |= SETS_SOLID;
+    if (own->mode == CLI_MODE_FIELD) facts |= SETS_FIELD;
+    if (format == BVX_FORMAT_NRRD || format == BVX_FORMAT_VOX) facts |= TO_SEGMENTS;
+    if (own->solid.check_thin == BVX_CHECK_ALWAYS) facts |= LOOKS_FOR_THIN;
+    CLI_TRY(cli_check_rules(run, mesh_rules, facts, cli_mode_names[own->mode]));
+    /* Standard input can be read once, and IN may be it. */
+    if (own->second != NULL && strcmp(own->second, "-") == 0)
+        return cli_usage(run, "--second takes a file with a name, not standard input");
+    if (own->second != NULL) CLI_TRY(cli_input_kind(run, own->second, &kind));
+    if (own->second != NULL && kind == CLI_GRID)
+        return cli_usage(run, "--second takes a mesh; %s is a grid", own->second);
     CLI_TRY(cli_window_option(run, &job->window));
 
-    if (own->mode == CLI_MODE_FIELD) choose_field_padding(run);
-    else make_room_for_surface(run);
+    int const chosen = cli_given(run, "--padding") || o->origin.given;
+    if (!chosen && own->mode == CLI_MODE_FIELD) {
+        /* The band reaches so far beyond the mesh. Who asks for a wide one wants distances inside, not a
+         * lattice many times as large; a field without an end takes the usual room. */
+        double const width = own->field.half_width;
+        o->padding = width > 0.0 ? (int32_t)ceil(fmin(width, FIELD_MOST_PADDING)) : FIELD_HALF_WIDTH;
+    } else if (!chosen && CLI_HOLDS(run, CLI_TO_MESH) && o->fill != BVX_FILL_BELOW) {
+        /* The surface of a solid ends where the mesh does, also at the lattice's sides. */
+        o->padding = 1;
+    }
     CLI_TRY(cli_open_voxels(run));
 
     CLI_TRY(cli_read_mesh_or_cloud(run, o->input[0], &job->mesh, &job->cloud));

@@ -38,30 +38,26 @@ static int usual_count(uint64_t triangles)
     return count;
 }
 
-static int read_surface(cli_run *run, cli_collapse_run *c)
-{
-    const char *const path = run->options->input[0];
-    bvx_grid grid = {0};
-    int placed;
-    CLI_TRY(cli_read_grid(run, path, NULL, &grid, &placed));
-    run->report.lattice = grid.lattice;
-    run->report.has_lattice = 1;
-    cli_stage_begin(run, "surface");
-    bvx_status const status = bvx_extract_surface(run->context, &grid, NULL, &c->input);
-    bvx_grid_free(run->context, &grid);
-    CLI_TRY(cli_stage_check(run, status, cli_input_name(path)));
-    if (c->input.triangle_count != 0) return CLI_DONE;
-    return cli_fail(run, "%s: the grid is empty; there is nothing to make levels from", cli_input_name(path));
-}
-
 int cli_open_collapse(cli_run *run, cli_collapse_run *c)
 {
     int const known = c->count != 0;
     cli_box box;
 
     CLI_TRY(known ? cli_open_levels(run, c->count, c->path) : CLI_DONE);
-    CLI_TRY(c->kind == CLI_GRID ? read_surface(run, c)
-                                : cli_read_mesh(run, run->options->input[0], &c->input));
+    if (c->kind == CLI_GRID) {
+        bvx_grid grid = {0};
+        int placed;
+        CLI_TRY(cli_read_grid(run, run->options->input[0], NULL, &grid, &placed));
+        run->report.lattice = grid.lattice;
+        run->report.has_lattice = 1;
+        cli_stage_begin(run, "surface");
+        bvx_status const status = bvx_extract_surface(run->context, &grid, NULL, &c->input);
+        bvx_grid_free(run->context, &grid);
+        CLI_TRY(cli_stage_check(run, status, cli_first_name(run)));
+        if (c->input.triangle_count == 0)
+            return cli_fail(run, "%s: the grid is empty; there is nothing to make levels from",
+                            cli_first_name(run));
+    } else CLI_TRY(cli_read_mesh(run, run->options->input[0], &c->input));
     CLI_TRY(cli_check_carry(run, &c->input));
 
     bvx_mesh_view_of(&c->input, &c->view);

@@ -26,26 +26,6 @@ static const cli_rule up_rules[] = {
      .message = "%f: no axis is known to be up in this format; give it with --up beside %o"},
     {0}};
 
-static int check_batch(cli_run *run)
-{
-    const cli_options *const o = run->options;
-    int const kind = cli_kind_of_format(o->format);
-
-    if (o->output != NULL) return cli_usage(run, "-o and --output-dir exclude each other");
-    for (int i = 0; i < o->inputs; i++)
-        if (strcmp(o->input[i], "-") == 0)
-            return cli_usage(run, "standard input has no name; --output-dir is for files");
-    /* The format is that of all files, so it must be one that the command writes. */
-    if (o->format != 0 &&
-        (kind == 0 ||
-         ((run->command->bit & (CLI_REPAIR | CLI_SIMPLIFY | CLI_LOD | CLI_HULL)) != 0 && kind != CLI_MESH)))
-        return cli_usage(run, "--format %s is not written by %s", cli_format_name(o->format),
-                         run->command->name);
-    if (run->command->bit == CLI_CONVERT && o->format == 0)
-        return cli_usage(run, "convert lacks the format of the files in --output-dir; give it with --format");
-    return CLI_DONE;
-}
-
 int cli_check_line(cli_run *run)
 {
     const cli_options *const o = run->options;
@@ -62,7 +42,24 @@ int cli_check_line(cli_run *run)
         return cli_usage(run, "standard input has no name that gives the format; give it with --format");
     if (standard == 0 && !writes && o->output_dir == NULL && o->format != 0)
         return cli_usage(run, "--format is for standard input and output, '-'; file names give theirs");
-    if (o->output_dir != NULL) return check_batch(run);
+    if (o->output_dir != NULL) {
+        int const kind = cli_kind_of_format(o->format);
+
+        if (o->output != NULL) return cli_usage(run, "-o and --output-dir exclude each other");
+        for (int i = 0; i < o->inputs; i++)
+            if (strcmp(o->input[i], "-") == 0)
+                return cli_usage(run, "standard input has no name; --output-dir is for files");
+        /* The format is that of all files, so it must be one that the command writes. */
+        if (o->format != 0 &&
+            (kind == 0 || ((run->command->bit & (CLI_REPAIR | CLI_SIMPLIFY | CLI_LOD | CLI_HULL)) != 0 &&
+                           kind != CLI_MESH)))
+            return cli_usage(run, "--format %s is not written by %s", cli_format_name(o->format),
+                             run->command->name);
+        if (run->command->bit == CLI_CONVERT && o->format == 0)
+            return cli_usage(run,
+                             "convert lacks the format of the files in --output-dir; give it with --format");
+        return CLI_DONE;
+    }
     if (o->output == NULL && (run->command->bit & (CLI_COMPONENTS | CLI_CHECK)) == 0 && cli_takes(run, "-o"))
         return cli_usage(run, "%s lacks -o FILE; see 'bitvox %s --help'", name, name);
     CLI_TRY(cli_check_pattern(run));

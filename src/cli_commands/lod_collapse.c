@@ -64,28 +64,6 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
     if (own->outer_hull) b->parts.least_cavity = UINT64_MAX;
 }
 
-static int build_levels(cli_run *run, lod_collapse *l)
-{
-    cli_collapse_run *const c = &l->run;
-    bvx_levels_options b;
-
-    take_levels_options(run, l, &b);
-    cli_stage_begin(run, "level 0");
-    bvx_status const status = bvx_build_levels(run->context, &c->view, &b, (uint64_t)c->count, c->mesh);
-    c->seconds = cli_stage_end(run);
-    CLI_TRY(cli_check_call(run, status, cli_first_name(run)));
-
-    c->before = l->report.before;
-    c->surface = l->report.solid ? l->report.repair.after : l->report.before;
-    c->surface.triangles = l->report.triangles;
-    c->solid = l->report.solid;
-    if (l->report.solid) {
-        run->report.lattice = l->report.repair.lattice;
-        run->report.has_lattice = 1;
-    }
-    return CLI_DONE;
-}
-
 static void tell_made_ready(const bvx_levels_report *r, cli_made *made)
 {
     const struct {
@@ -166,7 +144,23 @@ static int make_collapse(cli_run *run, void *work, cli_made *made)
 
     CLI_TRY(cli_check_collapse(run, &l->run));
     CLI_TRY(cli_open_collapse(run, &l->run));
-    CLI_TRY(build_levels(run, l));
+    cli_collapse_run *const c = &l->run;
+    bvx_levels_options b;
+
+    take_levels_options(run, l, &b);
+    cli_stage_begin(run, "level 0");
+    bvx_status const status = bvx_build_levels(run->context, &c->view, &b, (uint64_t)c->count, c->mesh);
+    c->seconds = cli_stage_end(run);
+    CLI_TRY(cli_check_call(run, status, cli_first_name(run)));
+
+    c->before = l->report.before;
+    c->surface = l->report.solid ? l->report.repair.after : l->report.before;
+    c->surface.triangles = l->report.triangles;
+    c->solid = l->report.solid;
+    if (l->report.solid) {
+        run->report.lattice = l->report.repair.lattice;
+        run->report.has_lattice = 1;
+    }
     return cli_finish_collapse(run, &l->run);
 }
 

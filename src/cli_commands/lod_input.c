@@ -13,13 +13,6 @@ int32_t cli_level_resolution(const cli_run *run, const cli_chain *c, int level)
     return own->resolutions.count != 0 ? (int32_t)own->resolutions.value[level] : usual > 0 ? usual : 1;
 }
 
-static bvx_status fit(cli_run *run, const cli_chain *c, int32_t resolution, bvx_lattice *lattice)
-{
-    bvx_lattice_options const o = {
-        .struct_size = sizeof o, .resolution = resolution, .padding = run->options->padding};
-    return bvx_lattice_fit_with(run->context, &c->view, &o, lattice);
-}
-
 static int choose_resolution(cli_run *run, cli_chain *c)
 {
     const cli_options *const options = run->options;
@@ -77,7 +70,10 @@ static int open_mesh(cli_run *run, cli_chain *c)
     c->diagonal = cli_diagonal(c->certificate.box.low, c->certificate.box.high);
     CLI_TRY(choose_resolution(run, c));
     cli_stage_begin(run, "voxelize");
-    CLI_TRY(cli_check_call(run, fit(run, c, c->resolution, &run->report.lattice), path));
+    bvx_lattice_options const fit = {
+        .struct_size = sizeof fit, .resolution = c->resolution, .padding = run->options->padding};
+    CLI_TRY(
+        cli_check_call(run, bvx_lattice_fit_with(run->context, &c->view, &fit, &run->report.lattice), path));
     run->report.has_lattice = 1;
     cli_take_fill(run, &v);
     v.report = &c->solid_report;
@@ -98,8 +94,10 @@ static bvx_status surface_of_solid(cli_run *run, cli_chain *c)
     return status;
 }
 
-static int open_grid(cli_run *run, cli_chain *c)
+int cli_open_chain(cli_run *run, cli_chain *c)
 {
+    if (c->kind != CLI_GRID) return open_mesh(run, c);
+
     const char *const path = run->options->input[0];
     double low[3], high[3];
     int placed;
@@ -119,9 +117,4 @@ static int open_grid(cli_run *run, cli_chain *c)
     CLI_TRY(CLI_STAGE(run, "surface", surface_of_solid(run, c), cli_input_name(path)));
     bvx_mesh_view_of(&c->input, &c->view);
     return CLI_DONE;
-}
-
-int cli_open_chain(cli_run *run, cli_chain *c)
-{
-    return c->kind == CLI_GRID ? open_grid(run, c) : open_mesh(run, c);
 }

@@ -101,22 +101,6 @@ static int run_command(cli_run *run, int count, char **word)
     return status;
 }
 
-/* A closed standard stream must not hand its number to the next opened file; writes to it fail. */
-static void hold_standard_streams(void)
-{
-#if MAIN_POSIX
-    for (int i = 0; i < 3; i++)
-        if (fcntl(i, F_GETFD) == -1) (void)!open("/dev/null", i == 0 ? O_WRONLY : O_RDONLY);
-#endif
-}
-
-static int is_asked_for(const char *name, int count, char **word)
-{
-    for (int i = 0; i < count && strcmp(word[i], "--") != 0; i++)
-        if (strcmp(word[i], name) == 0) return 1;
-    return 0;
-}
-
 static int run_words(cli_run *run, int count, char **word)
 {
     if (count <= 0) {
@@ -134,7 +118,8 @@ static int run_words(cli_run *run, int count, char **word)
     run->command = find_command(word[0]);
     run->name = run->command != NULL ? run->command->name : NULL;
     if (run->command != NULL) return run_command(run, count - 1, word + 1);
-    run->options->general.json = is_asked_for("--json", count, word);
+    for (int i = 0; i < count && strcmp(word[i], "--") != 0; i++)
+        if (strcmp(word[i], "--json") == 0) run->options->general.json = 1;
     return cli_end_of_run(run, refuse_command(run, word[0]));
 }
 
@@ -147,8 +132,12 @@ int main(int count, char **word)
     run.options = &options;
     run.general = &options.general;
     run.commands = cli_commands;
-    /* Before any file is opened and any thread started. */
-    hold_standard_streams();
+    /* Before any file is opened and any thread started. A closed standard stream must not hand its number to the next
+     * opened file; writes to it fail. */
+#if MAIN_POSIX
+    for (int i = 0; i < 3; i++)
+        if (fcntl(i, F_GETFD) == -1) (void)!open("/dev/null", i == 0 ? O_WRONLY : O_RDONLY);
+#endif
     cli_watch_start();
     options.samples = -1;
     return run_words(&run, count - 1, word + 1);

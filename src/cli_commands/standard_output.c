@@ -19,17 +19,6 @@
 #include <io.h>
 #endif
 
-static int is_terminal(void)
-{
-#if STANDARD_POSIX
-    return isatty(STDOUT_FILENO);
-#elif defined(_WIN32)
-    return _isatty(_fileno(stdout));
-#else
-    return 0;
-#endif
-}
-
 /* A command that writes what it reads: .bvx where all inputs are voxels. */
 static int32_t format_of_inputs(const cli_run *run, int first)
 {
@@ -59,23 +48,28 @@ static int32_t usual_format(const cli_run *run)
     }
 }
 
-/* --format is also that of standard input: then it counts here only where the output is of the same kind. */
-static int32_t chosen_format(const cli_run *run)
+int cli_take_standard_output(cli_run *run)
 {
     const cli_options *const o = run->options;
     int32_t const usual = usual_format(run);
+    int32_t format = usual;
     int reads = 0;
-    for (int i = 0; i < o->inputs; i++) reads += strcmp(o->input[i], "-") == 0;
-    if (o->format == 0 || run->command->bit == CLI_SECTIONS) return usual;
-    return reads == 0 || cli_kind_of_format(o->format) == cli_kind_of_format(usual) ? o->format : usual;
-}
 
-int cli_take_standard_output(cli_run *run)
-{
-    int32_t const format = chosen_format(run);
+    /* --format is also that of standard input: then it counts here only where the output is of the same kind. */
+    for (int i = 0; i < o->inputs; i++) reads += strcmp(o->input[i], "-") == 0;
+    if (o->format != 0 && run->command->bit != CLI_SECTIONS &&
+        (reads == 0 || cli_kind_of_format(o->format) == cli_kind_of_format(usual)))
+        format = o->format;
     const char *const known = format == BVX_FORMAT_CSV ? "csv" : cli_format_name(format);
     /* Bytes on a terminal may change its state; nobody wants them. */
-    if (is_terminal())
+#if STANDARD_POSIX
+    int const terminal = isatty(STDOUT_FILENO);
+#elif defined(_WIN32)
+    int const terminal = _isatty(_fileno(stdout));
+#else
+    int const terminal = 0;
+#endif
+    if (terminal)
         return cli_usage(
             run, "standard output is a terminal, which cannot show a .%s file; send it to a file or a pipe",
             known);

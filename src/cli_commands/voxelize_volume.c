@@ -35,11 +35,17 @@ static const cli_rule output_rules[] = {
 /* ---- parts ---- */
 
 /* kept may be the grid itself. */
-static bvx_status keep_chosen(cli_run *run, volume_job *j, const bvx_grid *grid, bvx_grid *kept)
+static bvx_status keep_chosen(cli_run *run, volume_job *j, bvx_grid *kept)
 {
     if (!CLI_HOLDS(run, CLI_KEEPS_PARTS)) return BVX_OK;
-    bvx_status status = cli_keep_parts(run, grid, kept);
-    return status == BVX_OK ? bvx_grid_count(run->context, kept, &j->report.inside) : status;
+    CLI_TRY(cli_keep_parts(run, &j->grid, kept));
+    return bvx_grid_count(run->context, kept, &j->report.inside);
+}
+
+static bvx_status select_chosen(cli_run *run, volume_job *j, bvx_grid *kept)
+{
+    CLI_TRY(cli_select_voxels(run, &j->volume, &j->report, &j->grid));
+    return keep_chosen(run, j, kept);
 }
 
 /* A copy of the samples in which those of dropped parts are as one that is outside,
@@ -78,27 +84,6 @@ static int copy_without(cli_run *run, const bvx_volume_view *view, const bvx_gri
     return CLI_DONE;
 }
 
-/* ---- a grid ---- */
-
-static int make_volume_grid(cli_run *run, volume_job *j, cli_made *made)
-{
-    int const result = cli_check_grid_format(run, run->options->output, &j->volume.view.lattice);
-
-    if (result != CLI_DONE) return result;
-    cli_stage_begin(run, "threshold");
-    bvx_status status = cli_select_voxels(run, &j->volume, &j->report, &j->grid);
-    cli_stage_end(run);
-    if (status == BVX_OK) status = keep_chosen(run, j, &j->grid, &j->grid);
-    CLI_TRY(cli_check_call(run, status, cli_first_name(run)));
-
-    made->grid = &j->grid;
-    made->set = j->report.inside;
-    made->placed = j->volume.placed;
-    if (j->report.inside == 0)
-        cli_advise(made, BVX_WARN_EMPTY, "the result is empty: the range holds no sample");
-    return CLI_DONE;
-}
-
 /* ---- meshes ---- */
 
 static bvx_status make_level_mesh(cli_run *run, volume_job *j, const bvx_volume_view *view, bvx_mesh *mesh)
@@ -114,8 +99,7 @@ static int make_kept_level_mesh(cli_run *run, volume_job *j, bvx_status *status)
 {
     bvx_volume_view view = j->volume.view;
 
-    *status = cli_select_voxels(run, &j->volume, &j->report, &j->grid);
-    if (*status == BVX_OK) *status = keep_chosen(run, j, &j->grid, &j->kept);
+    *status = select_chosen(run, j, &j->kept);
     if (*status != BVX_OK) return CLI_DONE;
     if (run->report.parts.dropped != 0) {
         CLI_TRY(copy_without(run, &j->volume.view, &j->grid, &j->kept, &view, &j->samples));
@@ -138,8 +122,7 @@ static int make_surface_of_volume(cli_run *run, volume_job *j)
     } else if (cli_given(run, "--level")) {
         status = make_level_mesh(run, j, &j->volume.view, &j->mesh);
     } else {
-        status = cli_select_voxels(run, &j->volume, &j->report, &j->grid);
-        if (status == BVX_OK) status = keep_chosen(run, j, &j->grid, &j->grid);
+        status = select_chosen(run, j, &j->grid);
         if (status == BVX_OK) status = bvx_extract_surface(run->context, &j->grid, NULL, &j->mesh);
     }
     cli_stage_end(run);
@@ -179,7 +162,20 @@ static int make_volume(cli_run *run, void *work, cli_made *made)
 
     CLI_TRY(mesh ? cli_open_output(run, output) : cli_open_grid_output(run, output));
     CLI_TRY(cli_read_volume(run, run->options->input[0], &window, &j->volume));
-    return mesh ? make_volume_mesh(run, j, made) : make_volume_grid(run, j, made);
+    if (mesh) return make_volume_mesh(run, j, made);
+
+    CLI_TRY(cli_check_grid_format(run, output, &j->volume.view.lattice));
+    cli_stage_begin(run, "threshold");
+    bvx_status status = cli_select_voxels(run, &j->volume, &j->report, &j->grid);
+    cli_stage_end(run);
+    if (status == BVX_OK) status = keep_chosen(run, j, &j->grid);
+    CLI_TRY(cli_check_call(run, status, cli_first_name(run)));
+    made->grid = &j->grid;
+    made->set = j->report.inside;
+    made->placed = j->volume.placed;
+    if (j->report.inside == 0)
+        cli_advise(made, BVX_WARN_EMPTY, "the result is empty: the range holds no sample");
+    return CLI_DONE;
 }
 
 static void tell_volume(const cli_run *run, const void *work, cli_made *made)

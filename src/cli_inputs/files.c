@@ -102,18 +102,6 @@ static int64_t size_of_file(FILE *file)
     return size < 0 || size == LONG_MAX ? 0 : size;
 }
 
-static size_t read_part(FILE *file, unsigned char *to, size_t want, int *error)
-{
-    size_t got = 0;
-    do {
-        clearerr(file);
-        errno = 0;
-        got += fread(to + got, 1, want - got, file);
-        *error = !ferror(file) ? 0 : errno != 0 ? errno : EIO;
-    } while (*error == EINTR && !cli_interrupted()); /* a signal that is none of ours: the rest follows */
-    return got;
-}
-
 static int read_bytes(cli_run *run, const char *path, FILE *file, uint64_t held, cli_bytes *b)
 {
     uint64_t const ceiling = bytes_ceiling(run), limit = held < ceiling ? ceiling - held : 0;
@@ -133,7 +121,14 @@ static int read_bytes(cli_run *run, const char *path, FILE *file, uint64_t held,
         size_t const want = room == 0 ? 1 : room < FILES_CHUNK ? room : FILES_CHUNK;
         unsigned char next; /* exactly full: is there more? */
         int error;
-        size_t const got = read_part(file, room != 0 ? b->bytes + b->size : &next, want, &error);
+        unsigned char *const to = room != 0 ? b->bytes + b->size : &next;
+        size_t got = 0;
+        do {
+            clearerr(file);
+            errno = 0;
+            got += fread(to + got, 1, want - got, file);
+            error = !ferror(file) ? 0 : errno != 0 ? errno : EIO;
+        } while (error == EINTR && !cli_interrupted()); /* a signal that is none of ours: the rest follows */
         if (room == 0 && got != 0) {
             status = grow_bytes(run, path, b);
             if (status != CLI_DONE) break;
@@ -189,24 +184,19 @@ static int inflate_all(cli_run *run, const char *path, const cli_bytes *packed, 
     }
 }
 
-/* The size that the last four bytes tell, where it may be true; else four times the packed. */
-static uint64_t guess_unpacked(const cli_bytes *packed)
-{
-    const unsigned char *p;
-    if (packed->size < 18) return 64; /* no whole file */
-    /* The size modulo 2^32, and of the last member only: a guess that is checked. */
-    p = packed->bytes + packed->size - 4;
-    uint64_t told = (uint64_t)p[0] | (uint64_t)p[1] << 8 | (uint64_t)p[2] << 16 | (uint64_t)p[3] << 24;
-    /* deflate: 1032 at most */
-    return told >= packed->size && told / 1100 <= packed->size ? told : (uint64_t)packed->size * 4;
-}
-
 static int unpack(cli_run *run, const char *path, cli_bytes *b)
 {
     cli_bytes plain;
     z_stream z = {0};
     uint64_t const limit = b->limit > b->size ? b->limit - b->size : 1; /* both are held for a while */
-    int status = start_bytes(run, path, guess_unpacked(b), limit, &plain);
+    uint64_t guess = 64;                                                /* of what is no whole file */
+    if (b->size >= 18) {
+        /* The size modulo 2^32, and of the last member only: a guess that is checked. Deflate: 1032 at most. */
+        const unsigned char *const p = b->bytes + b->size - 4;
+        guess = (uint64_t)p[0] | (uint64_t)p[1] << 8 | (uint64_t)p[2] << 16 | (uint64_t)p[3] << 24;
+        if (guess < b->size || guess / 1100 > b->size) guess = (uint64_t)b->size * 4;
+    }
+    int status = start_bytes(run, path, guess, limit, &plain);
 
     if (status != CLI_DONE) return status;
     if (inflateInit2(&z, 15 + 16) != Z_OK) { /* the largest window, gzip's head and foot */
@@ -229,13 +219,6 @@ static int unpack(cli_run *run, const char *path, cli_bytes *b)
 }
 #endif
 
-static int is_gzip(const char *path, const cli_bytes *b)
-{
-    size_t const n = strlen(path);
-    return (b->size >= 2 && b->bytes[0] == 0x1f && b->bytes[1] == 0x8b) ||
-           (n > 3 && strcmp(path + n - 3, ".gz") == 0);
-}
-
 /* ---- inputs ---- */
 
 int cli_read_bytes(cli_run *run, const char *path, uint64_t held, cli_bytes *b)
@@ -250,7 +233,10 @@ int cli_read_bytes(cli_run *run, const char *path, uint64_t held, cli_bytes *b)
     int status = read_bytes(run, path, file, held, b);
     if (!standard) fclose(file);
     /* By its bytes, and by its name too: a .gz that holds none is refused there. */
-    if (status == CLI_DONE && is_gzip(path, b)) status = unpack(run, path, b);
+    size_t const n = strlen(path);
+    int const packed = (b->size >= 2 && b->bytes[0] == 0x1f && b->bytes[1] == 0x8b) ||
+                       (n > 3 && strcmp(path + n - 3, ".gz") == 0);
+    if (status == CLI_DONE && packed) status = unpack(run, path, b);
     cli_note_peak(run, b->size);
     return status;
 }
@@ -334,24 +320,20 @@ static void close_beside(void *user, bvx_file_bytes *file)
     free(b);
 }
 
-/* 1: each level becomes the input's file with other triangles, so that nothing of it is lost. */
-static int keeps_file(const cli_run *run)
-{
-    const cli_options *const o = run->options;
-    int const levels = o->triangles.count + o->errors.count + (int)o->count;
-    int const alone = levels == 1 || (levels == 0 && (run->command->bit & CLI_SIMPLIFY) != 0);
-    return o->keep_vertices && !cli_given(run, "--output-origin") && !o->quantize && o->output != NULL &&
-           bvx_format_of_name(o->output) == BVX_FORMAT_GLB && cli_turn_of(run) == BVX_TURN_NONE &&
-           (alone || strchr(o->output, '%') != NULL);
-}
-
 /* Commands that measure a mesh or describe it leave out triangles that lie nowhere; the others, which keep
  * triangles, refuse them: what keeps every triangle in its place must not lose one silently. */
 static bvx_status read_triangles(files_beside *beside, const cli_bytes *b, int32_t format, bvx_mesh *mesh)
 {
     cli_run *const run = beside->run;
+    const cli_options *const o = run->options;
+    int const levels = o->triangles.count + o->errors.count + (int)o->count;
+    int const alone = levels == 1 || (levels == 0 && (run->command->bit & CLI_SIMPLIFY) != 0);
+    bvx_read_options options = {.struct_size = sizeof options};
 
-    bvx_read_options options = {.struct_size = sizeof options, .keep_file = keeps_file(run)};
+    /* Each level becomes the input's file with other triangles, so that nothing of it is lost. */
+    options.keep_file = o->keep_vertices && !cli_given(run, "--output-origin") && !o->quantize &&
+                        o->output != NULL && bvx_format_of_name(o->output) == BVX_FORMAT_GLB &&
+                        cli_turn_of(run) == BVX_TURN_NONE && (alone || strchr(o->output, '%') != NULL);
     options.drop_nonfinite = !options.keep_file &&
                              (run->command->bit & (CLI_REPAIR | CLI_LOD | CLI_VOXELIZE | CLI_BOOLEAN |
                                                    CLI_INFO | CLI_HULL | CLI_CHECK)) != 0;
@@ -365,18 +347,6 @@ static bvx_status read_triangles(files_beside *beside, const cli_bytes *b, int32
         options.user = beside;
     }
     return bvx_read_mesh(run->context, b->bytes, b->size, format, &options, mesh);
-}
-
-/* cloud NULL: a mesh alone will do. */
-static bvx_status parse_mesh(files_beside *beside, const cli_bytes *b, int32_t format, bvx_mesh *mesh,
-                             int *cloud)
-{
-    bvx_status read = BVX_ERR_EMPTY;
-    if (format != BVX_FORMAT_XYZ) read = read_triangles(beside, b, format, mesh);
-    if (read != BVX_ERR_EMPTY || cloud == NULL || (format != BVX_FORMAT_XYZ && format != BVX_FORMAT_PLY))
-        return read;
-    *cloud = 1;
-    return bvx_read_points(beside->run->context, b->bytes, b->size, format, mesh);
 }
 
 static void warn_of_losses(cli_run *run, const char *path, uint32_t lost)
@@ -413,19 +383,7 @@ uint32_t cli_attributes_of(const bvx_mesh *mesh)
            (mesh->materials != NULL ? CLI_HAS_MATERIALS : 0u);
 }
 
-/* Materials in use; those beyond the first of a great many count as one. */
-static int count_materials(const bvx_mesh *mesh)
-{
-    unsigned char used[FILES_MATERIALS] = {0};
-    int count = 0;
-    for (uint64_t t = 0; mesh->materials != NULL && t < mesh->triangle_count; t++) {
-        uint32_t const m = mesh->materials[t] < FILES_MATERIALS ? mesh->materials[t] : FILES_MATERIALS - 1;
-        count += !used[m];
-        used[m] = 1;
-    }
-    return count;
-}
-
+/* cloud NULL: a mesh alone will do. */
 static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_mesh *mesh, int *cloud)
 {
     files_beside beside = {.run = run, .path = path};
@@ -435,7 +393,13 @@ static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_me
     if (status == CLI_DONE) {
         cli_stage_begin(run, "parse");
         beside.held = b.room;
-        bvx_status read = parse_mesh(&beside, &b, format, mesh, cloud);
+        bvx_status read = BVX_ERR_EMPTY;
+        if (format != BVX_FORMAT_XYZ) read = read_triangles(&beside, &b, format, mesh);
+        if (read == BVX_ERR_EMPTY && cloud != NULL &&
+            (format == BVX_FORMAT_XYZ || format == BVX_FORMAT_PLY)) {
+            *cloud = 1;
+            read = bvx_read_points(run->context, b.bytes, b.size, format, mesh);
+        }
         cli_end_parse(run, b.size);
         status = beside.failed ? CLI_FAILED : cli_check_call(run, read, cli_input_name(path));
     }
@@ -449,7 +413,17 @@ static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_me
 
         warn_of_losses(run, path, beside.report.lost);
         run->report.had |= cli_attributes_of(mesh);
-        run->report.materials += count_materials(mesh);
+
+        /* Materials in use; those beyond the first of a great many count as one. */
+        unsigned char used[FILES_MATERIALS] = {0};
+        int count = 0;
+        for (uint64_t t = 0; mesh->materials != NULL && t < mesh->triangle_count; t++) {
+            uint32_t const m = mesh->materials[t] < FILES_MATERIALS ? mesh->materials[t]
+                                                                    : FILES_MATERIALS - 1;
+            count += !used[m];
+            used[m] = 1;
+        }
+        run->report.materials += count;
     }
     free(b.bytes);
     return status;

@@ -13,13 +13,6 @@ enum { READS_PARTS = CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT }; /* compon
 
 /* ---- grids ---- */
 
-/* A tree's fourth byte differs from a grid's. */
-static int holds_tree(int32_t format, const cli_bytes *b)
-{
-    static const unsigned char tree[4] = {0x89, 'B', 'V', 'O'};
-    return format == BVX_FORMAT_BVX && b->size >= sizeof tree && memcmp(b->bytes, tree, sizeof tree) == 0;
-}
-
 /* Colours of a .vox that was read: a palette, or other numbers than those that bitvox writes. */
 static int has_vox_colours(const cli_bytes *b)
 {
@@ -39,7 +32,12 @@ static int parse_grid(cli_run *run, cli_bytes *b, const bvx_window *window, cli_
     int32_t const format = cli_input_format(run, in->path);
     bvx_status read;
 
-    in->kind = holds_tree(format, b) ? CLI_TREE : CLI_GRID;
+    /* A tree's fourth byte differs from a grid's. */
+    static const unsigned char tree[4] = {0x89, 'B', 'V', 'O'};
+    in->kind = (format == BVX_FORMAT_BVX && b->size >= sizeof tree &&
+                memcmp(b->bytes, tree, sizeof tree) == 0)
+                   ? CLI_TREE
+                   : CLI_GRID;
     in->placed = 1;
     cli_stage_begin(run, "parse");
     if (in->kind == CLI_TREE) read = bvx_read_octree(run->context, b->bytes, b->size, &in->tree);
@@ -68,48 +66,39 @@ static int parse_grid(cli_run *run, cli_bytes *b, const bvx_window *window, cli_
     return cli_check_call(run, read, cli_input_name(in->path));
 }
 
-static int read_selected(cli_run *run, const char *path, const bvx_window *window, cli_input *in)
-{
-    bvx_volume_report report;
-    cli_volume v;
-    int status = cli_read_volume(run, path, window, &v);
-
-    in->kind = CLI_GRID;
-    in->placed = v.placed;
-    if (status == CLI_DONE) {
-        cli_stage_begin(run, "threshold");
-        bvx_status selected = cli_select_voxels(run, &v, &report, &in->grid);
-        cli_stage_end(run);
-        if (selected == BVX_OK && CLI_HOLDS(run, CLI_KEEPS_PARTS))
-            selected = cli_keep_parts(run, &in->grid, &in->grid);
-        if (selected != BVX_OK) status = cli_fail_status(run, selected, cli_input_name(path));
-        else cli_tell_volume(run, &v, &report, &run->report.more);
-        cli_say_warnings(run);
-    }
-    cli_free_volume(run, &v);
-    return status;
-}
-
-static int keep_read_parts(cli_run *run, cli_input *in)
-{
-    if (in->kind == CLI_TREE)
-        return cli_usage(run, "--keep-largest and --least-part are for grids; %s is an octree",
-                         cli_input_name(in->path));
-    bvx_status status = cli_keep_parts(run, &in->grid, &in->grid);
-    return cli_check_call(run, status, cli_input_name(in->path));
-}
-
 int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *window, cli_input *in)
 {
     cli_bytes b = {NULL, 0, 0, 0};
 
     memset(in, 0, sizeof *in);
     in->path = path;
-    if (cli_is_volume(run, path)) return read_selected(run, path, window, in);
+    if (cli_is_volume(run, path)) {
+        bvx_volume_report report;
+        cli_volume v;
+        int status = cli_read_volume(run, path, window, &v);
+
+        in->kind = CLI_GRID;
+        in->placed = v.placed;
+        if (status == CLI_DONE) {
+            cli_stage_begin(run, "threshold");
+            bvx_status selected = cli_select_voxels(run, &v, &report, &in->grid);
+            cli_stage_end(run);
+            if (selected == BVX_OK && CLI_HOLDS(run, CLI_KEEPS_PARTS))
+                selected = cli_keep_parts(run, &in->grid, &in->grid);
+            if (selected != BVX_OK) status = cli_fail_status(run, selected, cli_input_name(path));
+            else cli_tell_volume(run, &v, &report, &run->report.more);
+            cli_say_warnings(run);
+        }
+        cli_free_volume(run, &v);
+        return status;
+    }
     int status = cli_open_input(run, path, &b);
     if (status == CLI_DONE) status = parse_grid(run, &b, window, in);
     if (status == CLI_DONE && (run->command->bit & READS_PARTS) != 0 && CLI_HOLDS(run, CLI_KEEPS_PARTS))
-        status = keep_read_parts(run, in);
+        status = in->kind == CLI_TREE
+                     ? cli_usage(run, "--keep-largest and --least-part are for grids; %s is an octree",
+                                 cli_input_name(path))
+                     : cli_check_call(run, cli_keep_parts(run, &in->grid, &in->grid), cli_input_name(path));
     free(b.bytes);
     if (status == CLI_DONE && cli_needs_sidecar(cli_input_format(run, path)))
         status = cli_read_sidecar(run, path, &in->grid, &in->placed);

@@ -70,30 +70,26 @@ bvx_mesh_view cli_corners_of_box(const cli_box *box)
     return (bvx_mesh_view){.positions = box, .vertex_count = 2, .position_type = BVX_F64};
 }
 
-static bvx_status lattice_from_origin(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice)
-{
-    const cli_options *const o = run->options;
-    bvx_lattice_options fit = {.struct_size = sizeof fit};
-    double spacing[3] = {o->spacing, o->spacing, o->spacing};
-    int32_t dims[3];
-
-    memcpy(fit.spacing, spacing, sizeof spacing);
-    bvx_status const status = bvx_lattice_fit_with(run->context, view, &fit,
-                                                   lattice); /* its far end covers the mesh */
-    if (status != BVX_OK) return status;
-    for (int a = 0; a < 3; a++) {
-        /* Rounded outwards, so that the last voxel covers the mesh's high end. */
-        double const far_end = lattice->origin[a] + lattice->dims[a] * lattice->spacing[a];
-        double const n = -floor((o->origin.value[a] - far_end) / o->spacing);
-        dims[a] = n < 1.0 ? 1 : n > 2147483647.0 ? INT32_MAX : (int32_t)n;
-    }
-    return bvx_lattice_make(run->context, o->origin.value, spacing, dims, lattice);
-}
-
 bvx_status cli_make_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice)
 {
     const cli_options *const o = run->options;
-    if (o->origin.given) return lattice_from_origin(run, view, lattice);
+    if (o->origin.given) {
+        bvx_lattice_options fit = {.struct_size = sizeof fit};
+        double spacing[3] = {o->spacing, o->spacing, o->spacing};
+        int32_t dims[3];
+
+        memcpy(fit.spacing, spacing, sizeof spacing);
+        bvx_status const status = bvx_lattice_fit_with(run->context, view, &fit,
+                                                       lattice); /* its far end covers the mesh */
+        if (status != BVX_OK) return status;
+        for (int a = 0; a < 3; a++) {
+            /* Rounded outwards, so that the last voxel covers the mesh's high end. */
+            double const far_end = lattice->origin[a] + lattice->dims[a] * lattice->spacing[a];
+            double const n = -floor((o->origin.value[a] - far_end) / o->spacing);
+            dims[a] = n < 1.0 ? 1 : n > 2147483647.0 ? INT32_MAX : (int32_t)n;
+        }
+        return bvx_lattice_make(run->context, o->origin.value, spacing, dims, lattice);
+    }
     bvx_lattice_options fit = {.struct_size = sizeof fit, .padding = o->padding};
     if (o->spacing != 0.0)
         for (int a = 0; a < 3; a++) fit.spacing[a] = o->spacing;

@@ -155,17 +155,12 @@ int cli_selects(const cli_run *run)
            (run->command->bit != CLI_SECTIONS && cli_given(run, "--label"));
 }
 
-static int is_detached_head(const char *path)
-{
-    size_t const n = strlen(path);
-    return n >= 5 && strcmp(path + n - 5, ".nhdr") == 0;
-}
-
 int cli_is_volume(const cli_run *run, const char *path)
 {
     int32_t const format = cli_input_format(run, path);
-    return cli_may_be_volume(format) &&
-           (cli_selects(run) != 0 || format == BVX_FORMAT_RAW || is_detached_head(path));
+    size_t const n = strlen(path);
+    int const detached = n >= 5 && strcmp(path + n - 5, ".nhdr") == 0;
+    return cli_may_be_volume(format) && (cli_selects(run) != 0 || format == BVX_FORMAT_RAW || detached);
 }
 
 int cli_is_contours(const cli_run *run, const char *path)

@@ -82,28 +82,6 @@ static uint32_t fact_if(int holds, uint32_t fact)
     return holds ? fact : 0;
 }
 
-static uint32_t facts_of_options(const cli_run *run)
-{
-    const cli_options *const o = run->options;
-    return fact_if(o->fill == BVX_FILL_FLOOD, CLI_FILLS_FLOOD) |
-           fact_if(o->fill == BVX_FILL_REGIONS, CLI_FILLS_REGIONS) |
-           fact_if(o->fill == BVX_FILL_BELOW, CLI_FILLS_BELOW) | fact_if(o->padding != 0, CLI_PADS) |
-           fact_if(cli_keep_largest(run) != 0 || cli_least_part(run) != 0, CLI_KEEPS_PARTS) |
-           fact_if(cli_input_up(run) != CLI_UP_NONE, CLI_HAS_UP) |
-           fact_if(o->output != NULL && cli_output_up(run) != CLI_UP_NONE, CLI_TO_UP);
-}
-
-static uint32_t facts_of_output(const char *path)
-{
-    int32_t const format = path != NULL ? bvx_format_of_name(path) : BVX_FORMAT_UNKNOWN;
-    int const kind = cli_kind_of_format(format);
-    uint32_t const bit = format >= 0 && format < 32 ? 1u << format : 0;
-    return fact_if(kind == CLI_MESH, CLI_TO_MESH) | fact_if(kind == CLI_GRID, CLI_TO_GRID) |
-           fact_if(format == BVX_FORMAT_STL, CLI_TO_STL) | fact_if(format == BVX_FORMAT_GLB, CLI_TO_GLB) |
-           fact_if((bit & NORMAL_FORMATS) != 0, CLI_TO_NORMALS) |
-           fact_if((bit & VOLUME_FORMATS) != 0, CLI_TO_DISTANCES);
-}
-
 const char *cli_given_of(const cli_run *run, const char *names)
 {
     for (const char *p = names; *p != 0;) {
@@ -155,7 +133,22 @@ static int check_rows(cli_run *run, const cli_rule *rules, uint32_t facts, const
 
 void cli_find_facts(cli_run *run)
 {
-    run->options->facts = facts_of_options(run) | facts_of_output(run->options->output);
+    const cli_options *const o = run->options;
+    int32_t const format = o->output != NULL ? bvx_format_of_name(o->output) : BVX_FORMAT_UNKNOWN;
+    int const kind = cli_kind_of_format(format);
+    uint32_t const bit = format >= 0 && format < 32 ? 1u << format : 0;
+    run->options->facts = fact_if(o->fill == BVX_FILL_FLOOD, CLI_FILLS_FLOOD) |
+                          fact_if(o->fill == BVX_FILL_REGIONS, CLI_FILLS_REGIONS) |
+                          fact_if(o->fill == BVX_FILL_BELOW, CLI_FILLS_BELOW) |
+                          fact_if(o->padding != 0, CLI_PADS) |
+                          fact_if(cli_keep_largest(run) != 0 || cli_least_part(run) != 0, CLI_KEEPS_PARTS) |
+                          fact_if(cli_input_up(run) != CLI_UP_NONE, CLI_HAS_UP) |
+                          fact_if(o->output != NULL && cli_output_up(run) != CLI_UP_NONE, CLI_TO_UP) |
+                          fact_if(kind == CLI_MESH, CLI_TO_MESH) | fact_if(kind == CLI_GRID, CLI_TO_GRID) |
+                          fact_if(format == BVX_FORMAT_STL, CLI_TO_STL) |
+                          fact_if(format == BVX_FORMAT_GLB, CLI_TO_GLB) |
+                          fact_if((bit & NORMAL_FORMATS) != 0, CLI_TO_NORMALS) |
+                          fact_if((bit & VOLUME_FORMATS) != 0, CLI_TO_DISTANCES);
     /* A mesh that is made of voxels is not as far off as they are. */
     if (CLI_HOLDS(run, CLI_TO_MESH) || run->command->bit == CLI_LOD)
         run->unheard = (uint64_t)1 << BVX_WARN_VOXELS;

@@ -10,21 +10,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A grid as large as the whole file, since a side-car tells of all of it; its words are not looked at. */
-static void stand_for_file(const bvx_grid *part, bvx_grid *whole)
-{
-    *whole = *part;
-    memset(whole->low, 0, sizeof whole->low);
-    memcpy(whole->size, part->lattice.dims, sizeof whole->size);
-    whole->words_per_row = (whole->size[0] - 1) / 64 + 1;
-    whole->word_capacity = UINT64_MAX;
-    if (whole->words == NULL) whole->words = &whole->word_capacity; /* a volume has none */
-}
-
 static bvx_status take_lattice(cli_run *run, const cli_bytes *b, bvx_grid *grid)
 {
     bvx_grid whole;
-    stand_for_file(grid, &whole);
+
+    /* A grid as large as the whole file, since a side-car tells of all of it; its words are not looked at. */
+    whole = *grid;
+    memset(whole.low, 0, sizeof whole.low);
+    memcpy(whole.size, grid->lattice.dims, sizeof whole.size);
+    whole.words_per_row = (whole.size[0] - 1) / 64 + 1;
+    whole.word_capacity = UINT64_MAX;
+    if (whole.words == NULL) whole.words = &whole.word_capacity; /* a volume has none */
     /* The library checks that sizes agree, so it is shown the whole file and not the part. */
     bvx_status const status = bvx_read_lattice(run->context, b->bytes, b->size, &whole);
     if (status != BVX_OK) return status;

@@ -33,19 +33,6 @@ static const cli_rule raw_rules[] = {
      .message = "%w holds bare samples: --shape X,Y,Z and --sample-type say what they are"},
     {0}};
 
-static int refuse_for_input(cli_run *run, const char *option, const char *path)
-{
-    int32_t const format = cli_input_format(run, path);
-    const char *const kind = cli_kind_of_input(format) == CLI_MESH ? "a mesh"
-                             : format == BVX_FORMAT_XYZ            ? "a cloud of points"
-                                                                   : "a grid";
-    /* --level and --levels differ by a letter: the other one may be meant. */
-    const char *const meant = cli_mistaken_for(run, option);
-    return cli_usage(run, "%s is for volumes (.nrrd .nhdr .npy .vti .raw); %s is %s%s%s%s", option,
-                     cli_input_name(path), kind, meant != NULL ? "; did you mean " : "",
-                     meant != NULL ? meant : "", meant != NULL ? "?" : "");
-}
-
 int cli_check_volume_options(cli_run *run)
 {
     const char *const given = cli_given_of(run, OF_VOLUMES " " OF_RAW);
@@ -65,7 +52,17 @@ int cli_check_volume_options(cli_run *run)
 
     if (given == NULL) return CLI_DONE;
     /* Which of several inputs is meant is not said: one volume among them is enough. */
-    if (volumes == 0) return refuse_for_input(run, given, o->input[0]);
+    if (volumes == 0) {
+        int32_t const format = cli_input_format(run, o->input[0]);
+        const char *const kind = cli_kind_of_input(format) == CLI_MESH ? "a mesh"
+                                 : format == BVX_FORMAT_XYZ            ? "a cloud of points"
+                                                                       : "a grid";
+        /* --level and --levels differ by a letter: the other one may be meant. */
+        const char *const meant = cli_mistaken_for(run, given);
+        return cli_usage(run, "%s is for volumes (.nrrd .nhdr .npy .vti .raw); %s is %s%s%s%s", given,
+                         cli_input_name(o->input[0]), kind, meant != NULL ? "; did you mean " : "",
+                         meant != NULL ? meant : "", meant != NULL ? "?" : "");
+    }
     return cli_check_rules(run, selection_rules, raw != 0 ? IS_RAW : 0, cli_first_name(run));
 }
 
@@ -94,17 +91,6 @@ static int stays_below(const char *name)
         if (part[n] == 0) return 1;
         part += n + 1;
     }
-}
-
-static char *data_path(const char *head, const char *name)
-{
-    const char *const slash = strrchr(head, '/');
-    size_t const folder = slash == NULL ? 0 : (size_t)(slash - head) + 1;
-    char *const path = malloc(folder + strlen(name) + 1);
-    if (path == NULL) return NULL;
-    memcpy(path, head, folder);
-    strcpy(path + folder, name);
-    return path;
 }
 
 /* A head of a few bytes may name a file many times: head and data count together against the memory there
@@ -153,7 +139,13 @@ static int read_data_files(cli_run *run, const char *head, cli_volume *v)
                 "%s: its samples are said to be in %s; only files in its own folder or below are read: put "
                 "them there",
                 cli_input_name(head), name);
-        char *path = data_path(head, name);
+        const char *const slash = strrchr(head, '/');
+        size_t const folder = slash == NULL ? 0 : (size_t)(slash - head) + 1;
+        char *const path = malloc(folder + strlen(name) + 1);
+        if (path != NULL) {
+            memcpy(path, head, folder);
+            strcpy(path + folder, name);
+        }
         status = path != NULL ? add_data_file(run, path, v->file.size, &v->data)
                               : cli_fail(run, "no memory for a file's name");
         free(path);
@@ -290,17 +282,14 @@ bvx_status cli_select_voxels(cli_run *run, const cli_volume *v, bvx_volume_repor
     if (!cli_selects(run)) {
         double const least = DBL_MIN * DBL_EPSILON; /* the least double above 0 */
         bvx_grid under = {0};
-        bvx_status status = bvx_threshold(run->context, &v->view, least, HUGE_VAL, report, grid);
+        uint64_t words;
 
-        if (status == BVX_OK) status = bvx_threshold(run->context, &v->view, -HUGE_VAL, -least, NULL, &under);
-        if (status == BVX_OK) {
-            uint64_t const words = (uint64_t)grid->words_per_row * (uint64_t)grid->size[1] *
-                                   (uint64_t)grid->size[2];
-            for (uint64_t w = 0; w < words; w++) grid->words[w] |= under.words[w];
-            bvx_grid_count(run->context, grid, &report->inside);
-        }
+        CLI_TRY(bvx_threshold(run->context, &v->view, least, HUGE_VAL, report, grid));
+        CLI_TRY(bvx_threshold(run->context, &v->view, -HUGE_VAL, -least, NULL, &under));
+        words = (uint64_t)grid->words_per_row * (uint64_t)grid->size[1] * (uint64_t)grid->size[2];
+        for (uint64_t w = 0; w < words; w++) grid->words[w] |= under.words[w];
         bvx_grid_free(run->context, &under);
-        return status;
+        return bvx_grid_count(run->context, grid, &report->inside);
     }
     if (cli_given(run, "--label") && v->view.sample_type < BVX_SAMPLE_F32)
         return bvx_threshold_whole(run->context, &v->view, label, label, report, grid);

@@ -60,26 +60,23 @@ int cli_perform(cli_run *run)
     return result;
 }
 
-static void free_owned(cli_run *run, int32_t kind, void *it)
-{
-    switch (kind) {
-    case CLI_OWNS_MESH: bvx_mesh_free(run->context, it); break;
-    case CLI_OWNS_GRID: bvx_grid_free(run->context, it); break;
-    case CLI_OWNS_FIELD: bvx_field_free(run->context, it); break;
-    case CLI_OWNS_SECTIONS: bvx_sections_free(run->context, it); break;
-    case CLI_OWNS_INPUT: cli_free_input(run, it); break;
-    case CLI_OWNS_VOLUME: cli_free_volume(run, it); break;
-    case CLI_OWNS_TREE: cli_free_tree(run, it); break;
-    case CLI_OWNS_VOXELS: cli_free_voxels(run, it); break;
-    default: free(*(void **)it); break;
-    }
-}
-
 void cli_release(cli_run *run)
 {
     for (const cli_owned *o = run->work != NULL ? run->job->owns : NULL; o != NULL && o->kind != 0; o++)
-        for (int32_t i = 0; i < o->count; i++)
-            free_owned(run, o->kind, (char *)run->work + o->at + (size_t)i * o->size);
+        for (int32_t i = 0; i < o->count; i++) {
+            void *const it = (char *)run->work + o->at + (size_t)i * o->size;
+            switch (o->kind) {
+            case CLI_OWNS_MESH: bvx_mesh_free(run->context, it); break;
+            case CLI_OWNS_GRID: bvx_grid_free(run->context, it); break;
+            case CLI_OWNS_FIELD: bvx_field_free(run->context, it); break;
+            case CLI_OWNS_SECTIONS: bvx_sections_free(run->context, it); break;
+            case CLI_OWNS_INPUT: cli_free_input(run, it); break;
+            case CLI_OWNS_VOLUME: cli_free_volume(run, it); break;
+            case CLI_OWNS_TREE: cli_free_tree(run, it); break;
+            case CLI_OWNS_VOXELS: cli_free_voxels(run, it); break;
+            default: free(*(void **)it); break;
+            }
+        }
     if (run->work != NULL && run->job->free != NULL) run->job->free(run, run->work);
     free(run->work);
     run->work = NULL;

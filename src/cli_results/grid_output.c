@@ -15,19 +15,6 @@ int cli_open_grid_output(cli_run *run, const char *path)
     return status;
 }
 
-/* Formats of other programs know a box of voxels and nothing around it. */
-static void warn_of_window(cli_run *run, const char *path, const bvx_grid *grid)
-{
-    int32_t const format = bvx_format_of_name(path);
-    const int32_t *const d = grid->lattice.dims;
-    if (cli_needs_sidecar(format) || format == BVX_FORMAT_BVX) return;
-    if (memcmp(grid->size, d, sizeof grid->size) == 0) return;
-    cli_warn(run, BVX_WARN_LOST,
-             "%s holds only these voxels: that they are a part of a lattice of %" PRId32 " x %" PRId32
-             " x %" PRId32 " is lost",
-             path, d[0], d[1], d[2]);
-}
-
 int cli_write_buffer(cli_run *run, int number, bvx_status status, bvx_buffer *file, const char *path)
 {
     int const result = status == BVX_OK ? cli_write_output(run, number, file)
@@ -41,14 +28,21 @@ int cli_write_buffer(cli_run *run, int number, bvx_status status, bvx_buffer *fi
 static int finish_voxels(cli_run *run, bvx_status status, bvx_buffer *file, const bvx_grid *grid)
 {
     const char *const path = run->options->output;
+    int32_t const format = bvx_format_of_name(path), *const d = grid->lattice.dims;
     int result = cli_write_buffer(run, 0, status, file, path);
-    if (result == CLI_DONE && cli_needs_sidecar(bvx_format_of_name(path))) {
+    if (result == CLI_DONE && cli_needs_sidecar(format)) {
         status = bvx_write_lattice(run->context, grid, file);
         result = cli_write_buffer(run, 1, status, file, path);
     }
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     cli_stage_end(run);
-    if (result == CLI_DONE) warn_of_window(run, path, grid);
+    /* Formats of other programs know a box of voxels and nothing around it. */
+    if (result == CLI_DONE && !cli_needs_sidecar(format) && format != BVX_FORMAT_BVX &&
+        memcmp(grid->size, d, sizeof grid->size) != 0)
+        cli_warn(run, BVX_WARN_LOST,
+                 "%s holds only these voxels: that they are a part of a lattice of %" PRId32 " x %" PRId32
+                 " x %" PRId32 " is lost",
+                 path, d[0], d[1], d[2]);
     return result;
 }
 

@@ -62,19 +62,6 @@ static void add_words(char *text, size_t room, const char *words, uint64_t count
     else snprintf(text + used, room - used, "%s%s%s", used == 0 ? "" : ", ", words, from);
 }
 
-/* What a level is not, and whether it has that from the input. */
-static void defect_text(const bvx_level_report *l, const bvx_certificate *in, char *text, size_t room)
-{
-    const bvx_certificate *const c = &l->certificate;
-    text[0] = '\0';
-    if (!c->closed)
-        add_words(text, room, "border edges", c->boundary_edges, in->closed ? " (cut)" : " (of the input)");
-    if (!c->edge_manifold || !c->vertex_manifold) add_words(text, room, "not manifold", 0, "");
-    if (!c->oriented) add_words(text, room, "not oriented", 0, "");
-    if (l->crossings != 0) add_words(text, room, "crossings", l->crossings, " (of the input)");
-    if (text[0] == '\0') add_words(text, room, "yes", 0, "");
-}
-
 void cli_tell_collapsed(const cli_run *run, int count, double diagonal, const bvx_certificate *in,
                         cli_made *made)
 {
@@ -85,13 +72,22 @@ void cli_tell_collapsed(const cli_run *run, int count, double diagonal, const bv
         const bvx_level_report *const l = m->level;
         char target[32], sound[160];
 
-        size_t const room = sizeof target;
         if (l->target_error > 0.0 && is_length(diagonal))
-            snprintf(target, room, "%.4g%%", 100.0 * l->target_error / diagonal);
-        else if (l->target_error > 0.0) snprintf(target, room, "%.4g", l->target_error);
-        else snprintf(target, room, "%" PRIu64, l->target);
+            snprintf(target, sizeof target, "%.4g%%", 100.0 * l->target_error / diagonal);
+        else if (l->target_error > 0.0) snprintf(target, sizeof target, "%.4g", l->target_error);
+        else snprintf(target, sizeof target, "%" PRIu64, l->target);
 
-        defect_text(l, in, sound, sizeof sound);
+        /* What a level is not, and whether it has that from the input. */
+        size_t const room = sizeof sound;
+        const bvx_certificate *const c = &l->certificate;
+        sound[0] = '\0';
+        if (!c->closed)
+            add_words(sound, room, "border edges", c->boundary_edges,
+                      in->closed ? " (cut)" : " (of the input)");
+        if (!c->edge_manifold || !c->vertex_manifold) add_words(sound, room, "not manifold", 0, "");
+        if (!c->oriented) add_words(sound, room, "not oriented", 0, "");
+        if (l->crossings != 0) add_words(sound, room, "crossings", l->crossings, " (of the input)");
+        if (sound[0] == '\0') add_words(sound, room, "yes", 0, "");
         cli_tell(made, "%5d %10" PRIu64 " %10s %7.2f%% %10.2f deg %7" PRIu64 "  %-7s  %s\n", i,
                  m->certificate.triangles, target, m->rate * 100.0, l->least_angle, m->certificate.components,
                  l->met ? "met" : "NOT MET", sound);

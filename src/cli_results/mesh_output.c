@@ -111,27 +111,22 @@ int cli_check_carry(cli_run *run, const bvx_mesh *mesh)
     return CLI_DONE;
 }
 
-/* 1: two triangles at a vertex have different texture coordinates there. Without memory nothing is known. */
-static int has_seams(const bvx_mesh *mesh)
+int cli_carry(cli_run *run, const bvx_mesh *input, bvx_mesh *mesh, const char *stage, const char *about)
 {
-    const float **const first = mesh->uv_triangles != NULL ? calloc((size_t)mesh->vertex_count, sizeof *first)
-                                                           : NULL;
-    int found = 0;
+    if (!run->options->carry) return CLI_DONE;
 
-    for (uint64_t i = 0; first != NULL && !found && i < mesh->triangle_count * 3; i++) {
-        const float *const uv = mesh->uvs + 2 * (size_t)mesh->uv_triangles[i];
-        const float **const at = &first[mesh->triangles[i]];
+    /* A seam: two triangles at a vertex have different texture coordinates there. Without memory none is known. */
+    int const asked = !run->report.seams && input->uv_triangles != NULL;
+    const float **const first = asked ? calloc((size_t)input->vertex_count, sizeof *first) : NULL;
+    int found = 0;
+    for (uint64_t i = 0; first != NULL && !found && i < input->triangle_count * 3; i++) {
+        const float *const uv = input->uvs + 2 * (size_t)input->uv_triangles[i];
+        const float **const at = &first[input->triangles[i]];
         if (*at == NULL) *at = uv;
         found = (*at)[0] != uv[0] || (*at)[1] != uv[1];
     }
     free(first);
-    return found;
-}
-
-int cli_carry(cli_run *run, const bvx_mesh *input, bvx_mesh *mesh, const char *stage, const char *about)
-{
-    if (!run->options->carry) return CLI_DONE;
-    if (!run->report.seams && has_seams(input))
+    if (found)
         cli_warn(
             run, BVX_WARN_LOST,
             "%s: seams of its texture are not kept: triangles across them stretch; levels of the mesh as it "
@@ -150,33 +145,16 @@ static uint32_t attributes_of_format(int32_t format)
                                                                   : CLI_HAS_COLOURS | CLI_HAS_UVS;
 }
 
-static void name_attributes(uint32_t which, int materials, cli_text *text)
-{
-    static const char *const names[] = {"colours", "texture coordinates", "second texture coordinates"};
-    for (uint32_t i = 0; i < 4; i++) {
-        uint32_t const bit = 1u << i;
-        if ((which & bit) == 0) continue;
-        if ((which & (bit - 1)) != 0) cli_text_add(text, which >> (i + 1) != 0 ? ", " : " and ");
-        if (bit == CLI_HAS_MATERIALS)
-            cli_text_add(text, "%d material%s", materials, materials == 1 ? "" : "s");
-        else cli_text_add(text, "%s", names[i]);
-    }
-}
-
-/* 1: what is written has what the input has, where its format does. */
-static int keeps_attributes(const cli_run *run)
-{
-    const cli_mesh_entry *const first = run->report.meshes > 0 ? run->report.mesh : NULL;
-    if (run->command->bit == CLI_CONVERT || run->command->bit == CLI_SIMPLIFY) return 1;
-    return run->command->bit == CLI_LOD && first != NULL && first->level != NULL && !first->solid;
-}
-
 /* What would have kept the attributes; "" where nothing does. */
 static const char *remedy_of_loss(const cli_run *run, uint32_t lost)
 {
     int const held = (lost & ~attributes_of_format(bvx_format_of_name(run->options->output))) == 0;
     uint32_t const carried = lost & (CLI_HAS_COLOURS | CLI_HAS_UVS);
-    if (keeps_attributes(run) || run->options->carry)
+    const cli_mesh_entry *const first = run->report.meshes > 0 ? run->report.mesh : NULL;
+    /* What is written has what the input has, where its format does. */
+    int const kept = run->command->bit == CLI_CONVERT || run->command->bit == CLI_SIMPLIFY ||
+                     (run->command->bit == CLI_LOD && first != NULL && first->level != NULL && !first->solid);
+    if (kept || run->options->carry)
         return held || (run->options->carry && carried != lost) ? "" : "; .glb keeps them";
     if (!cli_takes(run, "--carry") || carried == 0) return "";
     if (carried != lost) return held ? "; --carry keeps colours and texture coordinates" : "";
@@ -186,12 +164,20 @@ static const char *remedy_of_loss(const cli_run *run, uint32_t lost)
 void cli_tell_lost(const cli_run *run, cli_made *made)
 {
     uint32_t const lost = run->report.had & ~run->report.kept;
+    static const char *const words[] = {"colours", "texture coordinates", "second texture coordinates"};
+    int const materials = run->report.materials;
     cli_text names = {NULL, 0, 0, 0};
     if (lost == 0 || !CLI_HOLDS(run, CLI_TO_MESH)) return;
-    name_attributes(lost, run->report.materials, &names);
+    for (uint32_t i = 0; i < 4; i++) {
+        uint32_t const bit = 1u << i;
+        if ((lost & bit) == 0) continue;
+        if ((lost & (bit - 1)) != 0) cli_text_add(&names, lost >> (i + 1) != 0 ? ", " : " and ");
+        if (bit == CLI_HAS_MATERIALS)
+            cli_text_add(&names, "%d material%s", materials, materials == 1 ? "" : "s");
+        else cli_text_add(&names, "%s", words[i]);
+    }
     cli_advise(made, BVX_WARN_LOST, "%s: %s %s not kept%s", run->options->output, names.bytes,
-               lost == CLI_HAS_MATERIALS && run->report.materials == 1 ? "is" : "are",
-               remedy_of_loss(run, lost));
+               lost == CLI_HAS_MATERIALS && materials == 1 ? "is" : "are", remedy_of_loss(run, lost));
     cli_text_free(&names);
 }
 
@@ -264,14 +250,6 @@ static bvx_mesh placed_mesh(const cli_run *run, const bvx_mesh *mesh)
     bvx_mesh placed = *mesh;
     for (int a = 0; a < 3; a++) placed.frame[a] -= run->options->output_origin.value[a];
     return placed;
-}
-
-/* 1 when readers of the file do not simply get the mesh: STL has no indices, STL and GLB hold floats. */
-static int file_differs(const cli_run *run, const bvx_mesh *placed, int32_t format)
-{
-    int const framed = placed->frame[0] != 0.0 || placed->frame[1] != 0.0 || placed->frame[2] != 0.0;
-    return format == BVX_FORMAT_STL || framed || cli_turn_of(run) != BVX_TURN_NONE ||
-           (format == BVX_FORMAT_GLB && (placed->position_type == BVX_F64 || run->options->quantize));
 }
 
 /* A round origin that brings a box near to 0: whole multiples of a power of
@@ -412,8 +390,14 @@ int cli_check_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *p
 static int judge_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *path)
 {
     bvx_mesh const placed = placed_mesh(run, mesh);
-    return file_differs(run, &placed, bvx_format_of_name(path)) ? certify_file(run, &placed, 1, number, path)
-                                                                : CLI_DONE;
+
+    /* Readers may not simply get the mesh: STL has no indices, STL and GLB hold floats. */
+    int32_t const format = bvx_format_of_name(path);
+    int const framed = placed.frame[0] != 0.0 || placed.frame[1] != 0.0 || placed.frame[2] != 0.0;
+    return (format == BVX_FORMAT_STL || framed || cli_turn_of(run) != BVX_TURN_NONE ||
+            (format == BVX_FORMAT_GLB && (placed.position_type == BVX_F64 || run->options->quantize)))
+               ? certify_file(run, &placed, 1, number, path)
+               : CLI_DONE;
 }
 
 /* What of its inputs the run's files have. */
@@ -465,35 +449,32 @@ int cli_open_levels(cli_run *run, int count, char **path)
     return status;
 }
 
-static int write_levels_file(cli_run *run, const bvx_mesh *levels, int count, const char *path)
-{
-    bvx_mesh *const placed = malloc((size_t)count * sizeof *placed);
-    bvx_write_options const o = write_options(run, levels, count);
-    bvx_buffer file = {0};
-
-    if (placed == NULL) return cli_fail(run, "no memory for %d levels", count);
-    for (int i = 0; i < count; i++) {
-        placed[i] = placed_mesh(run, &levels[i]);
-        note_kept(run, &levels[i], path);
-    }
-
-    int result = certify_file(run, placed, count, 0, path);
-    cli_stage_begin(run, "write");
-    if (result == CLI_DONE)
-        result = cli_write_buffer(
-            run, 0,
-            bvx_write_mesh(run->context, placed, (uint64_t)count, &o, bvx_format_of_name(path), &file), &file,
-            path);
-    if (result == CLI_DONE) result = cli_keep_outputs(run);
-    if (result == CLI_DONE) cli_stage_end(run);
-    free(placed);
-    return result;
-}
-
 int cli_write_levels(cli_run *run, const bvx_mesh *levels, int count, char *const *path)
 {
     int result = CLI_DONE;
-    if (count > 1 && path[1] == path[0]) return write_levels_file(run, levels, count, path[0]);
+    if (count > 1 && path[1] == path[0]) {
+        bvx_mesh *const placed = malloc((size_t)count * sizeof *placed);
+        bvx_write_options const o = write_options(run, levels, count);
+        bvx_buffer file = {0};
+
+        if (placed == NULL) return cli_fail(run, "no memory for %d levels", count);
+        for (int i = 0; i < count; i++) {
+            placed[i] = placed_mesh(run, &levels[i]);
+            note_kept(run, &levels[i], path[0]);
+        }
+
+        result = certify_file(run, placed, count, 0, path[0]);
+        cli_stage_begin(run, "write");
+        if (result == CLI_DONE)
+            result = cli_write_buffer(
+                run, 0,
+                bvx_write_mesh(run->context, placed, (uint64_t)count, &o, bvx_format_of_name(path[0]), &file),
+                &file, path[0]);
+        if (result == CLI_DONE) result = cli_keep_outputs(run);
+        if (result == CLI_DONE) cli_stage_end(run);
+        free(placed);
+        return result;
+    }
     for (int i = 0; i < count && result == CLI_DONE; i++) result = judge_mesh(run, &levels[i], i, path[i]);
     cli_stage_begin(run, "write");
     for (int i = 0; i < count && result == CLI_DONE; i++) result = put_mesh(run, &levels[i], i, path[i]);

@@ -36,22 +36,12 @@ int cli_take_tree(cli_run *run, bvx_octree *tree, cli_tree *t)
     t->tree = tree;
     /* Owned from here on, whatever fails below. */
     t->levels = bvx_octree_levels(tree);
-    bvx_status status = bvx_octree_lattice(run->context, tree, 0, &t->base);
-    if (status == BVX_OK) status = bvx_octree_lattice(run->context, tree, t->levels, &run->report.lattice);
-    if (status == BVX_OK) status = bvx_octree_count(run->context, tree, t->level, CLI_TREE_LEVELS + 1);
-    CLI_TRY(cli_check_call(run, status, cli_first_name(run)));
+    const char *const in = cli_first_name(run);
+    CLI_TRY(cli_check_call(run, bvx_octree_lattice(run->context, tree, 0, &t->base), in));
+    CLI_TRY(cli_check_call(run, bvx_octree_lattice(run->context, tree, t->levels, &run->report.lattice), in));
+    CLI_TRY(cli_check_call(run, bvx_octree_count(run->context, tree, t->level, CLI_TREE_LEVELS + 1), in));
     run->report.has_lattice = 1;
     return CLI_DONE;
-}
-
-static int make_surface_mesh(cli_run *run, cli_tree *t)
-{
-    CLI_TRY(CLI_STAGE(run, "surface",
-                      bvx_extract_octree(run->context, t->tree, run->options->states, NULL, &t->surface),
-                      run->options->output));
-    return t->surface.triangle_count != 0
-               ? CLI_DONE
-               : cli_fail(run, "%s: no voxel has these states", run->options->output);
 }
 
 int cli_write_tree(cli_run *run, void *tree)
@@ -63,7 +53,14 @@ int cli_write_tree(cli_run *run, void *tree)
         run->report.has_set = 1;
         return cli_write_grid(run, &t->grid);
     }
-    if (t->kind == CLI_MESH) CLI_TRY(make_surface_mesh(run, t));
+    if (t->kind == CLI_MESH) {
+        CLI_TRY(CLI_STAGE(run, "surface",
+                          bvx_extract_octree(run->context, t->tree, run->options->states, NULL, &t->surface),
+                          run->options->output));
+        CLI_TRY(t->surface.triangle_count != 0
+                    ? CLI_DONE
+                    : cli_fail(run, "%s: no voxel has these states", run->options->output));
+    }
 
     const char *const path = run->options->output;
     bvx_buffer file = {0};

@@ -40,26 +40,6 @@ bvx_status cli_measure_source(cli_run *run, const bvx_mesh *source, const bvx_gr
     return BVX_OK;
 }
 
-static bvx_status make_source_surface(cli_run *run, cli_voxels *v)
-{
-    bvx_field own = {0};
-    bvx_field_surface_options s = {.struct_size = sizeof s};
-    bvx_status status = BVX_OK;
-
-    /* A command that moved walls has measured already, farther out. */
-    if (v->field == NULL) status = cli_measure_source(run, v->source, v->solid, 0.0, &own);
-    s.placing.sharp = cli_sharp(run->options);
-    s.grid = v->grid;
-    s.offset = v->offset;
-    s.report = &v->surface;
-    bvx_mesh_view const view = cli_view(v->source);
-    if (status == BVX_OK)
-        status = bvx_extract_field_surface(run->context, v->field != NULL ? v->field : &own, &view, &s,
-                                           &v->mesh);
-    bvx_field_free(run->context, &own);
-    return status;
-}
-
 /* ---- A round hole ---- */
 
 /* The lattice edge that has a point in its middle: its axis and low end in the window; -1: none. */
@@ -92,19 +72,6 @@ static int is_set(const bvx_grid *g, const int32_t v[3])
     return bvx_grid_get(g, v[0], v[1], v[2]);
 }
 
-/* Where the cylinder cuts the edge, as a part of it; beyond its ends it is kept inside. */
-static double cylinder_cut(const cli_drill *d, const bvx_grid *g, int32_t axis, const int32_t low[3])
-{
-    int32_t const across = 3 - d->axis - axis;
-    double start[3], s;
-    for (int32_t a = 0; a < 3; a++)
-        start[a] = g->lattice.origin[a] + (g->low[a] + low[a] + 0.5) * g->lattice.spacing[a] - d->at[a];
-    double const half = sqrt(fmax(0.0, d->radius * d->radius - start[across] * start[across]));
-    double const middle = start[axis] + 0.5 * g->lattice.spacing[axis];
-    s = ((middle < 0.0 ? -half : half) - start[axis]) / g->lattice.spacing[axis];
-    return s > 0.02 ? s < 0.98 ? s : 0.98 : 0.02;
-}
-
 /* Vertices half way between drilled and left go onto the drill's cylinder, along their edges. */
 static void round_hole(cli_voxels *v)
 {
@@ -125,8 +92,19 @@ static void round_hole(cli_voxels *v)
         high[axis]++;
         /* Both ends drilled or both left: the hole's wall does not pass here. */
         if (is_set(v->drill.hole, low) == is_set(v->drill.hole, high)) continue;
+
+        /* Where the cylinder cuts the edge, as a part of it; beyond its ends it is kept inside. */
+        int32_t const across = 3 - v->drill.axis - axis;
+        double start[3], s;
+        for (int32_t a = 0; a < 3; a++)
+            start[a] = g->lattice.origin[a] + (g->low[a] + low[a] + 0.5) * g->lattice.spacing[a] -
+                       v->drill.at[a];
+        double const half = sqrt(
+            fmax(0.0, v->drill.radius * v->drill.radius - start[across] * start[across]));
+        double const middle = start[axis] + 0.5 * g->lattice.spacing[axis];
+        s = ((middle < 0.0 ? -half : half) - start[axis]) / g->lattice.spacing[axis];
         p[axis] = g->lattice.origin[axis] +
-                  (g->low[axis] + low[axis] + 0.5 + cylinder_cut(&v->drill, g, axis, low)) *
+                  (g->low[axis] + low[axis] + 0.5 + (s > 0.02 ? s < 0.98 ? s : 0.98 : 0.02)) *
                       g->lattice.spacing[axis];
         if (wide) ((double *)v->mesh.positions)[3 * n + (uint64_t)axis] = p[axis];
         else ((float *)v->mesh.positions)[3 * n + (uint64_t)axis] = (float)p[axis];
@@ -135,15 +113,27 @@ static void round_hole(cli_voxels *v)
 
 static bvx_status make_surface_mesh(cli_run *run, cli_voxels *v)
 {
-    bvx_status status;
-    if (v->source != NULL) {
-        status = make_source_surface(run, v);
-        if (status == BVX_OK) round_hole(v);
-        return status;
+    bvx_field own = {0};
+    bvx_field_surface_options s = {.struct_size = sizeof s};
+
+    if (v->source == NULL) {
+        CLI_TRY(bvx_extract_surface(run->context, v->grid, NULL, &v->mesh));
+        v->surface.edges = v->surface.own = v->surface.middle = v->mesh.vertex_count;
+        return BVX_OK;
     }
-    status = bvx_extract_surface(run->context, v->grid, NULL, &v->mesh);
-    v->surface.edges = v->surface.own = v->surface.middle = v->mesh.vertex_count;
-    return status;
+    /* A command that moved walls has measured already, farther out. */
+    if (v->field == NULL) CLI_TRY(cli_measure_source(run, v->source, v->solid, 0.0, &own));
+    s.placing.sharp = cli_sharp(run->options);
+    s.grid = v->grid;
+    s.offset = v->offset;
+    s.report = &v->surface;
+    bvx_mesh_view const view = cli_view(v->source);
+    bvx_status const status = bvx_extract_field_surface(run->context, v->field != NULL ? v->field : &own,
+                                                        &view, &s, &v->mesh);
+    bvx_field_free(run->context, &own);
+    CLI_TRY(status);
+    round_hole(v);
+    return BVX_OK;
 }
 
 int cli_write_voxels(cli_run *run, cli_voxels *v)

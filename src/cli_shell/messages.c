@@ -88,17 +88,6 @@ int cli_fail_interrupted(cli_run *run)
     return tell_error(run, CLI_INTERRUPTED, "BVX_CANCELLED", text);
 }
 
-static const char *status_name(bvx_status status)
-{
-    switch (status) {
-#define NAME_OF_STATUS(name, value, text) \
-    case name: return #name;
-        BVX_STATUS_LIST(NAME_OF_STATUS)
-#undef NAME_OF_STATUS
-    default: return "UNKNOWN";
-    }
-}
-
 int cli_fail_status(cli_run *run, bvx_status status, const char *about)
 {
     return cli_fail_advised(run, status, about, "");
@@ -116,7 +105,13 @@ int cli_fail_advised(cli_run *run, bvx_status status, const char *about, const c
                  run->general->memory_limit - run->context_limit);
     snprintf(text, sizeof text, "%s%s%s%s%s", about != NULL ? about : "", about != NULL ? ": " : "",
              message[0] != 0 ? message : bvx_status_text(status), held, advice);
-    return tell_error(run, CLI_FAILED, status_name(status), text);
+    switch (status) {
+#define FAIL_BY_NAME(name, value, words) \
+    case name: return tell_error(run, CLI_FAILED, #name, text);
+        BVX_STATUS_LIST(FAIL_BY_NAME)
+#undef FAIL_BY_NAME
+    default: return tell_error(run, CLI_FAILED, "UNKNOWN", text);
+    }
 }
 
 int cli_check_call(cli_run *run, bvx_status status, const char *about)

@@ -256,8 +256,9 @@ int cli_open_output(cli_run *run, const char *path)
     return CLI_DONE;
 }
 
-static FILE *open_for_writing(cli_output *o)
+static int write_bytes(cli_run *run, cli_output *o, const bvx_buffer *buffer)
 {
+    int const standard = o->kind == CLI_OUT_STANDARD;
     FILE *file;
     if (o->kind == CLI_OUT_NEW) {
         file = cli_open_file(o->temporary,
@@ -267,13 +268,6 @@ static FILE *open_for_writing(cli_output *o)
                                            : cli_open_file(o->path, "wb"); /* may wait for a reader */
         o->begun = 1;
     }
-    return file;
-}
-
-static int write_bytes(cli_run *run, cli_output *o, const bvx_buffer *buffer)
-{
-    int const standard = o->kind == CLI_OUT_STANDARD;
-    FILE *const file = open_for_writing(o);
     uint64_t written = 0;
     int error = file == NULL ? errno : 0, stopped = 0;
 

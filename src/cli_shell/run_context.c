@@ -122,9 +122,8 @@ int cli_make_context(cli_run *run, uint64_t file_bytes)
     /* choices do not depend on the machine */
     run->context_limit = run->general->memory_limit != 0 ? o.memory_limit : 0;
     bvx_status status = bvx_context_create(&o, &run->context);
-    if (status == BVX_OK) return CLI_DONE;
-
     /* Without a context there is no message but this one. */
-    const char *fault = bvx_context_fault(BVX_VERSION, &o);
-    return cli_fail(run, "%s", fault != NULL ? fault : bvx_status_text(status));
+    const char *const fault = status != BVX_OK ? bvx_context_fault(BVX_VERSION, &o) : NULL;
+    if (status != BVX_OK) return cli_fail(run, "%s", fault != NULL ? fault : bvx_status_text(status));
+    return CLI_DONE;
 }

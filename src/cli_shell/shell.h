@@ -128,7 +128,8 @@ int cli_is_standard_output(const cli_run *run, const char *path);
 /* The path as lines name it. */
 const char *cli_output_name(const cli_run *run, const char *path);
 
-/* Leave the function at the first step that fails; what it holds is the command's to free. */
+/* Leave the function at the first step that fails, or call of the library in a function that returns its status; what
+ * it holds is the command's to free. */
 #define CLI_TRY(step)                                  \
     do {                                               \
         int const cli_failed = (step);                 \

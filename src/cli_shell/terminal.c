@@ -75,41 +75,30 @@ static void time_left(const cli_run *run, double now, char *text, size_t room)
     else if (left < 360000.0) snprintf(text, room, ", %.0f h left", left / 3600.0);
 }
 
-static void draw_bar(cli_run *run, double now)
-{
-    const cli_progress_state *const p = &run->progress;
-    char bar[BAR_WIDTH + 1], left[32];
-    int const filled = (int)(p->reached * BAR_WIDTH);
-    for (int i = 0; i < BAR_WIDTH; i++) bar[i] = i < filled ? '#' : '.';
-    bar[BAR_WIDTH] = 0;
-    time_left(run, now, left, sizeof left);
-    run->progress.bar = 1;
-    fprintf(stderr, "\r[%s] %3.0f %% %s%s\033[K", bar, p->reached * 100.0, p->stage, left);
-    fflush(stderr);
-}
-
-static void print_line(const cli_run *run, double now)
-{
-    const cli_progress_state *const p = &run->progress;
-    cli_text text = {NULL, 0, 0, 0};
-    cli_text_add(&text, "{\"stage\": ");
-    cli_json_string(&text, p->stage);
-    cli_text_add(&text, ", \"fraction\": %.4f, \"elapsed\": %.3f}\n", p->reached, now - run->start);
-    /* In one piece, so that lines of several threads or programs do not mix. */
-    if (!text.failed) fwrite(text.bytes, 1, text.size, stderr);
-    fflush(stderr);
-    cli_text_free(&text);
-}
-
 static void tell_progress(cli_run *run, int last)
 {
     cli_progress_state *const p = &run->progress;
     double const now = p->ended != 0.0 ? p->ended : cli_seconds();
     int const way = progress_way(run);
     if (!last && now - p->told < TOLD_EVERY) return;
-    if (way == CLI_BAR_JSON) print_line(run, now);
-    else if (way == CLI_BAR_DRAW && now - run->start > BAR_AFTER) draw_bar(run, now);
-    else return;
+    if (way == CLI_BAR_JSON) {
+        cli_text text = {NULL, 0, 0, 0};
+        cli_text_add(&text, "{\"stage\": ");
+        cli_json_string(&text, p->stage);
+        cli_text_add(&text, ", \"fraction\": %.4f, \"elapsed\": %.3f}\n", p->reached, now - run->start);
+        /* In one piece, so that lines of several threads or programs do not mix. */
+        if (!text.failed) fwrite(text.bytes, 1, text.size, stderr);
+        cli_text_free(&text);
+    } else if (way == CLI_BAR_DRAW && now - run->start > BAR_AFTER) {
+        char bar[BAR_WIDTH + 1], left[32];
+        int const filled = (int)(p->reached * BAR_WIDTH);
+        for (int i = 0; i < BAR_WIDTH; i++) bar[i] = i < filled ? '#' : '.';
+        bar[BAR_WIDTH] = 0;
+        time_left(run, now, left, sizeof left);
+        p->bar = 1;
+        fprintf(stderr, "\r[%s] %3.0f %% %s%s\033[K", bar, p->reached * 100.0, p->stage, left);
+    } else return;
+    fflush(stderr);
     p->told = now;
 }
 
@@ -124,15 +113,6 @@ static void close_stage(cli_run *run, int done)
     p->stage[0] = 0;
 }
 
-/* What takes little beside that for which a command is called. */
-static int is_short_stage(const char *name)
-{
-    static const char *const starts[] = {"read", "parse", "threshold", "check"};
-    for (size_t i = 0; i < sizeof starts / sizeof starts[0]; i++)
-        if (strncmp(name, starts[i], strlen(starts[i])) == 0) return 1;
-    return 0;
-}
-
 void cli_stage_begin(cli_run *run, const char *format, ...)
 {
     char name[sizeof run->progress.stage];
@@ -142,7 +122,11 @@ void cli_stage_begin(cli_run *run, const char *format, ...)
     va_end(args);
 
     cli_progress_state *const p = &run->progress;
-    double const part = is_short_stage(name) ? 0.1 : 0.5 / (p->rounds > 1 ? p->rounds : 1);
+    double part = 0.5 / (p->rounds > 1 ? p->rounds : 1);
+    /* What takes little beside that for which a command is called. */
+    static const char *const starts[] = {"read", "parse", "threshold", "check"};
+    for (size_t i = 0; i < sizeof starts / sizeof starts[0]; i++)
+        if (strncmp(name, starts[i], strlen(starts[i])) == 0) part = 0.1;
     close_stage(run, 1);
     snprintf(p->stage, sizeof p->stage, "%s", name);
     p->start = cli_seconds();

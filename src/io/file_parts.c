@@ -47,22 +47,6 @@ static void make_file_piece(void *user, int32_t index, uint64_t begin, uint64_t 
     job->made[index] = (uint64_t)(at - start);
 }
 
-/* Returns the bytes of all pieces, now without gaps. */
-static uint64_t close_file_gaps(const file_job *job)
-{
-    uint64_t size = 0, begin, end;
-
-    for (int32_t i = 0; i < job->pieces; i++) {
-        /* Bytes move down only, and the piece below has been moved
-         * before: nothing is written over that is still needed. */
-        bvxi_piece(job->things, job->pieces, i, &begin, &end);
-        begin = file_place(job, begin);
-        if (begin != size) memmove(job->bytes + size, job->bytes + begin, (size_t)job->made[i]);
-        size += job->made[i];
-    }
-    return size;
-}
-
 bvx_status bvxi_make_file(bvx_context *ctx, const char *what, double from, uint64_t head,
                           const bvxi_file_part *part, int32_t parts, bvx_buffer *file)
 {
@@ -81,7 +65,18 @@ bvx_status bvxi_make_file(bvx_context *ctx, const char *what, double from, uint6
     }
 
     /* What the greatest length has reserved beyond this stays as capacity. */
-    file->size = head + close_file_gaps(&job);
+    /* The bytes of all pieces, now without gaps. */
+    uint64_t size = 0, begin, end;
+
+    for (int32_t i = 0; i < job.pieces; i++) {
+        /* Bytes move down only, and the piece below has been moved
+         * before: nothing is written over that is still needed. */
+        bvxi_piece(job.things, job.pieces, i, &begin, &end);
+        begin = file_place(&job, begin);
+        if (begin != size) memmove(job.bytes + size, job.bytes + begin, (size_t)job.made[i]);
+        size += job.made[i];
+    }
+    file->size = head + size;
     return BVX_OK;
 }
 

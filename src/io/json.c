@@ -178,19 +178,6 @@ static bvx_status json_take_name(json_walk *w)
     return BVX_OK;
 }
 
-static bvx_status json_open(json_walk *w)
-{
-    if (w->depth == BVXI_JSON_DEPTH)
-        return BVXI_FILE_FAIL(w->source, BVX_ERR_FORMAT,
-                              "JSON, byte %u: more than %d arrays and objects in each other",
-                              bvxi_source_byte(w->source, w->p), (int64_t)BVXI_JSON_DEPTH);
-    w->open[w->depth] = json_begin(w);
-    w->items[w->depth] = 0;
-    w->close[w->depth++] = *w->p++ == '{' ? '}' : ']';
-    json_skip(w);
-    return BVX_OK;
-}
-
 /* After a value: the arrays and objects that end here, then a comma, or the end of the text. */
 static bvx_status json_after(json_walk *w)
 {
@@ -225,7 +212,14 @@ static bvx_status json_run(json_walk *w)
 
         BVXI_TRY(bvxi_source_at(w->source, w->p));
         if (w->p < w->end && (*w->p == '{' || *w->p == '[')) {
-            BVXI_TRY(json_open(w));
+            if (w->depth == BVXI_JSON_DEPTH)
+                return BVXI_FILE_FAIL(w->source, BVX_ERR_FORMAT,
+                                      "JSON, byte %u: more than %d arrays and objects in each other",
+                                      bvxi_source_byte(w->source, w->p), (int64_t)BVXI_JSON_DEPTH);
+            w->open[w->depth] = json_begin(w);
+            w->items[w->depth] = 0;
+            w->close[w->depth++] = *w->p++ == '{' ? '}' : ']';
+            json_skip(w);
             if (w->p == w->end || *w->p != w->close[w->depth - 1]) {
                 BVXI_TRY(json_take_name(w));
                 continue;

@@ -25,12 +25,6 @@ static void print_whole(bvxi_output *o, uint64_t v)
     bvxi_output_add(o, digits + n, sizeof digits - n);
 }
 
-static void print_signed(bvxi_output *o, int64_t v)
-{
-    if (v < 0) print_text(o, "-");
-    print_whole(o, v < 0 ? 0 - (uint64_t)v : (uint64_t)v);
-}
-
 /* Quotes, backslashes and control characters are escaped. */
 static void print_quoted(bvxi_output *o, const char *text)
 {
@@ -68,7 +62,12 @@ void bvxi_output_print(bvxi_output *o, const char *format, ...)
         case 's': print_text(o, va_arg(args, const char *)); break;
         case 'q': print_quoted(o, va_arg(args, const char *)); break;
         case 'u': print_whole(o, va_arg(args, uint64_t)); break;
-        case 'd': print_signed(o, va_arg(args, int64_t)); break;
+        case 'd': {
+            int64_t const v = va_arg(args, int64_t);
+            if (v < 0) print_text(o, "-");
+            print_whole(o, v < 0 ? 0 - (uint64_t)v : (uint64_t)v);
+            break;
+        }
         case 'g': print_one_double(o, va_arg(args, double)); break;
         case 'v': {
             const double *const v = va_arg(args, const double *);

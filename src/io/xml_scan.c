@@ -142,23 +142,6 @@ static bvx_status xml_take_open(bvxi_xml *x)
     return BVX_OK;
 }
 
-static bvx_status xml_take_close(bvxi_xml *x)
-{
-    const char *const start = x->p;
-    bvxi_xml_text const name = xml_take_name(x);
-
-    if (x->depth == 0 || !xml_equal(name, x->open[x->depth - 1])) {
-        x->p = start;
-        return xml_expected(x, "the closing tag of the element that was opened last");
-    }
-    x->p = bvxi_skip_space(x->p, x->source.end);
-    if (x->p == x->source.end || *x->p != '>') return xml_expected(x, "'>'");
-    x->p++;
-    x->depth--;
-    x->event = BVXI_XML_CLOSE;
-    return BVX_OK;
-}
-
 static bvx_status xml_skip_to(bvxi_xml *x, const char *mark)
 {
     const char *p = x->p;
@@ -198,7 +181,19 @@ bvx_status bvxi_xml_next(bvxi_xml *x)
         return xml_take_open(x);
     }
     x->p += 2;
-    return xml_take_close(x);
+    const char *const start = x->p;
+    bvxi_xml_text const name = xml_take_name(x);
+
+    if (x->depth == 0 || !xml_equal(name, x->open[x->depth - 1])) {
+        x->p = start;
+        return xml_expected(x, "the closing tag of the element that was opened last");
+    }
+    x->p = bvxi_skip_space(x->p, x->source.end);
+    if (x->p == x->source.end || *x->p != '>') return xml_expected(x, "'>'");
+    x->p++;
+    x->depth--;
+    x->event = BVXI_XML_CLOSE;
+    return BVX_OK;
 }
 
 void bvxi_xml_start(bvxi_xml *x, bvx_context *ctx, const char *format, const uint8_t *begin,

@@ -297,34 +297,36 @@ static bvx_status refuse_parted_loops(table_reader *r)
     const bvx_sections *const s = &r->f->sections;
     uint64_t const n = s->loop_count;
     uint32_t *order = NULL;
-    bvx_status status = bvxi_alloc(r->f->ctx, BVXI_SCRATCH, n * 4, "the names of loops", &order);
 
-    if (status != BVX_OK) return status;
+    BVXI_TRY(bvxi_alloc(r->f->ctx, BVXI_SCRATCH, n * 4, "the names of loops", &order));
     /* Sorted by the hash of section and loop, equal names become neighbours. */
     for (uint64_t i = 0; i < n; i++) order[i] = (uint32_t)i;
-    status = bvxi_radix_sort(r->f->ctx, r->loop_hash, order, n);
-    for (uint64_t i = 1; i < n && status == BVX_OK; i++)
+    BVXI_TRY(bvxi_radix_sort(r->f->ctx, r->loop_hash, order, n));
+    for (uint64_t i = 1; i < n; i++)
         if (r->loop_hash[i] == r->loop_hash[i - 1])
-            status = BVXI_FILE_FAIL(
+            return BVXI_FILE_FAIL(
                 r->f, BVX_ERR_FORMAT,
                 "loops %u and %u of the file (section at %g) have one name in one section: lines of a "
                 "loop stand together",
                 (uint64_t)order[i - 1], (uint64_t)order[i], s->positions[s->loops[order[i]].section]);
-    return status;
+    return BVX_OK;
 }
 
-static bvx_status read_table_lines(table_reader *r)
+bvx_status bvxi_read_contour_table(bvxi_contour_file *f, double close_gap)
 {
-    bvxi_contour_file *const f = r->f;
+    table_reader r = {.f = f, .close_gap = close_gap};
     int headed = 0;
     uint64_t lines = 0;
 
+    /* The planes of a table are z = position. */
+    f->sections.normal[2] = 1.0;
+    if (f->end - f->p >= 3 && memcmp(f->p, "\xef\xbb\xbf", 3) == 0) f->p += 3; /* a byte order mark */
     while (f->p < f->end) {
         const char *const end = bvxi_find_byte(f->p, f->end, '\n');
         table_word const all = trim_word(f->p, end);
-        r->line = f->p;
+        r.line = f->p;
         if (all.size != 0 && *all.at != '#') {
-            BVXI_TRY(headed ? read_table_line(r, f->p, end) : read_table_head(r, f->p, end));
+            BVXI_TRY(headed ? read_table_line(&r, f->p, end) : read_table_head(&r, f->p, end));
             headed = 1;
         }
         f->p = end < f->end ? end + 1 : end;
@@ -334,15 +336,6 @@ static bvx_status read_table_lines(table_reader *r)
     }
     if (!headed) return BVXI_FILE_FAIL(f, BVX_ERR_EMPTY, "the file has no head line");
 
-    BVXI_TRY(end_table_loop(r, f->end));
-    return refuse_parted_loops(r);
-}
-
-bvx_status bvxi_read_contour_table(bvxi_contour_file *f, double close_gap)
-{
-    table_reader r = {.f = f, .close_gap = close_gap};
-    /* The planes of a table are z = position. */
-    f->sections.normal[2] = 1.0;
-    if (f->end - f->p >= 3 && memcmp(f->p, "\xef\xbb\xbf", 3) == 0) f->p += 3; /* a byte order mark */
-    return read_table_lines(&r);
+    BVXI_TRY(end_table_loop(&r, f->end));
+    return refuse_parted_loops(&r);
 }

@@ -98,19 +98,6 @@ static double csl_height(const double n[3], const double p[3])
     return (p[0] * n[0] + p[1] * n[1]) + p[2] * n[2];
 }
 
-/* The position becomes that of the points that loops have, from first on in the stack. */
-static void csl_settle_position(bvxi_contour_file *f, uint64_t first, uint64_t end, const double n[3],
-                                double *position)
-{
-    const double *const points = f->sections.points;
-    uint64_t const count = end - first;
-    double base, sum = 0.0; /* from the first point, so that equal heights have themselves as their mean */
-    if (count == 0) return;
-    base = csl_height(n, points + 3 * first);
-    for (uint64_t i = first; i < end; i++) sum += csl_height(n, points + 3 * i) - base;
-    *position = base + sum / (double)count;
-}
-
 /* A plane's points, some of which must be near its equation. */
 static bvx_status csl_points(bvxi_contour_file *f, const char *start, const double n[3], double *points,
                              uint64_t count, double equation)
@@ -243,7 +230,15 @@ static void csl_settle_planes(bvxi_contour_file *f)
             uint64_t const end = s->loops[loop].first_point + s->loops[loop].point_count;
             point = end > point ? end : point;
         }
-        csl_settle_position(f, first, point, f->oblique ? s->normals + 3 * i : s->normal, &s->positions[i]);
+
+        /* The position becomes that of the points that loops have, from the first point on: so equal heights have
+         * themselves as their mean. */
+        const double *const n = f->oblique ? s->normals + 3 * i : s->normal;
+        if (first == point) continue;
+        double const base = csl_height(n, s->points + 3 * first);
+        double sum = 0.0;
+        for (uint64_t k = first; k < point; k++) sum += csl_height(n, s->points + 3 * k) - base;
+        s->positions[i] = base + sum / (double)(point - first);
     }
 
     /* Parallel planes share one normal: the list says nothing more, and its absence says that they do. */

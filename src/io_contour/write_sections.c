@@ -13,7 +13,8 @@ typedef struct section_counts {
     uint64_t points, loops;
 } section_counts;
 
-static section_counts count_section(const bvx_sections *s, uint64_t section)
+/* Number, counts and plane of a section. A stack of one direction has its unit normal in the frame already. */
+static void put_csl_head(const bvx_sections *s, uint64_t section, const double normal[3], bvxi_output *o)
 {
     section_counts c = {0, 0};
     for (uint64_t i = 0; i < s->loop_count; i++)
@@ -21,21 +22,6 @@ static section_counts count_section(const bvx_sections *s, uint64_t section)
             c.points += s->loops[i].point_count;
             c.loops++;
         }
-    return c;
-}
-
-static uint64_t count_labels(const bvx_sections *s)
-{
-    int32_t most = 1;
-    for (uint64_t i = 0; i < s->loop_count; i++)
-        if (s->loops[i].label > most) most = s->loops[i].label;
-    return (uint64_t)most + 1;
-}
-
-/* Number, counts and plane of a section. A stack of one direction has its unit normal in the frame already. */
-static void put_csl_head(const bvx_sections *s, uint64_t section, const double normal[3], bvxi_output *o)
-{
-    section_counts const c = count_section(s, section);
     double unit[3] = {normal[0], normal[1], normal[2]};
 
     if (s->normals != NULL) {
@@ -50,7 +36,10 @@ static void put_csl_head(const bvx_sections *s, uint64_t section, const double n
 
 static void put_csl(const bvx_sections *s, const double normal[3], bvxi_output *o)
 {
-    bvxi_output_print(o, "CSLC\n%u %u\n", (uint64_t)s->section_count, count_labels(s));
+    int32_t most = 1;
+    for (uint64_t i = 0; i < s->loop_count; i++)
+        if (s->loops[i].label > most) most = s->loops[i].label;
+    bvxi_output_print(o, "CSLC\n%u %u\n", (uint64_t)s->section_count, (uint64_t)most + 1);
     for (uint64_t k = 0; k < s->section_count; k++) {
         put_csl_head(s, k, normal, o);
         for (uint64_t i = 0; i < s->loop_count; i++) {

@@ -2,21 +2,14 @@
  * checked here, then the format's own reader or writer runs. */
 #include "io_grid/grid_formats.h"
 
-static bvx_status read_dense_as(const bvxi_grid_source *source, int32_t format, bvx_grid *grid)
-{
-    bvxi_dense dense = {0};
-    BVXI_TRY(format == BVX_FORMAT_NPY    ? bvxi_find_npy(source, &dense)
-             : format == BVX_FORMAT_NRRD ? bvxi_find_nrrd(source, &dense)
-                                         : bvxi_find_vti(source, &dense));
-    return bvxi_read_dense_grid(source, &dense, grid);
-}
-
 static bvx_status read_grid_as(const bvxi_grid_source *source, int32_t format, bvx_grid *grid)
 {
+    bvxi_dense dense = {0};
+
     switch (format) {
-    case BVX_FORMAT_NPY:
-    case BVX_FORMAT_NRRD:
-    case BVX_FORMAT_VTI: return read_dense_as(source, format, grid);
+    case BVX_FORMAT_NPY: BVXI_TRY(bvxi_find_npy(source, &dense)); break;
+    case BVX_FORMAT_NRRD: BVXI_TRY(bvxi_find_nrrd(source, &dense)); break;
+    case BVX_FORMAT_VTI: BVXI_TRY(bvxi_find_vti(source, &dense)); break;
     case BVX_FORMAT_BINVOX: return bvxi_read_binvox(source, grid);
     case BVX_FORMAT_VOX: return bvxi_read_vox(source, grid, NULL, NULL);
     case BVX_FORMAT_BVX: return bvxi_read_bvx(source, grid);
@@ -24,6 +17,7 @@ static bvx_status read_grid_as(const bvxi_grid_source *source, int32_t format, b
         return bvxi_fail_format(source->ctx, BVX_ERR_ARGUMENT, "bvx_read_grid", "grid", format,
                                 BVX_GRIDS_READ);
     }
+    return bvxi_read_dense_grid(source, &dense, grid);
 }
 
 static bvx_status run_read_grid(bvx_context *context, const void *bytes, uint64_t size, int32_t format,

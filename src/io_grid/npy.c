@@ -96,26 +96,19 @@ static bvx_status npy_take_type(npy_text *t, npy_head *h)
         "elements of type '%s'; bool, whole numbers and floats of 2, 4 and 8 bytes are read", shown);
 }
 
-static bvx_status npy_take_number(npy_text *t, uint64_t *value)
-{
-    const char *start;
-    uint64_t v = 0;
-    t->p = start = bvxi_skip_space(t->p, t->end);
-    for (; t->p < t->end && *t->p >= '0' && *t->p <= '9'; t->p++)
-        if (v < UINT64_MAX / 16) v = v * 10 + (uint64_t)(*t->p - '0'); /* too many digits stay too large */
-    if (t->p == start) return npy_expected(t, "a whole number");
-    if (t->p < t->end && *t->p == 'L') t->p++; /* long integers of Python 2 */
-    *value = v;
-    return BVX_OK;
-}
-
 static bvx_status npy_take_shape(npy_text *t, npy_head *h)
 {
-    uint64_t axes = 0, n = 0;
+    uint64_t axes = 0;
 
     if (!npy_take(t, '(')) return npy_expected(t, "'(' and the array's shape");
     while (!npy_take(t, ')')) {
-        BVXI_TRY(npy_take_number(t, &n));
+        const char *const start = bvxi_skip_space(t->p, t->end);
+        uint64_t n = 0;
+        for (t->p = start; t->p < t->end && *t->p >= '0' && *t->p <= '9'; t->p++)
+            if (n < UINT64_MAX / 16)
+                n = n * 10 + (uint64_t)(*t->p - '0'); /* too many digits stay too large */
+        if (t->p == start) return npy_expected(t, "a whole number");
+        if (t->p < t->end && *t->p == 'L') t->p++; /* long integers of Python 2 */
         if (axes < 3) h->shape[axes] = n;
         axes++;
         if (npy_take(t, ',')) continue;
@@ -188,34 +181,30 @@ static bvx_status npy_read_head(const bvxi_grid_source *source, npy_head *h)
     return t.p == t.end ? BVX_OK : npy_expected(&t, "the end of the head");
 }
 
-/* The bytes must be exactly those that the shape requires. */
-static bvx_status npy_check_size(const bvxi_grid_source *source, const npy_head *h)
-{
-    uint64_t const have = (uint64_t)(source->end - h->data);
-    int fits = 1;
-    uint64_t n = bvxi_sample_size(h->kind);
-    for (int a = 0; a < 3; a++) n = bvxi_mul(n, h->shape[a], &fits);
-    if (fits && n == have) return BVX_OK;
-    return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT,
-                          "%u x %u x %u elements of %u bytes, but %u bytes follow the head", h->shape[0],
-                          h->shape[1], h->shape[2], (uint64_t)bvxi_sample_size(h->kind), have);
-}
-
 bvx_status bvxi_find_npy(const bvxi_grid_source *source, bvxi_dense *dense)
 {
     static const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1};
     npy_head h = {{0, 0, 0}, 0, 0, 0, NULL};
+    int fits = 1;
 
     BVXI_TRY(npy_read_head(source, &h));
     BVXI_TRY(bvxi_file_box(source, zero, one, h.shape, &dense->box));
 
-    /* The size is checked by now, so none of these products can overflow. */
-    BVXI_TRY(npy_check_size(source, &h));
+    /* The bytes must be exactly those that the shape requires. */
+    uint64_t const have = (uint64_t)(source->end - h.data);
     int64_t const size = (int64_t)bvxi_sample_size(h.kind);
+    uint64_t bytes = (uint64_t)size;
+    for (int a = 0; a < 3; a++) bytes = bvxi_mul(bytes, h.shape[a], &fits);
+    if (!fits || bytes != have)
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT,
+                              "%u x %u x %u elements of %u bytes, but %u bytes follow the head", h.shape[0],
+                              h.shape[1], h.shape[2], (uint64_t)size, have);
+
+    /* The size is checked by now, so none of these products can overflow. */
     int64_t const nx = (int64_t)h.shape[0];
     int64_t const ny = (int64_t)h.shape[1];
     int64_t const nz = (int64_t)h.shape[2];
-    dense->size = (uint64_t)(source->end - h.data);
+    dense->size = have;
     dense->samples.first = h.data;
     dense->samples.kind = h.kind;
     dense->samples.big = h.big;

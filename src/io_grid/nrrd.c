@@ -17,14 +17,6 @@ static int nrrd_knows(const nrrd_head *h, int32_t has, double v)
     return (h->has & has) != 0 && v == v;
 }
 
-/* Half a voxel below the first sample; exactly what our writer had, if it gives the same sample. */
-static double nrrd_corner(const nrrd_head *h, double spacing, int axis)
-{
-    if ((h->has & NRRD_HAS_CORNER) != 0 && h->corner[axis] + 0.5 * spacing == h->origin[axis])
-        return h->corner[axis];
-    return h->origin[axis] - 0.5 * spacing;
-}
-
 static void nrrd_place(const nrrd_head *h, double origin[3], double spacing[3])
 {
     for (int a = 0; a < 3; a++) {
@@ -36,7 +28,10 @@ static void nrrd_place(const nrrd_head *h, double origin[3], double spacing[3])
                      : low && high && steps > 0                       ? (h->max[a] - h->min[a]) / steps
                                                                       : 1.0;
         /* An origin is the centre of the first sample; a minimum is a face or a centre, by the axis. */
-        if ((h->has & NRRD_HAS_ORIGIN) != 0) origin[a] = nrrd_corner(h, spacing[a], a);
+        /* Half a voxel below the first sample; exactly what our writer had, if it gives the same sample. */
+        int const exact = (h->has & NRRD_HAS_CORNER) != 0 && h->corner[a] + 0.5 * spacing[a] == h->origin[a];
+        if ((h->has & NRRD_HAS_ORIGIN) != 0)
+            origin[a] = exact ? h->corner[a] : h->origin[a] - 0.5 * spacing[a];
         else origin[a] = (low ? h->min[a] : 0.0) - (low && !h->node[a] ? 0.0 : 0.5 * spacing[a]);
     }
 }

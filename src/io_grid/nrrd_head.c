@@ -320,19 +320,6 @@ static const struct {
 /* ---- The lines of an NRRD head: the magic, comments, keys and fields, up to the blank line or the list
  * of data files ---- */
 
-/* Keys mean nothing to the format, so this one may be stale or damaged: then it is passed over. */
-static void nrrd_take_corner(nrrd_head *h, const char *p, const char *end)
-{
-    static const char before[3] = {'(', ',', ','};
-    for (int a = 0; a < 3; a++) {
-        /* Exactly '(x,y,z)': any other text is somebody else's, and gives no corner. */
-        size_t const n = p < end && *p == before[a] ? bvxi_parse_double(p + 1, end, &h->corner[a]) : 0;
-        if (n == 0) return;
-        p += 1 + n;
-    }
-    h->has |= NRRD_HAS_CORNER;
-}
-
 /* A line of the head: a comment, key:=value, or field: value. */
 static bvx_status nrrd_take_line(nrrd_head *h, const char *line, const char *end)
 {
@@ -344,8 +331,15 @@ static bvx_status nrrd_take_line(nrrd_head *h, const char *line, const char *end
 
     /* key:=value is free text of the writer's; one key of ours keeps the corner to the last bit. */
     if (value.p < end && *value.p == '=') {
-        if (bvxi_word_is(line, (size_t)(colon - line), BVXI_NRRD_CORNER_KEY))
-            nrrd_take_corner(h, value.p + 1, end);
+        int axes = bvxi_word_is(line, (size_t)(colon - line), BVXI_NRRD_CORNER_KEY) ? 0 : 4;
+        for (const char *p = value.p + 1; axes < 3; axes++) {
+            /* Exactly '(x,y,z)': any other text is somebody else's, stale or damaged, and gives no corner. */
+            size_t const n = p < end && *p == "(,,"[axes] ? bvxi_parse_double(p + 1, end, &h->corner[axes])
+                                                          : 0;
+            if (n == 0) break;
+            p += 1 + n;
+        }
+        if (axes == 3) h->has |= NRRD_HAS_CORNER;
         return BVX_OK;
     }
     while (value.end > value.p && bvxi_is_blank(value.end[-1])) value.end--;
@@ -372,13 +366,6 @@ const char *bvxi_nrrd_line(const char *p, const char *file_end, const char **end
     return newline == file_end ? NULL : newline + 1;
 }
 
-/* "LIST", or "LIST 2": names of files on the lines that follow. */
-static int nrrd_is_list(const nrrd_head *h)
-{
-    size_t const n = (size_t)(h->files_end - h->files);
-    return n >= 4 && memcmp(h->files, "LIST", 4) == 0 && (n == 4 || bvxi_is_blank(h->files[4]));
-}
-
 static bvx_status nrrd_take_lines(nrrd_head *h)
 {
     const bvxi_source *const s = &h->source;
@@ -398,7 +385,10 @@ static bvx_status nrrd_take_lines(nrrd_head *h)
             return BVX_OK;
         }
         if (line != end) BVXI_TRY(nrrd_take_line(h, line, end));
-        if (h->files == NULL || h->list != NULL || !nrrd_is_list(h)) continue;
+        /* "LIST", or "LIST 2": names of files on the lines that follow. */
+        size_t const n = h->files != NULL ? (size_t)(h->files_end - h->files) : 0;
+        if (h->list != NULL || n < 4 || memcmp(h->files, "LIST", 4) != 0) continue;
+        if (n > 4 && !bvxi_is_blank(h->files[4])) continue;
         h->list = next != NULL ? next : s->end; /* the names end the file */
         h->list_end = s->end;
         return BVX_OK;
@@ -504,35 +494,22 @@ static bvx_status find_in_pattern(const nrrd_head *h, const int64_t range[3], in
     return BVX_OK;
 }
 
-static bvx_status find_in_list(const nrrd_head *h, uint64_t index, nrrd_file_name *f, uint64_t *count)
-{
-    const char *next = h->list, *end;
-    uint64_t n = 0;
-    while (next != NULL && next < h->list_end) {
-        const char *const line = next;
-        next = bvxi_nrrd_line(line, h->list_end, &end);
-        if (end == line) continue;
-        if (n++ != index) continue;
-        f->name = line;
-        f->length = (size_t)(end - line);
-    }
-    *count = n;
-    return n != 0 ? BVX_OK : bvxi_fail_expected(&h->source, h->list, "the name of a file on each line");
-}
-
-static uint64_t nrrd_head_size(const nrrd_head *h)
-{
-    const char *const end = h->list != NULL ? h->list_end : h->data != NULL ? h->data : h->source.end;
-    return (uint64_t)(end - h->source.begin);
-}
-
 bvx_status bvxi_nrrd_data_file(const nrrd_head *h, uint64_t index, nrrd_file_name *file, uint64_t *count)
 {
     int64_t range[3], axes;
 
     memset(file, 0, sizeof *file);
-    if (h->list != NULL) BVXI_TRY(find_in_list(h, index, file, count));
-    else if (take_pattern(h, file, range, &axes))
+    if (h->list != NULL) {
+        const char *next = h->list, *line_end;
+        for (*count = 0; next != NULL && next < h->list_end;) {
+            const char *const line = next;
+            next = bvxi_nrrd_line(line, h->list_end, &line_end);
+            if (line_end == line || (*count)++ != index) continue;
+            file->name = line;
+            file->length = (size_t)(line_end - line);
+        }
+        if (*count == 0) return bvxi_fail_expected(&h->source, h->list, "the name of a file on each line");
+    } else if (take_pattern(h, file, range, &axes))
         BVXI_TRY(find_in_pattern(h, range, axes, index, file, count));
     else {
         memset(file, 0, sizeof *file);
@@ -547,7 +524,8 @@ bvx_status bvxi_nrrd_data_file(const nrrd_head *h, uint64_t index, nrrd_file_nam
             h, BVX_REASON_UNSUPPORTED, h->files,
             "several data files that are packed, or whose beginning is to be skipped");
     /* Names times bytes of the head bound the work of a caller who requests each name in turn. */
-    if (*count > NRRD_NAME_WORK / nrrd_head_size(h))
+    const char *const end = h->list != NULL ? h->list_end : h->data != NULL ? h->data : h->source.end;
+    if (*count > NRRD_NAME_WORK / (uint64_t)(end - h->source.begin))
         return bvxi_nrrd_unsupported(h, BVX_REASON_UNSUPPORTED, h->files,
                                      "data files times bytes of the head are more than 2^31");
     return BVX_OK;

@@ -23,18 +23,15 @@ typedef struct pack_rule {
 /* ---- runs of numbers to words of bits ---- */
 
 /* Bit i is byte i of p, which is not 0. */
-static inline uint64_t pack_eight(const uint8_t *p)
-{
-    /* Adding 0x7f to the low seven bits carries into the top one
-     * unless they are 0; or-ing the byte adds its own top bit. */
-    uint64_t const v = bvxi_load_u64(p, 0), low = UINT64_C(0x7f7f7f7f7f7f7f7f);
-    return bvxi_gather_bits((((v & low) + low) | v) >> 7 & UINT64_C(0x0101010101010101));
-}
-
 BVXI_VECTOR_INLINE uint64_t pack_64_bytes(const uint8_t *p)
 {
-    uint64_t w = 0;
-    for (int32_t i = 0; i < 8; i++) w |= pack_eight(p + 8 * i) << 8 * i;
+    uint64_t w = 0, low = UINT64_C(0x7f7f7f7f7f7f7f7f);
+    for (int32_t i = 0; i < 8; i++) {
+        /* Adding 0x7f to the low seven bits carries into the top one
+         * unless they are 0; or-ing the byte adds its own top bit. */
+        uint64_t const v = bvxi_load_u64(p + 8 * i, 0);
+        w |= bvxi_gather_bits((((v & low) + low) | v) >> 7 & UINT64_C(0x0101010101010101)) << 8 * i;
+    }
     return w;
 }
 
@@ -115,16 +112,6 @@ BVXI_AVX2 static void pack_run_avx2(const void *rule, void *tally, const uint8_t
 }
 #endif
 
-static bvxi_bits_fn *pack_run_for(const bvx_context *ctx)
-{
-#if BVXI_HAVE_AVX2
-    if (bvxi_cpu(ctx) == BVX_CPU_AVX2) return pack_run_avx2;
-#else
-    (void)ctx;
-#endif
-    return pack_run_portable;
-}
-
 bvx_status bvxi_pack_samples(bvx_context *ctx, const bvxi_samples *samples, const bvx_window *part,
                              bvx_grid *grid)
 {
@@ -148,7 +135,10 @@ bvx_status bvxi_pack_samples(bvx_context *ctx, const bvxi_samples *samples, cons
         walk.first += (ptrdiff_t)(part->low[a] * samples->stride[a]);
         walk.stride[a] = samples->stride[a];
     }
-    walk.run = pack_run_for(ctx);
+    walk.run = pack_run_portable;
+#if BVXI_HAVE_AVX2
+    if (bvxi_cpu(ctx) == BVX_CPU_AVX2) walk.run = pack_run_avx2;
+#endif
     walk.rule = &rule;
     walk.grid = grid;
     bvxi_sample_walk_plan(&walk);
@@ -157,22 +147,20 @@ bvx_status bvxi_pack_samples(bvx_context *ctx, const bvxi_samples *samples, cons
 
 /* ---- numbers in a text ---- */
 
-/* A number at p with white space or the end after it; returns its bytes or 0. Most are single digits. */
-static size_t pack_text_number(const char *p, const char *end, double *value)
-{
-    if (end - p >= 2 && *p >= '0' && *p <= '9' && bvxi_is_space(p[1])) {
-        *value = *p - '0';
-        return 1;
-    }
-    size_t const used = bvxi_parse_double(p, end, value);
-    return p + used < end && !bvxi_is_space(p[used]) ? 0 : used;
-}
-
 bvx_status bvxi_take_sample(const bvxi_source *source, const int32_t dims[3], uint64_t done, const char **p,
                             double *value)
 {
-    *p = bvxi_skip_space(*p, source->end);
-    size_t const used = pack_text_number(*p, source->end, value);
+    const char *const at = bvxi_skip_space(*p, source->end);
+    size_t used = 1;
+
+    /* A number with white space or the end after it; most are single digits. */
+    if (source->end - at >= 2 && *at >= '0' && *at <= '9' && bvxi_is_space(at[1])) {
+        *value = *at - '0';
+    } else {
+        used = bvxi_parse_double(at, source->end, value);
+        if (at + used < source->end && !bvxi_is_space(at[used])) used = 0;
+    }
+    *p = at;
     if (*p == source->end)
         return BVXI_LINE_FAIL(source, *p, BVX_ERR_FORMAT, "the samples end after %u of %u x %u x %u", done,
                               (uint64_t)dims[0], (uint64_t)dims[1], (uint64_t)dims[2]);
@@ -182,22 +170,6 @@ bvx_status bvxi_take_sample(const bvxi_source *source, const int32_t dims[3], ui
 }
 
 /* ---- bits to bytes ---- */
-
-/* Eight voxels, lowest bit first: copied into every byte, of which each keeps another one. */
-static inline void unpack_eight(uint8_t *p, uint64_t bits)
-{
-    /* One byte holds one bit of eight; adding the constant lifts any set bit to the top of its byte. */
-    uint64_t const one_each = (bits & 0xff) * UINT64_C(0x0101010101010101) & UINT64_C(0x8040201008040201);
-    uint64_t const bytes = (one_each + UINT64_C(0x00406070787c7e7f)) >> 7 & UINT64_C(0x0101010101010101);
-    bvxi_store_u64(p, bytes);
-}
-
-static void unpack_row(const uint64_t *row, int32_t nx, uint8_t *bytes)
-{
-    int32_t x = 0;
-    for (; x + 8 <= nx; x += 8) unpack_eight(bytes + x, row[x >> 6] >> (x & 63));
-    for (; x < nx; x++) bytes[x] = (uint8_t)(row[x >> 6] >> (x & 63) & 1);
-}
 
 typedef struct unpack_job {
     const bvx_grid *grid;
@@ -209,12 +181,24 @@ static void unpack_piece(void *user, int32_t piece)
 {
     const unpack_job *const job = user;
     const bvx_grid *const g = job->grid;
+    int32_t const nx = g->size[0];
     uint64_t row, end;
     /* Rows belong to one piece each, so no two workers write the same byte. */
     bvxi_piece(bvxi_grid_rows(g), job->pieces, piece, &row, &end);
-    for (; row < end; row++)
-        unpack_row(g->words + row * (uint64_t)g->words_per_row, g->size[0],
-                   job->bytes + row * (uint64_t)g->size[0]);
+    for (; row < end; row++) {
+        const uint64_t *const words = g->words + row * (uint64_t)g->words_per_row;
+        uint8_t *const bytes = job->bytes + row * (uint64_t)nx;
+        int32_t x = 0;
+        for (; x + 8 <= nx; x += 8) {
+            /* Eight voxels, lowest bit first, copied into every byte, of which each keeps another one; adding the
+             * constant lifts any set bit to the top of its byte. */
+            uint64_t const each = (words[x >> 6] >> (x & 63) & 0xff) * UINT64_C(0x0101010101010101) &
+                                  UINT64_C(0x8040201008040201);
+            bvxi_store_u64(bytes + x,
+                           (each + UINT64_C(0x00406070787c7e7f)) >> 7 & UINT64_C(0x0101010101010101));
+        }
+        for (; x < nx; x++) bytes[x] = (uint8_t)(words[x >> 6] >> (x & 63) & 1);
+    }
 }
 
 bvx_status bvxi_unpack_grid(bvx_context *ctx, const bvx_grid *grid, uint8_t *bytes)

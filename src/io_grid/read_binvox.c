@@ -89,29 +89,6 @@ static int binvox_next_line(binvox_reading *r, const char **next)
     return 1;
 }
 
-/* One line after the first; unknown words are passed, as viewvox does. *done: it was the last one. */
-static bvx_status binvox_take_line(binvox_reading *r, int *done)
-{
-    if (binvox_take_word(r, "dim")) {
-        if (r->has_dims) return binvox_fail_line(r, "dim comes twice");
-        r->has_dims = 1;
-        if (!binvox_take_whole(r, &r->dims[0]) || !binvox_take_whole(r, &r->dims[1]) ||
-            !binvox_take_whole(r, &r->dims[2]) || !binvox_line_ends(r))
-            return binvox_fail_line(r, "dim wants three whole numbers");
-    } else if (binvox_take_word(r, "translate")) {
-        if (!binvox_take_double(r, &r->translate[0]) || !binvox_take_double(r, &r->translate[1]) ||
-            !binvox_take_double(r, &r->translate[2]) || !binvox_line_ends(r))
-            return binvox_fail_line(r, "translate wants three numbers");
-    } else if (binvox_take_word(r, "scale")) {
-        if (!binvox_take_double(r, &r->scale) || !binvox_line_ends(r))
-            return binvox_fail_line(r, "scale wants one number");
-    } else if (binvox_take_word(r, "data")) {
-        if (!binvox_line_ends(r)) return binvox_fail_line(r, "something follows data");
-        *done = 1;
-    }
-    return BVX_OK;
-}
-
 static bvx_status binvox_take_header(binvox_reading *r)
 {
     const char *next = (const char *)r->source->begin;
@@ -130,7 +107,25 @@ static bvx_status binvox_take_header(binvox_reading *r)
     while (!done) {
         if (!binvox_next_line(r, &next))
             return binvox_fail_line(r, "the file ends before the line that says data");
-        BVXI_TRY(binvox_take_line(r, &done));
+
+        /* A line after the first; unknown words are passed, as viewvox does. */
+        if (binvox_take_word(r, "dim")) {
+            if (r->has_dims) return binvox_fail_line(r, "dim comes twice");
+            r->has_dims = 1;
+            if (!binvox_take_whole(r, &r->dims[0]) || !binvox_take_whole(r, &r->dims[1]) ||
+                !binvox_take_whole(r, &r->dims[2]) || !binvox_line_ends(r))
+                return binvox_fail_line(r, "dim wants three whole numbers");
+        } else if (binvox_take_word(r, "translate")) {
+            if (!binvox_take_double(r, &r->translate[0]) || !binvox_take_double(r, &r->translate[1]) ||
+                !binvox_take_double(r, &r->translate[2]) || !binvox_line_ends(r))
+                return binvox_fail_line(r, "translate wants three numbers");
+        } else if (binvox_take_word(r, "scale")) {
+            if (!binvox_take_double(r, &r->scale) || !binvox_line_ends(r))
+                return binvox_fail_line(r, "scale wants one number");
+        } else if (binvox_take_word(r, "data")) {
+            if (!binvox_line_ends(r)) return binvox_fail_line(r, "something follows data");
+            done = 1;
+        }
     }
     r->data = (const uint8_t *)next;
     if (!r->has_dims) return binvox_fail_line(r, "data comes, but no line has said dim");

@@ -145,21 +145,6 @@ static bvx_status bvx_take_head(bvx_unpacking *job)
     return BVX_OK;
 }
 
-/* Slices that a window requires; one that is not inside the file is refused when the grid is made. */
-static void bvx_choose_slices(bvx_unpacking *job)
-{
-    const bvx_window *const w = job->source->window;
-    int32_t const slices = job->window.size[2];
-    job->first = 0;
-    job->count = slices;
-    /* Slices outside the window are stepped over: only their heads are checked. */
-    if (w == NULL || w->size[2] < 1 || w->low[2] < 0 || w->low[2] > slices - 1 ||
-        w->size[2] > slices - w->low[2])
-        return;
-    job->first = w->low[2];
-    job->count = w->size[2];
-}
-
 /* ---- the slices' places ---- */
 
 static bvx_status bvx_check_slice_head(const bvx_unpacking *job, const uint8_t *p, int32_t k)
@@ -189,23 +174,6 @@ static bvx_status bvx_check_slice_head(const bvx_unpacking *job, const uint8_t *
     if (bvxi_load_u32(p + 12, 0) == BVXI_BVX_RAW && n != job->raw)
         return BVXI_FILE_FAIL(job->source, BVX_ERR_FORMAT,
                               "byte %u: slice z %d has %u bytes, its words are %u", at + 16, z, n, job->raw);
-    return BVX_OK;
-}
-
-static bvx_status bvx_find_slices(bvx_unpacking *job)
-{
-    const uint8_t *p = job->source->begin + BVXI_BVX_HEAD;
-
-    for (int32_t k = 0; k < job->window.size[2]; k++) {
-        /* Every head is checked, also of slices that are not wanted: the one after must be found. */
-        BVXI_TRY(bvx_check_slice_head(job, p, k));
-        if (k >= job->first && k < job->first + job->count)
-            job->place[k - job->first] = (uint64_t)(p - job->source->begin);
-        p += BVXI_BVX_SLICE_HEAD + bvxi_load_u64(p + 16, 0);
-    }
-    if (p != job->source->end)
-        return BVXI_FILE_FAIL(job->source, BVX_ERR_FORMAT, "byte %u: %u bytes after the last slice",
-                              (uint64_t)(p - job->source->begin), (uint64_t)(job->source->end - p));
     return BVX_OK;
 }
 
@@ -377,12 +345,28 @@ bvx_status bvxi_read_bvx(const bvxi_grid_source *source, bvx_grid *grid)
     if ((size - BVXI_BVX_HEAD) / least < (uint64_t)job.window.size[2])
         return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "%u bytes cannot hold %d slices", size,
                               (int64_t)job.window.size[2]);
-    bvx_choose_slices(&job);
-
+    /* Slices outside the window are stepped over: only their heads are checked. A window that is not inside the file
+     * is refused when the grid is made. */
+    const bvx_window *const w = source->window;
+    int32_t const slices = job.window.size[2];
+    int const whole = w == NULL || w->size[2] < 1 || w->low[2] < 0 || w->low[2] > slices - 1 ||
+                      w->size[2] > slices - w->low[2];
+    job.first = whole ? 0 : w->low[2];
+    job.count = whole ? slices : w->size[2];
     job.pieces = bvxi_piece_count(job.raw < 65536 ? job.raw * (uint64_t)job.count : UINT64_MAX, 65536);
     if (job.pieces > job.count) job.pieces = job.count;
     BVXI_TRY(BVXI_ARRAY(source->ctx, job.count, "the places of slices", job.place));
-    BVXI_TRY(bvx_find_slices(&job));
+    const uint8_t *p = source->begin + BVXI_BVX_HEAD;
+    for (int32_t k = 0; k < slices; k++) {
+        /* Every head is checked, also of slices that are not wanted: the one after must be found. */
+        BVXI_TRY(bvx_check_slice_head(&job, p, k));
+        if (k >= job.first && k < job.first + job.count)
+            job.place[k - job.first] = (uint64_t)(p - source->begin);
+        p += BVXI_BVX_SLICE_HEAD + bvxi_load_u64(p + 16, 0);
+    }
+    if (p != source->end)
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "byte %u: %u bytes after the last slice",
+                              (uint64_t)(p - source->begin), (uint64_t)(source->end - p));
     BVXI_TRY(bvx_check_slices(&job));
     BVXI_TRY(bvxi_open_file_grid(source, &job.lattice, &job.window, &job.part, grid));
     job.grid = grid;

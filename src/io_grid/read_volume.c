@@ -211,19 +211,6 @@ static bvx_status unpack_volume(const bvxi_grid_source *source, const bvxi_dense
     return turn_samples(source->ctx, &samples, d->box.dims, to_size, to);
 }
 
-static bvx_status find_volume(const bvxi_grid_source *source, int32_t format, bvxi_dense *d)
-{
-    switch (format) {
-    case BVX_FORMAT_NRRD: return bvxi_find_nrrd(source, d);
-    case BVX_FORMAT_NPY: return bvxi_find_npy(source, d);
-    case BVX_FORMAT_VTI: return bvxi_find_vti(source, d);
-    case BVX_FORMAT_RAW: return find_raw(source, d);
-    default:
-        return bvxi_fail_format(source->ctx, BVX_ERR_ARGUMENT, "bvx_read_volume", "volume", format,
-                                BVX_VOLUMES_READ);
-    }
-}
-
 static bvx_status make_volume(const bvxi_grid_source *source, const bvxi_dense *d, bvx_volume *v)
 {
     int const half = d->samples.kind == BVXI_SAMPLE_F16;
@@ -281,7 +268,13 @@ static bvx_status run_read_volume(bvx_context *context, const void *bytes, uint6
     if (size == 0) return bvxi_fail(context, BVX_ERR_FORMAT, "%s: the file has no bytes", name);
     source.volume = &o;
     /* Found before it is made: what is wrong with the head costs no memory. */
-    BVXI_TRY(find_volume(&source, format, &dense));
+    switch (format) {
+    case BVX_FORMAT_NRRD: BVXI_TRY(bvxi_find_nrrd(&source, &dense)); break;
+    case BVX_FORMAT_NPY: BVXI_TRY(bvxi_find_npy(&source, &dense)); break;
+    case BVX_FORMAT_VTI: BVXI_TRY(bvxi_find_vti(&source, &dense)); break;
+    case BVX_FORMAT_RAW: BVXI_TRY(find_raw(&source, &dense)); break;
+    default: return bvxi_fail_format(context, BVX_ERR_ARGUMENT, name, "volume", format, BVX_VOLUMES_READ);
+    }
     BVXI_TRY(make_volume(&source, &dense, &made));
     if (volume->owned == 1) bvx_volume_free(context, volume);
     *volume = made;

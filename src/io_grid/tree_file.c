@@ -128,11 +128,6 @@ static bvx_status take_level_heads(tree_reading *job)
 
 /* ---- what the levels hold ---- */
 
-static inline uint64_t tree_row_mask(const tree_reading *job, uint64_t word)
-{
-    return (word + 1) % (uint64_t)job->row_words == 0 ? bvxi_tail_mask(job->base[0]) : ~UINT64_C(0);
-}
-
 static int32_t look_into_level(const tree_reading *job, int32_t number, tree_level *level)
 {
     /* The arrays follow each other: touched, outside, and split where it is not the same as touched. */
@@ -151,7 +146,9 @@ static int32_t look_into_level(const tree_reading *job, int32_t number, tree_lev
          * touched, only touched ones are split, no bits past a row. */
         if ((t & o) != 0) return TREE_LEVEL_BOTH;
         if ((s & ~t) != 0) return TREE_LEVEL_SPLIT;
-        if (number == 0 && ((t | o) & ~tree_row_mask(job, i)) != 0) return TREE_LEVEL_PADDING;
+        if (number == 0 && ((t | o) & ~((i + 1) % (uint64_t)job->row_words == 0 ? bvxi_tail_mask(job->base[0])
+                                                                                : ~UINT64_C(0))) != 0)
+            return TREE_LEVEL_PADDING;
         level->split += bvxi_popcount(s);
     }
     /* The last level counted its touched voxels, since split names the same bytes there. */

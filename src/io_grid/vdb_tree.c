@@ -73,24 +73,20 @@ void bvxi_vdb_leaf_bits(const bvx_grid *g, const int32_t at[3], uint64_t word[8]
     }
 }
 
-/* The index of the first value at or after a voxel of a row. */
-static uint64_t rank_in_row(const bvx_field *field, int32_t x, int32_t y, int32_t z)
-{
-    const bvx_grid *const g = &field->band;
-    const uint64_t *const row = bvxi_grid_row(g, y, z);
-    uint64_t rank = field->row_values[(uint64_t)z * (uint64_t)g->size[1] + (uint64_t)y];
-    for (int32_t k = 0; k < x / 64; k++) rank += (uint64_t)bvxi_popcount(row[k]);
-    return x % 64 == 0 ? rank : rank + (uint64_t)bvxi_popcount(row[x / 64] << (64 - x % 64));
-}
-
 void bvxi_vdb_leaf_values(const bvxi_vdb_tree *t, const int32_t at[3], double value[512])
 {
     for (int32_t y = 0; y < 8; y++)
         for (int32_t z = 0; z < 8; z++) {
-            uint64_t byte = row_byte(t->active, at[0], 8 * at[1] + y, 8 * at[2] + z), rank;
+            int32_t const row_y = 8 * at[1] + y, row_z = 8 * at[2] + z, first = 8 * at[0];
+            uint64_t byte = row_byte(t->active, at[0], row_y, row_z);
 
             if (byte == 0) continue;
-            rank = rank_in_row(t->field, 8 * at[0], 8 * at[1] + y, 8 * at[2] + z);
+            /* The index of the first value at or after a voxel of a row. */
+            const bvx_grid *const g = &t->field->band;
+            const uint64_t *const row = bvxi_grid_row(g, row_y, row_z);
+            uint64_t rank = t->field->row_values[(uint64_t)row_z * (uint64_t)g->size[1] + (uint64_t)row_y];
+            for (int32_t k = 0; k < first / 64; k++) rank += (uint64_t)bvxi_popcount(row[k]);
+            if (first % 64 != 0) rank += (uint64_t)bvxi_popcount(row[first / 64] << (64 - first % 64));
             for (int32_t x = 0; byte != 0; x++, byte >>= 1)
                 if ((byte & 1) != 0) {
                     value[64 * x + 8 * y + z] = t->bytes == 4

@@ -220,19 +220,6 @@ static void vox_take_pairs(vox_text *t, vox_place *place)
     }
 }
 
-/* Where something is that lies so in what lies as `in`. */
-static vox_place vox_place_in(const vox_place *in, const vox_place *own)
-{
-    vox_place p;
-
-    for (int a = 0; a < 3; a++) {
-        p.axis[a] = own->axis[in->axis[a]];
-        p.sign[a] = in->sign[a] * own->sign[in->axis[a]];
-        p.move[a] = in->move[a] + in->sign[a] * own->move[in->axis[a]];
-    }
-    return p;
-}
-
 /* The children of a node get their places, and are put to the end of the queue. */
 static bvx_status vox_visit(vox_scene *scene, vox_node *node, uint32_t *queue, uint64_t *queued)
 {
@@ -250,7 +237,13 @@ static bvx_status vox_visit(vox_scene *scene, vox_node *node, uint32_t *queue, u
         vox_skip(&frames, 12);
         if (vox_number(&frames) != 0) vox_take_pairs(&frames, &own);
         if (frames.p == NULL) t.p = NULL;
-        place = vox_place_in(&node->place, &own);
+        /* Where something is that lies so in what lies as the node. */
+        for (int a = 0; a < 3; a++) {
+            int32_t const along = node->place.axis[a];
+            place.axis[a] = own.axis[along];
+            place.sign[a] = node->place.sign[a] * own.sign[along];
+            place.move[a] = node->place.move[a] + node->place.sign[a] * own.move[along];
+        }
     } else children = vox_number(&t);
     if (node->kind == VOX_SHAPE) {
         node->model = children != 0 ? vox_number(&t) : 0;

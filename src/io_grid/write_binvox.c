@@ -43,29 +43,6 @@ static void binvox_put_header(bvxi_output *out, const bvx_grid *grid, const doub
                       scale);
 }
 
-/* What the header says of the lattice; refuses what it cannot say. */
-static bvx_status binvox_corner(bvx_context *ctx, const bvx_grid *grid, double corner[3], double *scale)
-{
-    const double *const s = grid->lattice.spacing;
-    int32_t longest = 1;
-
-    /* The format has one scale for all axes. */
-    if (!(s[0] == s[1] && s[1] == s[2]))
-        return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED,
-                         "BINVOX: voxels must be cubes, the spacing is %g, %g, %g; take BVX, NRRD or VTI",
-                         s[0], s[1], s[2]);
-    for (int32_t a = 0; a < 3; a++)
-        if (grid->size[a] > longest) longest = grid->size[a];
-    BVXI_TRY(bvxi_check_written_corner(ctx, "BINVOX", grid));
-    *scale = binvox_scale(s[0], longest);
-    bvxi_grid_corner(grid, corner);
-    if (!(*scale - *scale == 0.0))
-        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
-                             "BINVOX: %d voxels of %g are longer than a number can be", (int64_t)longest,
-                             s[0]);
-    return BVX_OK;
-}
-
 typedef struct binvox_writing {
     const bvx_grid *grid;
     bvx_grid layers, turned; /* 64 of x, and these with rows along y */
@@ -118,7 +95,25 @@ static bvx_status binvox_put(bvx_context *ctx, binvox_writing *w, bvx_buffer *fi
     const int32_t *const n = w->grid->size;
     bvx_lattice const box = {{0, 0, 0}, {1, 1, 1}, {n[0] < 64 ? n[0] : 64, n[1], n[2]}, BVXI_MIN_FRACTION};
     double corner[3], scale = 0;
-    BVXI_TRY(binvox_corner(ctx, w->grid, corner, &scale));
+
+    /* What the header says of the lattice; refuses what it cannot say. */
+    const double *const s = w->grid->lattice.spacing;
+    int32_t longest = 1;
+
+    /* The format has one scale for all axes. */
+    if (!(s[0] == s[1] && s[1] == s[2]))
+        return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED,
+                         "BINVOX: voxels must be cubes, the spacing is %g, %g, %g; take BVX, NRRD or VTI",
+                         s[0], s[1], s[2]);
+    for (int32_t a = 0; a < 3; a++)
+        if (w->grid->size[a] > longest) longest = w->grid->size[a];
+    BVXI_TRY(bvxi_check_written_corner(ctx, "BINVOX", w->grid));
+    scale = binvox_scale(s[0], longest);
+    bvxi_grid_corner(w->grid, corner);
+    if (!(scale - scale == 0.0))
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                             "BINVOX: %d voxels of %g are longer than a number can be", (int64_t)longest,
+                             s[0]);
     BVXI_TRY(bvx_grid_create(ctx, &box, NULL, &w->layers));
     binvox_put_header(&w->out, w->grid, corner, scale);
     BVXI_TRY(binvox_put_layers(ctx, w, 0.0, 0.5));
@@ -136,7 +131,7 @@ bvx_status bvxi_write_binvox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer 
     bvx_status const status = binvox_put(ctx, &w, &made);
     bvx_grid_free(ctx, &w.turned);
     bvx_grid_free(ctx, &w.layers);
-    if (status == BVX_OK) *file = made;
-    else bvx_buffer_free(ctx, &made);
+    if (status != BVX_OK) bvx_buffer_free(ctx, &made);
+    else *file = made;
     return status;
 }

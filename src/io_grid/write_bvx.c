@@ -57,29 +57,6 @@ static uint64_t bvx_measure_slice(const bvx_packing *job, int32_t k)
     return bytes;
 }
 
-static void bvx_put_runs(const bvx_packing *job, int32_t k, uint8_t *p)
-{
-    bvxi_runs runs;
-    uint64_t left = bvx_slice_voxels(job->grid);
-    bvx_start_runs(job, k, &runs);
-    while (left > 0) {
-        uint64_t length = bvxi_runs_next(&runs);
-        left -= length;
-        for (; length > 127; length >>= 7) *p++ = (uint8_t)(length & 127) | 128;
-        *p++ = (uint8_t)length;
-    }
-}
-
-static void bvx_put_words(const bvx_packing *job, int32_t k, uint8_t *p)
-{
-    const bvx_grid *const g = job->grid;
-    const uint64_t *word = g->words + (uint64_t)k * (job->raw / 8);
-    uint64_t const tail = bvxi_tail_mask(g->size[0]);
-    for (int32_t y = 0; y < g->size[1]; y++)
-        for (int32_t i = 0; i < g->words_per_row; i++, p += 8)
-            bvxi_store_u64(p, i + 1 < g->words_per_row ? *word++ : *word++ & tail);
-}
-
 static void bvx_put_slice(const bvx_packing *job, int32_t k)
 {
     uint8_t *const p = job->bytes + job->place[k];
@@ -89,8 +66,25 @@ static void bvx_put_slice(const bvx_packing *job, int32_t k)
     bvxi_store_u32(p + 8, (uint32_t)(job->grid->low[2] + k));
     bvxi_store_u32(p + 12, raw ? BVXI_BVX_RAW : BVXI_BVX_RUNS);
     bvxi_store_u64(p + 16, n);
-    if (raw) bvx_put_words(job, k, p + BVXI_BVX_SLICE_HEAD);
-    else bvx_put_runs(job, k, p + BVXI_BVX_SLICE_HEAD);
+    uint8_t *to = p + BVXI_BVX_SLICE_HEAD;
+    if (raw) {
+        const bvx_grid *const g = job->grid;
+        const uint64_t *word = g->words + (uint64_t)k * (job->raw / 8);
+        uint64_t const tail = bvxi_tail_mask(g->size[0]);
+        for (int32_t y = 0; y < g->size[1]; y++)
+            for (int32_t i = 0; i < g->words_per_row; i++, to += 8)
+                bvxi_store_u64(to, i + 1 < g->words_per_row ? *word++ : *word++ & tail);
+    } else {
+        bvxi_runs runs;
+        uint64_t left = bvx_slice_voxels(job->grid);
+        bvx_start_runs(job, k, &runs);
+        while (left > 0) {
+            uint64_t length = bvxi_runs_next(&runs);
+            left -= length;
+            for (; length > 127; length >>= 7) *to++ = (uint8_t)(length & 127) | 128;
+            *to++ = (uint8_t)length;
+        }
+    }
     bvxi_store_u64(p, bvxi_bvx_slice_check(p, n, job->frame));
 }
 
@@ -108,22 +102,13 @@ static void bvx_put_piece(void *user, uint64_t k, uint64_t end)
     for (; k < end; k++) bvx_put_slice(job, (int32_t)k);
 }
 
-/* From bytes to places: the sizes sum up after the first bytes of the file. Returns the file's size. */
-static uint64_t bvx_place_slices(uint64_t *place, int32_t count, uint64_t first)
+static bvx_status bvx_pack_grid(bvx_context *ctx, const bvx_grid *grid, int with_head, bvx_buffer *file)
 {
-    for (int32_t k = 0; k < count; k++) {
-        /* The bytes of the slice give way to its place; the last is the end: lengths are differences. */
-        uint64_t const n = place[k];
-        place[k] = first;
-        first += BVXI_BVX_SLICE_HEAD + n;
-    }
-    place[count] = first;
-    return first;
-}
-
-static bvx_status bvx_pack(bvx_context *ctx, const bvx_grid *grid, const uint8_t *head, int with_head,
-                           bvx_buffer *file)
-{
+    uint8_t head[BVXI_BVX_HEAD];
+    bvx_window window;
+    memcpy(window.low, grid->low, sizeof window.low);
+    memcpy(window.size, grid->size, sizeof window.size);
+    bvx_put_head(&grid->lattice, &window, head);
     static const char *const stage = "write";
     uint64_t const places = ((uint64_t)grid->size[2] + 1) * sizeof(uint64_t);
     uint64_t const slices = (uint64_t)grid->size[2];
@@ -136,27 +121,25 @@ static bvx_status bvx_pack(bvx_context *ctx, const bvx_grid *grid, const uint8_t
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, places, "the places of slices", &job.place));
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5, bvxi_for(ctx, stage, slices, grain, bvx_measure_piece, &job)));
-    BVXI_TRY(bvxi_make_buffer(ctx, bvx_place_slices(job.place, grid->size[2], with_head ? BVXI_BVX_HEAD : 0),
-                              "the BVX file", &made));
+    /* From bytes to places: the sizes sum up after the first bytes of the file. */
+    uint64_t first = with_head ? BVXI_BVX_HEAD : 0;
+    for (int32_t k = 0; k < grid->size[2]; k++) {
+        /* The bytes of the slice give way to its place; the last is the end: lengths are differences. */
+        uint64_t const n = job.place[k];
+        job.place[k] = first;
+        first += BVXI_BVX_SLICE_HEAD + n;
+    }
+    job.place[grid->size[2]] = first;
+    BVXI_TRY(bvxi_make_buffer(ctx, first, "the BVX file", &made));
 
     /* The second pass finds the same lengths as the first, so each slice fills its place exactly. */
     if (with_head) memcpy(made.bytes, head, BVXI_BVX_HEAD);
     job.bytes = made.bytes;
     bvx_status const status = BVXI_SHARE(ctx, 0.5, 1.0,
                                          bvxi_for(ctx, stage, slices, grain, bvx_put_piece, &job));
-    if (status == BVX_OK) *file = made;
-    else bvx_buffer_free(ctx, &made);
+    if (status != BVX_OK) bvx_buffer_free(ctx, &made);
+    else *file = made;
     return status;
-}
-
-static bvx_status bvx_pack_grid(bvx_context *ctx, const bvx_grid *grid, int with_head, bvx_buffer *file)
-{
-    uint8_t head[BVXI_BVX_HEAD];
-    bvx_window window;
-    memcpy(window.low, grid->low, sizeof window.low);
-    memcpy(window.size, grid->size, sizeof window.size);
-    bvx_put_head(&grid->lattice, &window, head);
-    return bvx_pack(ctx, grid, head, with_head, file);
 }
 
 bvx_status bvxi_write_bvx(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file)

@@ -52,15 +52,6 @@ static void put_nvdb_leaf(const nvdb_file *f, const int32_t at[3], uint8_t *leaf
     for (int i = 0; i < 512; i++) put_number(f, leaf + (uint64_t)i * t->bytes, value[i]);
 }
 
-/* The box of a node, whose flags and statistics stay 0. */
-static void put_nvdb_box(uint8_t *to, const int32_t at[3], int32_t side, int ends)
-{
-    for (int a = 0; a < 3; a++) {
-        bvxi_store_u32(to + 4 * a, (uint32_t)(at[a] * side));
-        if (ends) bvxi_store_u32(to + 12 + 4 * a, (uint32_t)(at[a] * side + side - 1));
-    }
-}
-
 /* A node of level 2, 1 or 0 at a place among those, and all below it; where it stands. */
 static uint64_t put_nvdb_node(nvdb_file *f, int level, const int32_t at[3])
 {
@@ -69,7 +60,14 @@ static uint64_t put_nvdb_node(nvdb_file *f, int level, const int32_t at[3])
     uint8_t *const node = f->grid != NULL ? f->grid + place : NULL;
     int32_t p[3];
 
-    if (node != NULL) put_nvdb_box(node, at, side[level], level > 0);
+    if (node != NULL) {
+        /* The box of a node, whose flags and statistics stay 0. */
+        int const ends = level > 0;
+        for (int a = 0; a < 3; a++) {
+            bvxi_store_u32(node + 4 * a, (uint32_t)(at[a] * side[level]));
+            if (ends) bvxi_store_u32(node + 12 + 4 * a, (uint32_t)(at[a] * side[level] + side[level] - 1));
+        }
+    }
     if (level == 0) {
         if (node != NULL) put_nvdb_leaf(f, at, node);
         return place;

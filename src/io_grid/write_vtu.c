@@ -22,13 +22,6 @@ typedef struct vtu_leaves {
     uint64_t points;
 } vtu_leaves;
 
-static uint64_t count_vtu_points(const uint64_t *sorted, uint64_t count)
-{
-    uint64_t n = 0;
-    for (uint64_t i = 0; i < count; i++) n += i == 0 || sorted[i] != sorted[i - 1];
-    return n;
-}
-
 static const char *const vtu_array[VTU_ARRAYS] = {
     "      <Points>\n        <DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"appended\" "
     "offset=\"",
@@ -93,20 +86,6 @@ static uint8_t *put_vtu_corners(const vtu_leaves *v, const uint64_t size[VTU_ARR
     return corners + size[1];
 }
 
-static void put_vtu_arrays(const vtu_leaves *v, uint8_t *to)
-{
-    uint64_t size[VTU_ARRAYS];
-    vtu_sizes(v, size);
-    to = put_vtu_length(put_vtu_corners(v, size, to), size[2]);
-    for (uint64_t n = 0; n < v->count; n++, to += 4) bvxi_store_u32(to, (uint32_t)(8 * n + 8));
-    to = put_vtu_length(to, size[3]);
-    memset(to, VTU_VOXEL, (size_t)size[3]);
-    to = put_vtu_length(to + size[3], size[4]);
-    for (uint64_t n = 0; n < v->count; n++) *to++ = v->leaf[n].level;
-    to = put_vtu_length(to, size[5]);
-    for (uint64_t n = 0; n < v->count; n++) *to++ = v->leaf[n].state;
-}
-
 static bvx_status write_vtu_file(vtu_leaves *v, bvx_buffer *file)
 {
     static const char tail[] = "\n  </AppendedData>\n</VTKFile>\n";
@@ -126,7 +105,8 @@ static bvx_status write_vtu_file(vtu_leaves *v, bvx_buffer *file)
 
     BVXI_TRY(bvxi_radix_sort(v->ctx, v->place, v->corner, 8 * v->count));
     BVXI_TRY(bvxi_progress(v->ctx, "octree", 0.7));
-    v->points = count_vtu_points(v->place, 8 * v->count);
+    v->points = 0;
+    for (uint64_t i = 0; i < 8 * v->count; i++) v->points += i == 0 || v->place[i] != v->place[i - 1];
     put_vtu_head(v, &head);
     vtu_sizes(v, size);
     bytes += head.size;
@@ -135,7 +115,15 @@ static bvx_status write_vtu_file(vtu_leaves *v, bvx_buffer *file)
     head.bytes = file->bytes;
     head.size = 0;
     put_vtu_head(v, &head);
-    put_vtu_arrays(v, file->bytes + head.size);
+    uint8_t *to = file->bytes + head.size;
+    to = put_vtu_length(put_vtu_corners(v, size, to), size[2]);
+    for (uint64_t n = 0; n < v->count; n++, to += 4) bvxi_store_u32(to, (uint32_t)(8 * n + 8));
+    to = put_vtu_length(to, size[3]);
+    memset(to, VTU_VOXEL, (size_t)size[3]);
+    to = put_vtu_length(to + size[3], size[4]);
+    for (uint64_t n = 0; n < v->count; n++) *to++ = v->leaf[n].level;
+    to = put_vtu_length(to, size[5]);
+    for (uint64_t n = 0; n < v->count; n++) *to++ = v->leaf[n].state;
     memcpy(file->bytes + bytes - (sizeof tail - 1), tail, sizeof tail - 1);
     return BVX_OK;
 }

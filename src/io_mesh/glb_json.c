@@ -183,18 +183,6 @@ static int glb_has_group(const bvxi_glb *glb, uint64_t group)
     return glb->group[group + 1] > glb->group[group];
 }
 
-static void glb_put_attributes(const bvxi_glb *glb, uint64_t first, bvxi_output *out)
-{
-    for (int i = 0; i < BVXI_GLB_INDEX; i++) {
-        if (glb->count[i] == 0) continue;
-        if (i > 0) bvxi_output_print(out, ",");
-        /* glTF has no second texture coordinates without first ones: they stand for both. */
-        if (i == BVXI_GLB_UV2 && glb->count[BVXI_GLB_UV] == 0)
-            bvxi_output_print(out, "\"%s\":%u,", glb->kind[BVXI_GLB_UV].attribute, first);
-        bvxi_output_print(out, "\"%s\":%u", glb->kind[i].attribute, first++);
-    }
-}
-
 /* One primitive a material; all share the level's vertices. */
 static void glb_put_mesh(const bvxi_glb_file *file, uint64_t level, uint64_t *number, bvxi_output *out)
 {
@@ -209,7 +197,15 @@ static void glb_put_mesh(const bvxi_glb_file *file, uint64_t level, uint64_t *nu
     for (uint64_t g = 0; g <= file->materials; g++) {
         if (!glb_has_group(glb, g)) continue;
         bvxi_output_print(out, put++ != 0 ? ",{\"attributes\":{" : "{\"attributes\":{");
-        glb_put_attributes(glb, first, out);
+        uint64_t array = first;
+        for (int i = 0; i < BVXI_GLB_INDEX; i++) {
+            if (glb->count[i] == 0) continue;
+            if (i > 0) bvxi_output_print(out, ",");
+            /* glTF has no second texture coordinates without first ones: they stand for both. */
+            if (i == BVXI_GLB_UV2 && glb->count[BVXI_GLB_UV] == 0)
+                bvxi_output_print(out, "\"%s\":%u,", glb->kind[BVXI_GLB_UV].attribute, array);
+            bvxi_output_print(out, "\"%s\":%u", glb->kind[i].attribute, array++);
+        }
         bvxi_output_print(out, "},\"indices\":%u", (*number)++);
         if (g < file->materials || file->matte || file->colours != NULL)
             bvxi_output_print(out, ",\"material\":%u", file->colours != NULL ? level : g);

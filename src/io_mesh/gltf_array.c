@@ -12,11 +12,6 @@ static uint64_t gltf_component_size(int32_t type)
                                                             : 4;
 }
 
-static int gltf_is_component(uint64_t type)
-{
-    return type >= BVXI_GLTF_I8 && type <= BVXI_GLTF_F32 && type != 5124; /* there is no signed 32-bit type */
-}
-
 /* ---- where elements lie ---- */
 
 /* count elements of size bytes in a bufferView, from an offset: inside it, and aligned as the format wants. */
@@ -96,7 +91,8 @@ bvx_status bvxi_gltf_array_of(bvxi_gltf *f, uint64_t accessor, bvxi_gltf_array *
         return bvxi_gltf_fail(f, BVXI_GLTF_ACCESSOR, accessor, "its type is not SCALAR, VEC2, VEC3 or VEC4");
     BVXI_TRY(
         bvxi_gltf_whole(f, BVXI_GLTF_ACCESSOR, accessor, value, "componentType", BVXI_GLTF_MUST, &component));
-    if (!gltf_is_component(component))
+    /* There is no signed 32-bit type. */
+    if (component < BVXI_GLTF_I8 || component > BVXI_GLTF_F32 || component == 5124)
         return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT, "accessor %u: componentType %u is unknown", accessor,
                               component);
     a->type = (int32_t)component;

@@ -81,20 +81,6 @@ static const char *gltf_put_others(const bvxi_json *j, uint32_t object, const ch
     return before;
 }
 
-/* An image but what says where it was. A type that the file does not say is known by the bytes. */
-static const char *gltf_put_members(const bvxi_gltf *f, uint32_t i, bvxi_output *out)
-{
-    const bvxi_gltf_bytes *const image = &f->image[i];
-    uint32_t const value = f->list[BVXI_GLTF_IMAGE][i];
-    const char *const text = gltf_put_place(out), *const type = gltf_image_type(image);
-    const char *const before = gltf_put_others(&f->json, value, "bufferView",
-                                               image->bytes != NULL ? "uri" : "bufferView", out);
-    if (type != NULL && bvxi_json_member(&f->json, value, "mimeType") == BVXI_JSON_NONE)
-        bvxi_output_print(out, "%s\"mimeType\":\"%s\"", before, type);
-    bvxi_output_add(out, "", 1);
-    return text;
-}
-
 /* ---- extensions ---- */
 
 /* Mark those of the list that the value of a member holds under the name "extensions", at any depth. */
@@ -202,11 +188,19 @@ static void gltf_lay_out(const bvxi_gltf *f, bvx_assets *assets, bvxi_asset_imag
     assets->samplers = gltf_put_array(&f->json, "samplers", out);
     assets->extensions_used = gltf_put_extensions(&f->json, out);
     for (uint32_t i = 0; i < f->list_count[BVXI_GLTF_IMAGE]; i++) {
-        bvxi_asset_image image;
-        image.members = gltf_put_members(f, i, out);
+        const bvxi_gltf_bytes *const from = &f->image[i];
+        uint32_t const value = f->list[BVXI_GLTF_IMAGE][i];
+        bvxi_asset_image image = {.members = gltf_put_place(out), .size = from->size};
+
+        /* An image but what says where it was. A type that the file does not say is known by the bytes. */
+        const char *const type = gltf_image_type(from);
+        const char *const before = gltf_put_others(&f->json, value, "bufferView",
+                                                   from->bytes != NULL ? "uri" : "bufferView", out);
+        if (type != NULL && bvxi_json_member(&f->json, value, "mimeType") == BVXI_JSON_NONE)
+            bvxi_output_print(out, "%s\"mimeType\":\"%s\"", before, type);
+        bvxi_output_add(out, "", 1);
         image.bytes = (const uint8_t *)gltf_put_place(out);
-        image.size = f->image[i].size;
-        if (image.size > 0) bvxi_output_add(out, f->image[i].bytes, (size_t)image.size);
+        if (image.size > 0) bvxi_output_add(out, from->bytes, (size_t)image.size);
         if (images != NULL) images[i] = image;
     }
 

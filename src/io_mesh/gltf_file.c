@@ -197,8 +197,20 @@ static bvx_status gltf_check_extensions(const bvxi_gltf *f)
 
 /* ---- lists ---- */
 
-static bvx_status gltf_take_lists(bvxi_gltf *f)
+bvx_status bvxi_gltf_open(bvxi_gltf *f)
 {
+    bvxi_source *const s = f->source;
+    const char *text = bvxi_skip_mark(s->begin, s->end);
+    uint64_t size = (uint64_t)(s->end - text);
+
+    f->bytes = (uint64_t)(s->end - s->begin);
+    if (f->bytes >= 4 && bvxi_load_u32((const uint8_t *)s->begin, 0) == GLTF_MAGIC)
+        BVXI_TRY(gltf_take_chunks(f, &text, &size));
+    BVXI_TRY(bvxi_json_read(s, text, size, &f->json));
+    if (bvxi_json_kind(&f->json, 0) != BVXI_JSON_OBJECT)
+        return BVXI_FILE_FAIL(s, BVX_ERR_FORMAT, "the JSON is not an object");
+    BVXI_TRY(gltf_check_version(f));
+    BVXI_TRY(gltf_check_extensions(f));
     const bvxi_json *const j = &f->json;
 
     for (int k = 0; k < BVXI_GLTF_LISTS; k++) {
@@ -220,21 +232,4 @@ static bvx_status gltf_take_lists(bvxi_gltf *f)
     }
     BVXI_TRY(BVXI_ZEROS(f->source->ctx, (uint64_t)f->list_count[BVXI_GLTF_BUFFER], "the buffers", f->buffer));
     return BVXI_ZEROS(f->source->ctx, (uint64_t)f->list_count[BVXI_GLTF_IMAGE], "the images", f->image);
-}
-
-bvx_status bvxi_gltf_open(bvxi_gltf *f)
-{
-    bvxi_source *const s = f->source;
-    const char *text = bvxi_skip_mark(s->begin, s->end);
-    uint64_t size = (uint64_t)(s->end - text);
-
-    f->bytes = (uint64_t)(s->end - s->begin);
-    if (f->bytes >= 4 && bvxi_load_u32((const uint8_t *)s->begin, 0) == GLTF_MAGIC)
-        BVXI_TRY(gltf_take_chunks(f, &text, &size));
-    BVXI_TRY(bvxi_json_read(s, text, size, &f->json));
-    if (bvxi_json_kind(&f->json, 0) != BVXI_JSON_OBJECT)
-        return BVXI_FILE_FAIL(s, BVX_ERR_FORMAT, "the JSON is not an object");
-    BVXI_TRY(gltf_check_version(f));
-    BVXI_TRY(gltf_check_extensions(f));
-    return gltf_take_lists(f);
 }

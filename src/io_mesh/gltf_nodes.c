@@ -17,15 +17,6 @@ typedef struct gltf_nodes {
 
 /* ---- matrices ---- */
 
-static void gltf_multiply(const bvxi_gltf_world *a, const bvxi_gltf_world *b, bvxi_gltf_world *product)
-{
-    for (int r = 0; r < 3; r++)
-        for (int c = 0; c < 4; c++) {
-            product->m[r][c] = a->m[r][0] * b->m[0][c] + a->m[r][1] * b->m[1][c] + a->m[r][2] * b->m[2][c];
-            if (c == 3) product->m[r][c] += a->m[r][3];
-        }
-}
-
 /* The numbers of an array of exactly so many; 0 where the member is missing. */
 static bvx_status gltf_take_numbers(const bvxi_gltf *f, uint64_t node, uint32_t object, const char *name,
                                     uint32_t count, double *number, int *found)
@@ -214,7 +205,13 @@ bvx_status bvxi_gltf_scene_of(const bvxi_gltf *f, bvxi_gltf_scene *scene)
             scene->world[node] = local;
             continue;
         }
-        gltf_multiply(&scene->world[parent], &local, &scene->world[node]);
+        for (int r = 0; r < 3; r++)
+            for (int c = 0; c < 4; c++) {
+                scene->world[node].m[r][c] = scene->world[parent].m[r][0] * local.m[0][c] +
+                                             scene->world[parent].m[r][1] * local.m[1][c] +
+                                             scene->world[parent].m[r][2] * local.m[2][c];
+                if (c == 3) scene->world[node].m[r][c] += scene->world[parent].m[r][3];
+            }
         scene->drawn[node] = scene->drawn[parent];
     }
     return BVX_OK;

@@ -12,15 +12,6 @@ static BVXI_COLD bvx_status fail_zip(const bvxi_source *s, const uint8_t *at, co
     return BVXI_BYTE_FAIL(s, at, BVX_ERR_FORMAT, "%s", why);
 }
 
-static int leaves_container(const uint8_t *name, uint64_t n)
-{
-    for (uint64_t i = 0; i < n; i++)
-        if (name[i] == '\\' || name[i] == ':' || (name[i] == '/' && i == 0) ||
-            (name[i] == '.' && i > 0 && name[i - 1] == '.'))
-            return 1;
-    return 0;
-}
-
 /* The bytes of an entry are where its local header says. Numbers of which all 32 bits are set have 64, one after
  * the other, in the extra field 1. */
 static bvx_status find_bytes(const bvxi_source *s, bvxi_model *part)
@@ -73,8 +64,11 @@ static bvx_status find_models(const bvxi_source *s, bvxi_models *m, const uint8_
         part.name = bvxi_load_u16(p + 28, 0);
         whole = 46 + part.name + bvxi_load_u16(p + 30, 0) + bvxi_load_u16(p + 32, 0);
         if (whole > (uint64_t)(end - p)) return fail_zip(s, p, "an entry is cut off");
-        if (leaves_container(p + 46, part.name))
-            return fail_zip(s, p + 46, "an entry has a name outside the container");
+        const uint8_t *const name = p + 46;
+        for (uint64_t i = 0; i < part.name; i++)
+            if (name[i] == '\\' || name[i] == ':' || (name[i] == '/' && i == 0) ||
+                (name[i] == '.' && i > 0 && name[i - 1] == '.'))
+                return fail_zip(s, name, "an entry has a name outside the container");
         if (part.name < 6 || !bvxi_word_is((const char *)p + 40 + part.name, 6, ".model")) continue;
         BVXI_TRY(find_bytes(s, &part));
         if (part.size > left)

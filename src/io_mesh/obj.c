@@ -347,19 +347,6 @@ static void obj_fill_piece(void *user, int32_t index)
 
 /* ---- what is left to do ---- */
 
-/* Whether the first vertex has a colour, and the first face's first corner a texture coordinate. */
-static int obj_first_has_colour(obj_file *f)
-{
-    double number[3 + 5];
-    for (int32_t i = 0; i < f->piece_count; i++) {
-        const char *p = f->pieces[i].vertex;
-        if (p == NULL) continue;
-        int const n = obj_take_numbers(f, &p, 8, number);
-        return n == 6 || n == 7;
-    }
-    return 0;
-}
-
 static int obj_first_has_uv(const obj_file *f)
 {
     int64_t number;
@@ -440,8 +427,16 @@ bvx_status bvxi_read_obj(bvxi_source *source, uint32_t *lost, bvx_mesh *mesh)
         BVXI_TRY(bvxi_make_uvs(ctx, f.mesh, f.uvs));
         BVXI_TRY(bvxi_make_array(ctx, f.mesh, BVXI_MESH_UV_TRIANGLES));
     }
-    if (obj_first_has_colour(&f))
-        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, f.vertices * 12, "the colours of the file", &f.colours));
+    for (int32_t i = 0; i < f.piece_count; i++) {
+        const char *p = f.pieces[i].vertex;
+        double number[3 + 5];
+        if (p == NULL) continue;
+        /* The first vertex decides for all. */
+        int const n = obj_take_numbers(&f, &p, 8, number);
+        if (n == 6 || n == 7)
+            BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, f.vertices * 12, "the colours of the file", &f.colours));
+        break;
+    }
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, f.polygons * sizeof *f.fans, "the polygons of the file", &f.fans));
 
     BVXI_TRY(bvxi_source_pieces(f.source, 0.25, 1, f.piece_count, obj_fill_piece, &f));

@@ -97,30 +97,24 @@ static const char *off_add_word(off_words *words, const char *p, const char *end
 
 /* ---- head ---- */
 
-/* The keyword at p, with its letters; NULL when there is none. */
-static const char *off_keyword(off_file *f, const char *p, int *dimensions)
+static bvx_status off_take_keyword(off_file *f)
 {
-    const char *const end = f->source->end;
+    bvxi_source *const s = f->source;
+    const char *const at = off_skip(bvxi_skip_mark(s->begin, s->end), s->end);
+    const char *const end = s->end, *p = at;
+    int dimensions;
 
     /* The letters have one order; one of another order is
      * no keyword, and so the file does not begin with one. */
     if ((f->has_uvs = end - p >= 2 && p[0] == 'S' && p[1] == 'T') != 0) p += 2;
     if ((f->has_colours = p < end && *p == 'C') != 0) p++;
     if ((f->has_normals = p < end && *p == 'N') != 0) p++;
-    if ((*dimensions = p < end && *p == '4') != 0) p++;
+    if ((dimensions = p < end && *p == '4') != 0) p++;
     if (p < end && *p == 'n') {
-        *dimensions = 1;
+        dimensions = 1;
         p++;
     }
-    return end - p >= 3 && memcmp(p, "OFF", 3) == 0 ? p + 3 : NULL;
-}
-
-static bvx_status off_take_keyword(off_file *f)
-{
-    bvxi_source *const s = f->source;
-    const char *const at = off_skip(bvxi_skip_mark(s->begin, s->end), s->end);
-    int dimensions;
-    const char *p = off_keyword(f, at, &dimensions);
+    p = end - p >= 3 && memcmp(p, "OFF", 3) == 0 ? p + 3 : NULL;
 
     /* The keyword may be missing: a number is the first count then, and the letters found mean nothing. */
     f->p = at;
@@ -174,22 +168,6 @@ static bvx_status off_take_counts(off_file *f)
 
 /* ---- vertices ---- */
 
-/* Lines that hold a word, from the first vertex on. */
-static bvx_status off_count_lines(const off_file *f, uint64_t *lines)
-{
-    bvxi_source *const s = f->source;
-
-    *lines = 0;
-    bvxi_source_pass(s, 0, 0.1);
-    for (const char *p = off_skip(f->first, s->end); p < s->end;
-         p = off_skip(bvxi_line_end(p, s->end), s->end)) {
-        BVXI_TRY(bvxi_source_at(s, p));
-        ++*lines;
-    }
-    bvxi_source_pass(s, 0, 1);
-    return BVX_OK;
-}
-
 /* Behind a vertex: when words follow on its line, is there a line for each vertex and face? */
 static bvx_status off_learn_lines(off_file *f, uint64_t vertex)
 {
@@ -202,7 +180,17 @@ static bvx_status off_learn_lines(off_file *f, uint64_t vertex)
         if (promised) f->by_lines = 0; /* and here they stand elsewhere */
         return BVX_OK;
     }
-    BVXI_TRY(off_count_lines(f, &lines));
+    /* Lines that hold a word, from the first vertex on. */
+    bvxi_source *const s = f->source;
+
+    lines = 0;
+    bvxi_source_pass(s, 0, 0.1);
+    for (const char *p = off_skip(f->first, s->end); p < s->end;
+         p = off_skip(bvxi_line_end(p, s->end), s->end)) {
+        BVXI_TRY(bvxi_source_at(s, p));
+        ++lines;
+    }
+    bvxi_source_pass(s, 0, 1);
     f->by_lines = lines >= f->vertex_count + f->face_count;
     /* Colours that the keyword does not promise may begin at
      * the first vertex only: all vertices have them or none. */
@@ -311,23 +299,6 @@ static bvx_status off_take_corner(off_file *f, uint64_t face, uint32_t *vertex)
     return BVX_OK;
 }
 
-static bvx_status off_take_length(off_file *f, uint64_t face, uint64_t *corners)
-{
-    const bvxi_source *const s = f->source;
-    int64_t n;
-
-    BVXI_TRY(off_take_integer(f, "a face's number of corners", &n));
-    if (n < 3)
-        return BVXI_LINE_FAIL(s, f->p, BVX_ERR_FORMAT, "face %i has %d corners; it needs three", face, n);
-
-    /* A corner takes a digit and a space at least: a longer list cannot be in the file. */
-    if ((uint64_t)n > (uint64_t)(s->end - f->p) / 2)
-        return BVXI_LINE_FAIL(s, f->p, BVX_ERR_FORMAT, "face %i has %d corners, more than the file holds",
-                              face, n);
-    *corners = (uint64_t)n;
-    return BVX_OK;
-}
-
 static bvx_status off_take_all_faces(off_file *f)
 {
     f->triangle_count = f->polygon_count = 0;
@@ -337,10 +308,18 @@ static bvx_status off_take_all_faces(off_file *f)
 
         /* Where there is room, a face's triangles become a fan, and one of more than three corners is kept
          * in mind. */
-        uint64_t corners = 0;
         uint32_t t[3] = {0, 0, 0};
+        int64_t n;
 
-        BVXI_TRY(off_take_length(f, face, &corners));
+        BVXI_TRY(off_take_integer(f, "a face's number of corners", &n));
+        if (n < 3)
+            return BVXI_LINE_FAIL(f->source, f->p, BVX_ERR_FORMAT, "face %i has %d corners; it needs three",
+                                  face, n);
+        /* A corner takes a digit and a space at least: a longer list cannot be in the file. */
+        uint64_t const corners = (uint64_t)n;
+        if (corners > (uint64_t)(f->source->end - f->p) / 2)
+            return BVXI_LINE_FAIL(f->source, f->p, BVX_ERR_FORMAT,
+                                  "face %i has %d corners, more than the file holds", face, n);
         if (corners > 3) {
             if (f->polygon_count < f->fan_room) {
                 f->fans[f->polygon_count].triangle = (uint32_t)f->triangle_count;

@@ -43,16 +43,6 @@ static bvx_status ply_make_room(ply_file *f, uint64_t triangles, uint64_t corner
     return bvxi_make_array(ctx, mesh, BVXI_MESH_UV_TRIANGLES);
 }
 
-static bvx_status ply_make_vertices(ply_file *f)
-{
-    bvx_context *const ctx = f->source->ctx;
-    const ply_header *const h = f->header;
-    BVXI_TRY(bvxi_make_positions(ctx, f->mesh, h->position_type, f->vertex_count));
-    if (h->colours) BVXI_TRY(bvxi_make_array(ctx, f->mesh, BVXI_MESH_COLOURS));
-    if (h->colours && !h->alpha) memset(f->mesh->colours, 255, (size_t)f->vertex_count * 4);
-    return h->uvs == 1 ? bvxi_make_uvs(ctx, f->mesh, f->vertex_count) : BVX_OK;
-}
-
 static bvx_status ply_take_all(ply_file *f)
 {
     const ply_header *const h = f->header;
@@ -62,46 +52,6 @@ static bvx_status ply_take_all(ply_file *f)
     if (h->strips > last) last = h->strips;
     for (ply_element *e = h->elements; e <= last; e++) BVXI_TRY(ply_take_element_rows(f, e));
     return BVX_OK;
-}
-
-/* Faces and strips once more, into room for all their triangles. */
-static bvx_status ply_take_faces_again(ply_file *f)
-{
-    const ply_header *const h = f->header;
-    ply_element *const first = h->strips == NULL || (h->face != NULL && h->face < h->strips) ? h->face
-                                                                                             : h->strips;
-    ply_element *const second = first == h->face ? h->strips : h->face;
-
-    f->fan_room = f->polygon_count;
-
-    BVXI_TRY(ply_make_room(f, f->triangle_count, f->uv_count));
-    BVXI_TRY(BVXI_ARRAY(f->source->ctx, f->fan_room, "the polygons of the file", f->fans));
-    bvxi_source_pass(f->source, 0, 1);
-    f->p = first->rows;
-    BVXI_TRY(ply_take_element_rows(f, first));
-    if (second == NULL) return BVX_OK;
-    f->p = second->rows;
-    return ply_take_element_rows(f, second);
-}
-
-static bvx_status ply_take_data(ply_file *f)
-{
-    uint64_t const faces = f->header->face == NULL ? 0 : f->header->face->count;
-    BVXI_TRY(ply_make_vertices(f));
-    /* As if all faces were triangles; strips have no room at first, and so are read in the second pass. */
-    BVXI_TRY(ply_make_room(f, faces, f->uvs_at_corners ? faces * 3 : 0));
-    BVXI_TRY(ply_take_all(f));
-    if (f->triangle_count != f->room) BVXI_TRY(ply_take_faces_again(f));
-    if (f->triangle_count == 0)
-        return BVXI_FILE_FAIL(f->source, BVX_ERR_EMPTY, "the strips have no triangle");
-    return bvxi_cut_fans(f->source, f->mesh, f->fans, f->polygon_count);
-}
-
-static bvx_status ply_take_points(ply_file *f)
-{
-    if (f->vertex_count == 0) return BVXI_FILE_FAIL(f->source, BVX_ERR_EMPTY, "the file has no vertices");
-    BVXI_TRY(ply_make_vertices(f));
-    return ply_take_all(f);
 }
 
 static bvx_status read_ply_file(bvxi_source *source, int32_t points, bvx_mesh *mesh)
@@ -115,7 +65,35 @@ static bvx_status read_ply_file(bvxi_source *source, int32_t points, bvx_mesh *m
                   .big = header.encoding == PLY_BIG,
                   .vertex_count = header.vertex->count,
                   .uvs_at_corners = header.uvs == 2};
-    return points ? ply_take_points(&f) : ply_take_data(&f);
+    if (points && f.vertex_count == 0)
+        return BVXI_FILE_FAIL(source, BVX_ERR_EMPTY, "the file has no vertices");
+    BVXI_TRY(bvxi_make_positions(source->ctx, mesh, header.position_type, f.vertex_count));
+    if (header.colours) BVXI_TRY(bvxi_make_array(source->ctx, mesh, BVXI_MESH_COLOURS));
+    if (header.colours && !header.alpha) memset(mesh->colours, 255, (size_t)f.vertex_count * 4);
+    if (header.uvs == 1) BVXI_TRY(bvxi_make_uvs(source->ctx, mesh, f.vertex_count));
+    if (points) return ply_take_all(&f);
+
+    /* As if all faces were triangles; strips have no room at first, and so are read in the second pass. */
+    uint64_t const faces = header.face == NULL ? 0 : header.face->count;
+    BVXI_TRY(ply_make_room(&f, faces, f.uvs_at_corners ? faces * 3 : 0));
+    BVXI_TRY(ply_take_all(&f));
+    if (f.triangle_count != f.room) {
+        int const strips_first = header.face == NULL ||
+                                 (header.strips != NULL && header.strips < header.face);
+        ply_element *const order[2] = {strips_first ? header.strips : header.face,
+                                       strips_first ? header.face : header.strips};
+
+        f.fan_room = f.polygon_count;
+        BVXI_TRY(ply_make_room(&f, f.triangle_count, f.uv_count));
+        BVXI_TRY(BVXI_ARRAY(source->ctx, f.fan_room, "the polygons of the file", f.fans));
+        bvxi_source_pass(source, 0, 1);
+        for (int i = 0; i < 2 && order[i] != NULL; i++) {
+            f.p = order[i]->rows;
+            BVXI_TRY(ply_take_element_rows(&f, order[i]));
+        }
+    }
+    if (f.triangle_count == 0) return BVXI_FILE_FAIL(source, BVX_ERR_EMPTY, "the strips have no triangle");
+    return bvxi_cut_fans(source, mesh, f.fans, f.polygon_count);
 }
 
 bvx_status bvxi_read_ply(bvxi_source *source, bvx_mesh *mesh)

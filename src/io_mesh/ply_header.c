@@ -59,21 +59,16 @@ static bvx_status ply_expect_end(const bvxi_source *s, ply_line *line)
     return ply_word(line, &word) == 0 ? BVX_OK : bvxi_fail_expected(s, word, "the end of the line");
 }
 
-static int32_t ply_type_of(const char *word, size_t n)
+static bvx_status ply_take_type(const bvxi_source *s, ply_line *line, int only_integer, int8_t *type)
 {
     static const char *const names[][2] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
                                            {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
                                            {"float", "float32"}, {"double", "float64"}};
-    for (int32_t i = 0; i < 8; i++)
-        if (ply_is(word, n, names[i][0]) || ply_is(word, n, names[i][1])) return PLY_I8 + i;
-    return PLY_NONE;
-}
-
-static bvx_status ply_take_type(const bvxi_source *s, ply_line *line, int only_integer, int8_t *type)
-{
     const char *word;
     size_t const n = ply_word(line, &word);
-    int32_t const t = ply_type_of(word, n);
+    int32_t t = PLY_NONE;
+    for (int32_t i = 0; i < 8; i++)
+        if (ply_is(word, n, names[i][0]) || ply_is(word, n, names[i][1])) t = PLY_I8 + i;
     if (t == PLY_NONE) return bvxi_fail_expected(s, word, "a type (char to double, int8 to float64)");
     if (only_integer && t >= PLY_F32) return bvxi_fail_expected(s, word, "an integer type");
     *type = (int8_t)t;
@@ -81,21 +76,6 @@ static bvx_status ply_take_type(const bvxi_source *s, ply_line *line, int only_i
 }
 
 /* ---- the statements of a header ---- */
-
-static bvx_status ply_take_format(const bvxi_source *s, ply_line *line, ply_header *h)
-{
-    const char *word;
-    size_t n = ply_word(line, &word);
-
-    h->encoding = ply_is(word, n, "ascii")                  ? PLY_ASCII
-                  : ply_is(word, n, "binary_little_endian") ? PLY_LITTLE
-                  : ply_is(word, n, "binary_big_endian")    ? PLY_BIG
-                                                            : 0;
-    if (h->encoding == 0)
-        return bvxi_fail_expected(s, word, "ascii, binary_little_endian or binary_big_endian");
-    n = ply_word(line, &word);
-    return ply_is(word, n, "1.0") ? ply_expect_end(s, line) : bvxi_fail_expected(s, word, "version 1.0");
-}
 
 static bvx_status ply_take_element(const bvxi_source *s, ply_line *line, ply_header *h)
 {
@@ -213,11 +193,21 @@ static bvx_status ply_take_property(const bvxi_source *s, ply_line *line, ply_he
 static bvx_status ply_take_line(const bvxi_source *s, ply_line *line, ply_header *h, int *done)
 {
     const char *word;
-    size_t const n = ply_word(line, &word);
+    size_t n = ply_word(line, &word);
 
     if (ply_is(word, n, "element")) return ply_take_element(s, line, h);
     if (ply_is(word, n, "property")) return ply_take_property(s, line, h);
-    if (ply_is(word, n, "format") && h->encoding == 0) return ply_take_format(s, line, h);
+    if (ply_is(word, n, "format") && h->encoding == 0) {
+        n = ply_word(line, &word);
+        h->encoding = ply_is(word, n, "ascii")                  ? PLY_ASCII
+                      : ply_is(word, n, "binary_little_endian") ? PLY_LITTLE
+                      : ply_is(word, n, "binary_big_endian")    ? PLY_BIG
+                                                                : 0;
+        if (h->encoding == 0)
+            return bvxi_fail_expected(s, word, "ascii, binary_little_endian or binary_big_endian");
+        n = ply_word(line, &word);
+        return ply_is(word, n, "1.0") ? ply_expect_end(s, line) : bvxi_fail_expected(s, word, "version 1.0");
+    }
     if (ply_is(word, n, "comment") || ply_is(word, n, "obj_info")) return BVX_OK;
     /* Blender's old comment without the word */
     if (ply_is(word, n, "Created") && h->element_count == 0) return BVX_OK;
@@ -228,21 +218,6 @@ static bvx_status ply_take_line(const bvxi_source *s, ply_line *line, ply_header
 }
 
 /* ---- what the header promises against what is there ---- */
-
-/* The fewest bytes of a row: in a text a digit and a space for each value; a face has three corners or
- * more. */
-static uint64_t ply_least_bytes(const ply_header *h, const ply_element *e)
-{
-    uint64_t n = 0;
-    for (uint32_t i = e->first; i < e->end; i++) {
-        const ply_property *const p = &h->properties[i];
-        uint64_t const items = p->count_type == PLY_NONE ? 1 : p->role == PLY_ROLE_CORNERS ? 3 : 0;
-        /* In a text even an empty list has its length; in bytes the sizes are those of the types. */
-        if (h->encoding == PLY_ASCII) n += 2 * (items + (p->count_type != PLY_NONE));
-        else n += items * ply_type_size(p->type) + ply_type_size(p->count_type);
-    }
-    return n;
-}
 
 static int ply_has_role(const ply_header *h, const ply_element *e, int32_t role)
 {
@@ -269,19 +244,6 @@ static int32_t ply_keep_set(ply_header *h, int32_t first, int32_t needed, int32_
         if (p->role >= first && p->role <= last && p->set != set) p->role = PLY_ROLE_NONE;
     }
     return set < 4;
-}
-
-static void ply_find_attributes(ply_header *h)
-{
-    h->colours = ply_keep_set(h, PLY_ROLE_RED, PLY_ROLE_BLUE, PLY_ROLE_ALPHA);
-    h->alpha = ply_has_role(h, h->vertex, PLY_ROLE_ALPHA);
-    h->uvs = ply_keep_set(h, PLY_ROLE_U, PLY_ROLE_V, PLY_ROLE_V);
-    if (h->uvs == 0 && h->strips == NULL && h->face != NULL && ply_has_role(h, h->face, PLY_ROLE_UVS))
-        h->uvs = 2;
-    if (h->uvs == 2) return;
-    /* Coordinates of corners are not used, so the rows need not keep them. */
-    for (uint32_t i = 0; i < h->property_count; i++)
-        if (h->properties[i].role == PLY_ROLE_UVS) h->properties[i].role = PLY_ROLE_NONE;
 }
 
 static bvx_status ply_check_meaning(const bvxi_source *s, ply_header *h)
@@ -315,7 +277,14 @@ static bvx_status ply_check_meaning(const bvxi_source *s, ply_header *h)
     /* Elements without rows, and faces where only points are wanted, are as if they were not named. */
     if (!has_faces || h->points) h->face = NULL;
     if (!has_strips || h->points) h->strips = NULL;
-    ply_find_attributes(h);
+    h->colours = ply_keep_set(h, PLY_ROLE_RED, PLY_ROLE_BLUE, PLY_ROLE_ALPHA);
+    h->alpha = ply_has_role(h, h->vertex, PLY_ROLE_ALPHA);
+    h->uvs = ply_keep_set(h, PLY_ROLE_U, PLY_ROLE_V, PLY_ROLE_V);
+    if (h->uvs == 0 && h->strips == NULL && h->face != NULL && ply_has_role(h, h->face, PLY_ROLE_UVS))
+        h->uvs = 2;
+    /* Coordinates of corners are not used, so the rows need not keep them. */
+    for (uint32_t i = 0; i < h->property_count && h->uvs != 2; i++)
+        if (h->properties[i].role == PLY_ROLE_UVS) h->properties[i].role = PLY_ROLE_NONE;
     return BVX_OK;
 }
 
@@ -354,7 +323,16 @@ bvx_status bvxi_ply_header_read(bvxi_source *source, ply_header *header)
     /* Elements share what is there: each takes at least its fewest bytes from the next one's. */
     for (uint32_t i = 0; i < h->element_count; i++) {
         ply_element *const e = &h->elements[i];
-        e->least_bytes = ply_least_bytes(h, e);
+        e->least_bytes = 0;
+        for (uint32_t k = e->first; k < e->end; k++) {
+            const ply_property *const p = &h->properties[k];
+            uint64_t const items = p->count_type == PLY_NONE ? 1 : p->role == PLY_ROLE_CORNERS ? 3 : 0;
+            /* In a text a digit and a space for each value, and even an empty list has its length; in bytes the
+             * sizes are those of the types. A face has three corners or more. */
+            e->least_bytes += h->encoding == PLY_ASCII
+                                  ? 2 * (items + (p->count_type != PLY_NONE))
+                                  : items * ply_type_size(p->type) + ply_type_size(p->count_type);
+        }
         if (e->least_bytes != 0 && e->count > left / e->least_bytes)
             return BVXI_LINE_FAIL(source, e->name, BVX_ERR_FORMAT,
                                   "%u rows of at least %u bytes, but the file has only %u bytes for them",

@@ -61,13 +61,6 @@ bvx_status bvxi_ply_fail_length(const ply_file *f, const ply_element *e, uint64_
 
 /* ---- what values mean ---- */
 
-/* Floats are shares of 1, 16 bits are brought down to 8, and other integers are taken as bytes. */
-static uint8_t ply_colour(int32_t type, double value)
-{
-    if (type == PLY_F32 || type == PLY_F64) return bvxi_colour_byte(value);
-    return bvxi_colour_byte(value / (type == PLY_U16 ? 65535.0 : 255.0));
-}
-
 /* A number of a vertex, or of a list of texture coordinates, that stands at a place. */
 static bvx_status ply_put(ply_file *f, const ply_property *property, const char *at, uint64_t row,
                           double value)
@@ -83,7 +76,11 @@ static bvx_status ply_put(ply_file *f, const ply_property *property, const char 
         if (mesh->position_type == BVX_F32) ((float *)mesh->positions)[i] = narrow;
         else ((double *)mesh->positions)[i] = value;
     } else if (role <= PLY_ROLE_ALPHA) {
-        mesh->colours[(size_t)row * 4 + (size_t)(role - PLY_ROLE_RED)] = ply_colour(property->type, value);
+        /* Floats are shares of 1, 16 bits are brought down to 8, and other integers are taken as bytes. */
+        double const full = property->type == PLY_F32 || property->type == PLY_F64 ? 1.0
+                            : property->type == PLY_U16                            ? 65535.0
+                                                                                   : 255.0;
+        mesh->colours[(size_t)row * 4 + (size_t)(role - PLY_ROLE_RED)] = bvxi_colour_byte(value / full);
     } else {
         /* A value that no float can hold would be an infinity in the mesh. */
         if (!(narrow - narrow == 0.0f)) return bvxi_ply_fail_finite(f, at, row, role);
@@ -282,15 +279,6 @@ static bvx_status ply_take_row(ply_file *f, const ply_element *e, uint64_t row)
     return ply_end_row(f, e, row);
 }
 
-static bvx_status ply_take_rows(ply_file *f, const ply_element *e)
-{
-    for (uint64_t row = 0; row < e->count && e->end > e->first; row++) {
-        BVXI_TRY(bvxi_source_at(f->source, f->p));
-        BVXI_TRY(ply_take_row(f, e, row));
-    }
-    return BVX_OK;
-}
-
 /* ---- vertices without lists: rows of one size ---- */
 
 /* Properties from the given one on that have these roles and this type, one after the other. */
@@ -324,20 +312,6 @@ static bvx_status ply_take_floats(ply_file *f, const ply_element *e, const uint8
     return BVX_OK;
 }
 
-/* Red, green, blue as bytes side by side; with alpha when channels is 4. */
-static void ply_take_bytes(ply_file *f, const ply_element *e, const uint8_t *p, uint64_t row, uint64_t count,
-                           size_t channels)
-{
-    size_t const size = (size_t)e->least_bytes;
-    uint8_t *out = f->mesh->colours + (size_t)row * 4;
-    for (uint64_t i = 0; i < count; i++, p += size, out += 4) {
-        out[0] = p[0];
-        out[1] = p[1];
-        out[2] = p[2];
-        if (channels == 4) out[3] = p[3];
-    }
-}
-
 /* Property number i, and those after it that are taken with it, of some rows; *taken is how many
  * properties. */
 static bvx_status ply_take_column(ply_file *f, const ply_element *e, uint32_t i, const uint8_t *p,
@@ -351,8 +325,16 @@ static bvx_status ply_take_column(ply_file *f, const ply_element *e, uint32_t i,
     if (ply_is_run(h, e, i, PLY_ROLE_X, 3, PLY_F32) && f->mesh->position_type == BVX_F32)
         return ply_take_floats(f, e, p, row, count);
     if (ply_is_run(h, e, i, PLY_ROLE_RED, 3, PLY_U8)) {
-        *taken += ply_is_run(h, e, i, PLY_ROLE_RED, 4, PLY_U8) ? 1 : 0;
-        ply_take_bytes(f, e, p, row, count, *taken);
+        int const alpha = ply_is_run(h, e, i, PLY_ROLE_RED, 4, PLY_U8);
+        /* Red, green, blue as bytes side by side; perhaps with alpha. */
+        uint8_t *out = f->mesh->colours + (size_t)row * 4;
+        for (uint64_t k = 0; k < count; k++, p += e->least_bytes, out += 4) {
+            out[0] = p[0];
+            out[1] = p[1];
+            out[2] = p[2];
+            if (alpha) out[3] = p[3];
+        }
+        *taken += alpha ? 1 : 0;
         return BVX_OK;
     }
     *taken = 1;
@@ -388,16 +370,6 @@ static bvx_status ply_take_simple_faces(ply_file *f, const ply_element *e)
     return BVX_OK;
 }
 
-/* Corners of type int are below 2^31, so those above the vertices are
- * refused also when there are more of these. */
-static int ply_is_simple_faces(const ply_file *f, const ply_element *e)
-{
-    const ply_property *const p = &f->header->properties[e->first];
-    return e->kind == PLY_FACE && e->end == e->first + 1 && p->role == PLY_ROLE_CORNERS &&
-           p->count_type == PLY_U8 &&
-           (p->type == PLY_U32 || (p->type == PLY_I32 && f->vertex_count <= INT32_MAX));
-}
-
 bvx_status bvxi_ply_take_binary(ply_file *f, const ply_element *e)
 {
     /* the header's check found the bytes, unless lists took more */
@@ -427,5 +399,17 @@ bvx_status bvxi_ply_take_binary(ply_file *f, const ply_element *e)
         }
         return BVX_OK;
     }
-    return ply_is_simple_faces(f, e) ? ply_take_simple_faces(f, e) : ply_take_rows(f, e);
+
+    /* Corners of type int are below 2^31, so those above the vertices are
+     * refused also when there are more of these. */
+    const ply_property *const list = &f->header->properties[e->first];
+    if (e->kind == PLY_FACE && e->end == e->first + 1 && list->role == PLY_ROLE_CORNERS &&
+        list->count_type == PLY_U8 &&
+        (list->type == PLY_U32 || (list->type == PLY_I32 && f->vertex_count <= INT32_MAX)))
+        return ply_take_simple_faces(f, e);
+    for (uint64_t row = 0; row < e->count && e->end > e->first; row++) {
+        BVXI_TRY(bvxi_source_at(f->source, f->p));
+        BVXI_TRY(ply_take_row(f, e, row));
+    }
+    return BVX_OK;
 }

@@ -99,27 +99,6 @@ static bvx_status gltf_check_attribute(gltf_reader *r, uint32_t mesh, int which,
     return BVX_OK;
 }
 
-static bvx_status gltf_take_indices(gltf_reader *r, uint32_t mesh, gltf_primitive *p)
-{
-    bvxi_gltf *const f = &r->f;
-    bvxi_gltf_array a;
-
-    p->corners = p->vertices;
-    if (p->indices != BVXI_JSON_NONE) {
-        BVXI_TRY(bvxi_gltf_array_of(f, p->indices, &a));
-        if (a.components != 1 ||
-            (a.type != BVXI_GLTF_U8 && a.type != BVXI_GLTF_U16 && a.type != BVXI_GLTF_U32))
-            return bvxi_gltf_fail(f, BVXI_GLTF_ACCESSOR, p->indices,
-                                  "indices are unsigned whole numbers, one an element");
-        p->corners = a.count;
-    }
-    if (p->mode == GLTF_TRIANGLES && p->corners % 3 != 0)
-        return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT, "mesh %u: %u corners are not triangles",
-                              (uint64_t)mesh, p->corners);
-    p->triangles = p->mode == GLTF_TRIANGLES ? p->corners / 3 : p->corners < 3 ? 0 : p->corners - 2;
-    return BVX_OK;
-}
-
 /* Vertices that came with KHR_draco_mesh_compression alone have accessors without bytes. */
 static bvx_status gltf_refuse_draco(gltf_reader *r, uint32_t value, const gltf_primitive *p)
 {
@@ -170,7 +149,22 @@ static bvx_status gltf_take_primitive(gltf_reader *r, uint32_t mesh, uint32_t va
     if (p->attribute[GLTF_POSITION] == BVXI_JSON_NONE) return BVX_OK; /* allowed, and nothing to be drawn */
     BVXI_TRY(gltf_refuse_draco(r, value, p));
     for (int a = 0; a < GLTF_ATTRIBUTES; a++) BVXI_TRY(gltf_check_attribute(r, mesh, a, p));
-    return gltf_take_indices(r, mesh, p);
+    bvxi_gltf_array a;
+
+    p->corners = p->vertices;
+    if (p->indices != BVXI_JSON_NONE) {
+        BVXI_TRY(bvxi_gltf_array_of(f, p->indices, &a));
+        if (a.components != 1 ||
+            (a.type != BVXI_GLTF_U8 && a.type != BVXI_GLTF_U16 && a.type != BVXI_GLTF_U32))
+            return bvxi_gltf_fail(f, BVXI_GLTF_ACCESSOR, p->indices,
+                                  "indices are unsigned whole numbers, one an element");
+        p->corners = a.count;
+    }
+    if (p->mode == GLTF_TRIANGLES && p->corners % 3 != 0)
+        return BVXI_FILE_FAIL(f->source, BVX_ERR_FORMAT, "mesh %u: %u corners are not triangles",
+                              (uint64_t)mesh, p->corners);
+    p->triangles = p->mode == GLTF_TRIANGLES ? p->corners / 3 : p->corners < 3 ? 0 : p->corners - 2;
+    return BVX_OK;
 }
 
 static bvx_status gltf_take_mesh(gltf_reader *r, uint32_t mesh, uint32_t first)
@@ -399,21 +393,6 @@ static bvx_status gltf_take_values(gltf_target *t, uint32_t accessor, int which)
                           which == GLTF_COLOUR && a.components == 3 ? gltf_put_rgb : put[which], t);
 }
 
-static bvx_status gltf_emit_vertices(gltf_target *t, const gltf_primitive *p)
-{
-    bvx_mesh *const m = t->r->out;
-    size_t const base = (size_t)t->base, count = (size_t)p->vertices;
-
-    /* Zero normals are found again when all triangles are there, and computed from these. */
-    if (m->normals != NULL) memset(m->normals + base * 3, 0, count * 12);
-    if (m->uvs != NULL) memset(m->uvs + base * 2, 0, count * 8);
-    if (m->uvs2 != NULL) memset(m->uvs2 + base * 2, 0, count * 8);
-    if (m->colours != NULL) memset(m->colours + base * 4, 255, count * 4);
-    for (int a = 0; a < GLTF_ATTRIBUTES; a++)
-        if (p->attribute[a] != BVXI_JSON_NONE) BVXI_TRY(gltf_take_values(t, p->attribute[a], a));
-    return BVX_OK;
-}
-
 static bvx_status gltf_emit_triangles(gltf_target *t, const gltf_primitive *p)
 {
     gltf_reader *const r = t->r;
@@ -472,7 +451,16 @@ static bvx_status gltf_emit_node(gltf_reader *r, uint32_t node)
             bvxi_progress(r->f.source->ctx, "read", 0.2 + 0.7 * ((double)r->vertex / (double)r->vertices)));
         if (!p->shares) {
             t.base = r->vertex;
-            BVXI_TRY(gltf_emit_vertices(&t, p));
+            bvx_mesh *const out = r->out;
+            size_t const base = (size_t)t.base, count = (size_t)p->vertices;
+
+            /* Zero normals are found again when all triangles are there, and computed from these. */
+            if (out->normals != NULL) memset(out->normals + base * 3, 0, count * 12);
+            if (out->uvs != NULL) memset(out->uvs + base * 2, 0, count * 8);
+            if (out->uvs2 != NULL) memset(out->uvs2 + base * 2, 0, count * 8);
+            if (out->colours != NULL) memset(out->colours + base * 4, 255, count * 4);
+            for (int a = 0; a < GLTF_ATTRIBUTES; a++)
+                if (p->attribute[a] != BVXI_JSON_NONE) BVXI_TRY(gltf_take_values(&t, p->attribute[a], a));
             r->vertex += p->vertices;
         }
         BVXI_TRY(gltf_emit_triangles(&t, p));
@@ -531,24 +519,6 @@ static bvx_status gltf_make_parts(gltf_reader *r)
     return bvxi_alloc(ctx, BVXI_SCRATCH, r->primitives * sizeof *f->part, "the mesh's parts", &f->part);
 }
 
-static bvx_status gltf_make_arrays(gltf_reader *r)
-{
-    bvx_context *const ctx = r->f.source->ctx;
-    bvx_mesh *const m = r->out;
-    int32_t type;
-
-    BVXI_TRY(gltf_choose_type(r, &type));
-    BVXI_TRY(bvxi_make_positions(ctx, m, type, r->vertices));
-    BVXI_TRY(bvxi_make_triangles(ctx, m, r->triangles));
-    if (r->has[GLTF_COLOUR]) BVXI_TRY(bvxi_make_array(ctx, m, BVXI_MESH_COLOURS));
-    if (r->has[GLTF_UV]) BVXI_TRY(bvxi_make_uvs(ctx, m, r->vertices));
-    if (r->has[GLTF_NORMAL]) BVXI_TRY(bvxi_make_array(ctx, m, BVXI_MESH_NORMALS));
-    if (r->has[GLTF_UV2]) BVXI_TRY(bvxi_make_array(ctx, m, BVXI_MESH_UVS2));
-    if (r->f.list_count[BVXI_GLTF_MATERIAL] > 0) BVXI_TRY(bvxi_make_array(ctx, m, BVXI_MESH_MATERIALS));
-    BVXI_TRY(gltf_make_parts(r));
-    return bvxi_alloc(ctx, BVXI_SCRATCH, r->most_corners * 4, "the indices of a primitive", &r->corner);
-}
-
 /* Smooth normals for the vertices of primitives that have none. */
 static bvx_status gltf_fill_normals(gltf_reader *r)
 {
@@ -602,7 +572,19 @@ static bvx_status gltf_read_all(gltf_reader *r)
         f->lost |= BVX_LOST_ANIMATIONS;
     BVXI_TRY(gltf_count_all(r));
 
-    BVXI_TRY(gltf_make_arrays(r));
+    bvx_mesh *const m = r->out;
+    int32_t type;
+
+    BVXI_TRY(gltf_choose_type(r, &type));
+    BVXI_TRY(bvxi_make_positions(ctx, m, type, r->vertices));
+    BVXI_TRY(bvxi_make_triangles(ctx, m, r->triangles));
+    if (r->has[GLTF_COLOUR]) BVXI_TRY(bvxi_make_array(ctx, m, BVXI_MESH_COLOURS));
+    if (r->has[GLTF_UV]) BVXI_TRY(bvxi_make_uvs(ctx, m, r->vertices));
+    if (r->has[GLTF_NORMAL]) BVXI_TRY(bvxi_make_array(ctx, m, BVXI_MESH_NORMALS));
+    if (r->has[GLTF_UV2]) BVXI_TRY(bvxi_make_array(ctx, m, BVXI_MESH_UVS2));
+    if (r->f.list_count[BVXI_GLTF_MATERIAL] > 0) BVXI_TRY(bvxi_make_array(ctx, m, BVXI_MESH_MATERIALS));
+    BVXI_TRY(gltf_make_parts(r));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, r->most_corners * 4, "the indices of a primitive", &r->corner));
     for (uint32_t i = 0; i < r->f.list_count[BVXI_GLTF_NODE]; i++)
         if (r->mesh_of[i] != BVXI_JSON_NONE) BVXI_TRY(gltf_emit_node(r, i));
     BVXI_TRY(BVXI_SCOPE(ctx, gltf_fill_normals(r)));

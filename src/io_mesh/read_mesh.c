@@ -3,16 +3,6 @@
 #include "io_mesh/mesh_formats.h"
 #include "mesh/view.h"
 
-/* Text of two bytes a letter, of which readers would find no word: by its byte order mark, or by letters of
- * which every other byte is 0. */
-static int is_utf16(const bvxi_source *source)
-{
-    const unsigned char *const b = (const unsigned char *)source->begin;
-    if (source->end - source->begin < 4) return 0;
-    if ((b[0] == 0xff && b[1] == 0xfe && b[3] == 0) || (b[0] == 0xfe && b[1] == 0xff && b[2] == 0)) return 1;
-    return (b[0] == 0) != (b[1] == 0) && (b[0] == 0) == (b[2] == 0) && (b[1] == 0) == (b[3] == 0);
-}
-
 static bvx_status read_mesh_as(bvxi_source *source, int32_t format, const bvx_read_options *options,
                                uint32_t *lost, bvx_mesh *mesh)
 {
@@ -27,7 +17,14 @@ static bvx_status read_mesh_as(bvxi_source *source, int32_t format, const bvx_re
 
     /* An empty file is refused first, or its reader would name a line that nobody wrote. */
     if (source->begin == source->end) return BVXI_FILE_FAIL(source, BVX_ERR_EMPTY, "the file has no bytes");
-    if (format != BVX_FORMAT_STL && format != BVX_FORMAT_3MF && is_utf16(source))
+    /* Text of two bytes a letter, of which readers would find no word: by its byte order mark, or by letters of which
+     * every other byte is 0. */
+    const unsigned char *const b = (const unsigned char *)source->begin;
+    int const words = source->end - source->begin >= 4 && format != BVX_FORMAT_STL &&
+                      format != BVX_FORMAT_3MF;
+    if (words &&
+        ((b[0] == 0xff && b[1] == 0xfe && b[3] == 0) || (b[0] == 0xfe && b[1] == 0xff && b[2] == 0) ||
+         ((b[0] == 0) != (b[1] == 0) && (b[0] == 0) == (b[2] == 0) && (b[1] == 0) == (b[3] == 0))))
         return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "the file is text in UTF-16; save it as UTF-8");
     bvxi_source_pass(source, 0, 1);
     switch (format) {

@@ -58,23 +58,6 @@ bvx_status bvxi_find_frame(bvx_context *ctx, const bvx_mesh *levels, uint64_t le
 
 /* ---- measure ---- */
 
-/* 1 when a triangle with an area has none after rounding, or looks the other way. */
-static int rounding_spoils(const double exact[3][3], const double rounded[3][3])
-{
-    double n[3], r[3];
-    bvxi_facet_cross(exact, n);
-    if (bvxi_vec_is_zero(n)) return 0;
-    bvxi_facet_cross(rounded, r);
-    return !(bvxi_vec_dot(n, r) > 0.0);
-}
-
-static double rounding_edges(const double c[3][3])
-{
-    double sum = 0.0;
-    for (int k = 0; k < 3; k++) sum += sqrt(bvxi_vec_distance2(c[k], c[(k + 1) % 3]));
-    return sum;
-}
-
 void bvxi_measure_rounding(const bvx_mesh *mesh, const bvxi_file_frame *frame, bvxi_rounding *r)
 {
     double exact[3][3], rounded[3][3], edges = 0.0;
@@ -93,8 +76,13 @@ void bvxi_measure_rounding(const bvx_mesh *mesh, const bvxi_file_frame *frame, b
                 if (move > r->largest_move) r->largest_move = move;
             }
         }
-        edges += rounding_edges((const double(*)[3])exact);
-        r->spoilt += (uint64_t)rounding_spoils((const double(*)[3])exact, (const double(*)[3])rounded);
+        double sum = 0.0, before[3], after[3];
+        for (int k = 0; k < 3; k++) sum += sqrt(bvxi_vec_distance2(exact[k], exact[(k + 1) % 3]));
+        edges += sum;
+        /* Spoilt: a triangle with an area has none after rounding, or looks the other way. */
+        bvxi_facet_cross((const double(*)[3])exact, before);
+        bvxi_facet_cross((const double(*)[3])rounded, after);
+        r->spoilt += !bvxi_vec_is_zero(before) && !(bvxi_vec_dot(before, after) > 0.0);
     }
 
     /* An edge counts once for each of its triangles: a mean needs no table of edges. */

@@ -35,14 +35,6 @@ typedef struct stl_soup {
     uint64_t hash[SOUP_BATCH * 3];
 } stl_soup;
 
-/* The bits of a coordinate, 0 for -0. */
-static inline uint32_t soup_bits(float v)
-{
-    uint32_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    return bits << 1 == 0 ? 0 : bits;
-}
-
 enum { SOUP_LEAST = 1024 }; /* triangles to begin with, and places of the table */
 
 static inline uint64_t soup_hash(const uint32_t bits[3])
@@ -80,25 +72,6 @@ static bvx_status soup_make_table(stl_soup *s, uint64_t size)
     s->table = table;
     s->table_size = size;
     return BVX_OK;
-}
-
-/* Ready a zeroed soup. count: of all triangles, 0 when it is not known.
- * Freed by soup_free, also after a failure. */
-static bvx_status soup_begin(stl_soup *s, bvxi_source *source, uint64_t count)
-{
-    uint64_t size = SOUP_LEAST;
-
-    /* With a known count the array of triangles is made once, and becomes the result itself. */
-    s->source = source;
-    s->triangle_kind = count > 0 ? BVXI_RESULT : BVXI_SCRATCH;
-    s->triangle_room = count > 0 ? count : SOUP_LEAST;
-    BVXI_TRY(bvxi_alloc(source->ctx, s->triangle_kind, s->triangle_room * 12, "the triangles of the file",
-                        &s->triangles));
-    s->vertex_room = count / 2 + count / 32 + 64; /* a closed mesh has half as many vertices as triangles */
-    BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, s->vertex_room * 12, "the vertices of the file",
-                        &s->positions));
-    while (size < 2 * count) size *= 2; /* twice what it must be: fewer vertices share a place */
-    return soup_make_table(s, size);
 }
 
 /* Vertices that arrays and table hold. */
@@ -147,21 +120,6 @@ static inline int soup_find(stl_soup *s, size_t k, uint64_t limit, uint32_t *ver
     return 1;
 }
 
-static bvx_status soup_make_triangles(stl_soup *s)
-{
-    uint64_t const room = s->triangle_room * 2;
-
-    /* Checked once a batch, so that the loop over corners has no check for room. */
-    if (s->triangle_count + s->waiting <= s->triangle_room) return BVX_OK;
-    if (s->triangle_count + s->waiting > INT32_MAX)
-        return BVXI_FILE_FAIL_FOR(s->source, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                                  "the file has 2^31 triangles or more");
-    BVXI_TRY(bvxi_resize(s->source->ctx, s->triangle_kind, &s->triangles, s->triangle_room * 12, room * 12,
-                         "the triangles of the file"));
-    s->triangle_room = room; /* twice SOUP_LEAST or more: a batch fits in */
-    return BVX_OK;
-}
-
 static bvx_status soup_weld_by_table(stl_soup *s, uint32_t *out)
 {
     size_t const count = (size_t)s->waiting * 3, mask = (size_t)(s->table_size - 1);
@@ -194,17 +152,6 @@ static void soup_key(const void *user, uint64_t vertex, uint32_t key[BVXI_KEY_WO
     memcpy(key, s->positions + (size_t)vertex * 3, 12);
 }
 
-static bvx_status soup_plant_tree(stl_soup *s)
-{
-    bvx_context *const ctx = s->source->ctx;
-    bvxi_drop(ctx, s->table);
-    s->table = NULL;
-    BVXI_TRY(bvxi_key_tree_open(ctx, &s->tree, soup_key, s, s->vertex_room));
-    /* The tree is filled in the order of vertices, so that their numbers stay what they are. */
-    for (uint64_t v = 0; v < s->vertex_count; v++) bvxi_key_tree_find(&s->tree, v);
-    return BVX_OK;
-}
-
 static bvx_status soup_weld_by_tree(stl_soup *s, uint32_t *out)
 {
     for (size_t k = 0; k < (size_t)s->waiting * 3; k++) {
@@ -221,15 +168,30 @@ static bvx_status soup_weld_by_tree(stl_soup *s, uint32_t *out)
  * coordinates are one, numbered by their first corner. */
 static bvx_status soup_weld(stl_soup *s)
 {
-    BVXI_TRY(soup_make_triangles(s));
+    uint64_t const room = s->triangle_room * 2;
+
+    /* Checked once a batch, so that the loop over corners has no check for room. */
+    if (s->triangle_count + s->waiting > s->triangle_room) {
+        if (s->triangle_count + s->waiting > INT32_MAX)
+            return BVXI_FILE_FAIL_FOR(s->source, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                      "the file has 2^31 triangles or more");
+        BVXI_TRY(bvxi_resize(s->source->ctx, s->triangle_kind, &s->triangles, s->triangle_room * 12,
+                             room * 12, "the triangles of the file"));
+        s->triangle_room = room; /* twice SOUP_LEAST or more: a batch fits in */
+    }
     uint32_t *const out = s->triangles + (size_t)s->triangle_count * 3;
     BVXI_TRY(s->table != NULL ? soup_weld_by_table(s, out) : soup_weld_by_tree(s, out));
     s->triangle_count += s->waiting;
     s->waiting = 0;
     /* Long searches are the sign of a table that was attacked
      * or is unlucky; the limit grows with the corners. */
-    return s->table != NULL && s->probes > bvxi_probe_limit(3 * s->triangle_count) ? soup_plant_tree(s)
-                                                                                   : BVX_OK;
+    if (s->table == NULL || s->probes <= bvxi_probe_limit(3 * s->triangle_count)) return BVX_OK;
+    bvxi_drop(s->source->ctx, s->table);
+    s->table = NULL;
+    BVXI_TRY(bvxi_key_tree_open(s->source->ctx, &s->tree, soup_key, s, s->vertex_room));
+    /* The tree is filled in the order of vertices, so that their numbers stay what they are. */
+    for (uint64_t v = 0; v < s->vertex_count; v++) bvxi_key_tree_find(&s->tree, v);
+    return BVX_OK;
 }
 
 /* ---- Read ---- */
@@ -314,24 +276,6 @@ static bvx_status stl_expect(const bvxi_source *s, const char **p, const char *w
     return stl_take(p, s->end, word) ? BVX_OK : bvxi_fail_expected(s, bvxi_skip_space(*p, s->end), expected);
 }
 
-/* Three coordinates after the word vertex. */
-static bvx_status stl_take_corner(const bvxi_source *s, const char **p, uint32_t bits[3])
-{
-    for (int a = 0; a < 3; a++) {
-        float v;
-        const char *const at = bvxi_skip_space(*p, s->end);
-        size_t const used = bvxi_parse_float(at, s->end, &v);
-        *p = at + used;
-        if (used == 0 || (*p < s->end && !bvxi_is_space(**p)))
-            return bvxi_fail_expected(s, at, "a coordinate");
-        if (!(v - v == 0.0f) && !s->takes_any)
-            return BVXI_LINE_FAIL_FOR(s, at, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                                      "a coordinate is not a finite 32-bit float");
-        bits[a] = soup_bits(v);
-    }
-    return BVX_OK;
-}
-
 /* What some programs write after endfacet, up to the end of the line or what may follow there. */
 static const char *stl_skip_notes(const char *p, const char *end)
 {
@@ -361,7 +305,20 @@ static bvx_status stl_take_facet(stl_soup *soup, const char **p)
         /* Beyond three corners the last two move on and the
          * first stays: a fan, without memory for the loop. */
         if (corners > 2) memcpy(corner[1], corner[2], sizeof corner[1]);
-        BVXI_TRY(stl_take_corner(s, p, corner[corners < 2 ? corners : 2]));
+        for (int a = 0; a < 3; a++) {
+            const char *const at = bvxi_skip_space(*p, s->end);
+            uint32_t *const bits = &corner[corners < 2 ? corners : 2][a];
+            float v;
+            size_t const used = bvxi_parse_float(at, s->end, &v);
+            *p = at + used;
+            if (used == 0 || (*p < s->end && !bvxi_is_space(**p)))
+                return bvxi_fail_expected(s, at, "a coordinate");
+            if (!(v - v == 0.0f) && !s->takes_any)
+                return BVXI_LINE_FAIL_FOR(s, at, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                          "a coordinate is not a finite 32-bit float");
+            memcpy(bits, &v, sizeof v);
+            if (*bits << 1 == 0) *bits = 0; /* also for -0 */
+        }
         if (corners < 2) continue;
         memcpy(soup->bits[3 * soup->waiting], corner, sizeof corner);
         if (++soup->waiting == SOUP_BATCH) BVXI_TRY(soup_weld(soup));
@@ -434,7 +391,21 @@ static bvx_status stl_tell_apart(const bvxi_source *s, int *binary, uint64_t *co
 
 static bvx_status stl_read(stl_soup *soup, bvxi_source *source, int binary, uint64_t count, bvx_mesh *mesh)
 {
-    BVXI_TRY(soup_begin(soup, source, binary ? count : 0));
+    /* With a known count the array of triangles is made once, and becomes the result itself. */
+    uint64_t const known = binary ? count : 0;
+    uint64_t size = SOUP_LEAST;
+
+    soup->source = source;
+    soup->triangle_kind = known > 0 ? BVXI_RESULT : BVXI_SCRATCH;
+    soup->triangle_room = known > 0 ? known : SOUP_LEAST;
+    BVXI_TRY(bvxi_alloc(source->ctx, soup->triangle_kind, soup->triangle_room * 12,
+                        "the triangles of the file", &soup->triangles));
+    soup->vertex_room = known / 2 + known / 32 +
+                        64; /* a closed mesh has half as many vertices as triangles */
+    BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, soup->vertex_room * 12, "the vertices of the file",
+                        &soup->positions));
+    while (size < 2 * known) size *= 2; /* twice what it must be: fewer vertices share a place */
+    BVXI_TRY(soup_make_table(soup, size));
     BVXI_TRY(binary ? stl_read_binary(soup, count) : stl_read_text(soup));
     if (soup->triangle_count == 0) return BVXI_FILE_FAIL(source, BVX_ERR_EMPTY, "the file has no triangle");
 
@@ -483,38 +454,29 @@ bvx_status bvxi_read_stl(bvxi_source *source, bvx_mesh *mesh)
 
 enum { STL_WRITTEN_HEADER = 80, STL_WRITTEN_TRIANGLE = 50 };
 
-static void stl_facet_normal(const float c[3][3], float normal[3])
-{
-    double u[3], v[3], n[3], length;
-
-    /* In doubles of the rounded corners: the normal is that of the triangle that readers get. */
-    for (int a = 0; a < 3; a++) {
-        u[a] = (double)c[1][a] - (double)c[0][a];
-        v[a] = (double)c[2][a] - (double)c[0][a];
-    }
-    for (int a = 0; a < 3; a++) n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
-    length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    /* A triangle without area has no direction; zero is what readers expect then. */
-    for (int a = 0; a < 3; a++) normal[a] = length > 0 ? (float)(n[a] / length) : 0.0f;
-}
-
-static void stl_corner(const bvx_mesh *mesh, int f32, size_t vertex, float corner[3])
-{
-    double world[3];
-    if (f32) {
-        memcpy(corner, (const uint8_t *)mesh->positions + 12 * vertex, 12);
-        return;
-    }
-    bvxi_world_position(mesh, vertex, world);
-    for (int a = 0; a < 3; a++) corner[a] = (float)world[a];
-}
-
 static void stl_put_triangle(const bvx_mesh *mesh, int f32, uint64_t t, uint8_t *p)
 {
-    float corner[3][3], normal[3];
-    for (size_t k = 0; k < 3; k++) stl_corner(mesh, f32, mesh->triangles[(size_t)t * 3 + k], corner[k]);
-    stl_facet_normal((const float(*)[3])corner, normal);
-    for (int a = 0; a < 3; a++) bvxi_store_f32(p + 4 * a, normal[a]);
+    double world[3], u[3], v[3], n[3];
+    float corner[3][3];
+
+    for (size_t k = 0; k < 3; k++) {
+        size_t const vertex = mesh->triangles[(size_t)t * 3 + k];
+        if (f32) {
+            memcpy(corner[k], (const uint8_t *)mesh->positions + 12 * vertex, 12);
+            continue;
+        }
+        bvxi_world_position(mesh, vertex, world);
+        for (int a = 0; a < 3; a++) corner[k][a] = (float)world[a];
+    }
+    /* In doubles of the rounded corners: the normal is that of the triangle that readers get. */
+    for (int a = 0; a < 3; a++) {
+        u[a] = (double)corner[1][a] - (double)corner[0][a];
+        v[a] = (double)corner[2][a] - (double)corner[0][a];
+    }
+    for (int a = 0; a < 3; a++) n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
+    double const length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    /* A triangle without area has no direction; zero is what readers expect then. */
+    for (int a = 0; a < 3; a++) bvxi_store_f32(p + 4 * a, length > 0 ? (float)(n[a] / length) : 0.0f);
     for (int k = 0; k < 3; k++)
         for (int a = 0; a < 3; a++) bvxi_store_f32(p + 12 + 12 * k + 4 * a, corner[k][a]);
     bvxi_store_u16(p + 48, 0);

@@ -88,18 +88,6 @@ static uint8_t *put_model_text(const void *user, uint64_t begin, uint64_t end, u
     return at + length_of(user) + foot;
 }
 
-/* What local head and directory say of a part, from the version needed on: 26 bytes. */
-static void put_zip_facts(uint8_t *at, uint32_t crc, uint32_t size, const char *name)
-{
-    memset(at, 0, 26);
-    bvxi_store_u16(at, 20);
-    bvxi_store_u16(at + 8, ZIP_DATE);
-    bvxi_store_u32(at + 10, crc);
-    bvxi_store_u32(at + 14, size);
-    bvxi_store_u32(at + 18, size);
-    bvxi_store_u16(at + 22, (uint16_t)length_of(name));
-}
-
 /* Heads and directory around the model, of which the text from its first vertex on is there. */
 static void put_container(bvx_buffer *file)
 {
@@ -112,7 +100,14 @@ static void put_container(bvx_buffer *file)
 
         memcpy(text, zip_texts[i], (size_t)known);
         bvxi_store_u32(at, 0x04034b50);
-        put_zip_facts(at + 4, bvxi_crc32(text, size), size, zip_names[i]);
+        /* What local head and directory say of a part, from the version needed on: 26 bytes. */
+        memset(at + 4, 0, 26);
+        bvxi_store_u16(at + 4, 20);
+        bvxi_store_u16(at + 12, ZIP_DATE);
+        bvxi_store_u32(at + 14, bvxi_crc32(text, size));
+        bvxi_store_u32(at + 18, size);
+        bvxi_store_u32(at + 22, size);
+        bvxi_store_u16(at + 26, (uint16_t)name);
         memcpy(at + ZIP_LOCAL, zip_names[i], (size_t)name);
 
         memset(entry, 0, ZIP_ENTRY);

@@ -18,28 +18,6 @@ int bvxi_glb_keeps(const bvx_mesh *level, const bvx_write_options *options)
     return memcmp(level->positions, source->positions, (size_t)source->vertex_count * 12) == 0;
 }
 
-/* The part that a triangle is of: by its vertices, then by its material, where parts share them. */
-static bvx_status primitive_of(bvx_context *ctx, const bvx_assets *assets, const bvx_mesh *level, uint64_t t,
-                               uint64_t *part)
-{
-    const bvxi_asset_part *const parts = assets->parts;
-    const uint32_t *const v = level->triangles + 3 * t;
-    uint64_t low = 0, high = assets->part_count;
-
-    while (high - low > 1) {
-        uint64_t const middle = low + (high - low) / 2;
-        if (parts[middle].base <= v[0]) low = middle;
-        else high = middle;
-    }
-    for (*part = low; level->materials != NULL && parts[*part].material != level->materials[t]; --*part)
-        if (*part == 0 || parts[*part - 1].base != parts[low].base) break;
-    for (int k = 0; k < 3; k++)
-        if (v[k] < parts[low].base || v[k] - parts[low].base >= parts[low].vertices)
-            return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED,
-                             "GLB: triangle %u has vertices of two primitives of options.source", t);
-    return BVX_OK;
-}
-
 /* Count triangles of each part in begin[part + 1], or put them to their places: then begin is where they end. */
 static bvx_status take_triangles(bvx_context *ctx, const bvx_assets *assets, const bvx_mesh *level,
                                  uint64_t *begin, uint8_t *to)
@@ -48,7 +26,21 @@ static bvx_status take_triangles(bvx_context *ctx, const bvx_assets *assets, con
         const uint32_t *const v = level->triangles + 3 * t;
         uint64_t part;
 
-        BVXI_TRY(primitive_of(ctx, assets, level, t, &part));
+        /* The part that a triangle is of: by its vertices, then by its material, where parts share them. */
+        const bvxi_asset_part *const parts = assets->parts;
+        uint64_t low = 0, high = assets->part_count;
+
+        while (high - low > 1) {
+            uint64_t const middle = low + (high - low) / 2;
+            if (parts[middle].base <= v[0]) low = middle;
+            else high = middle;
+        }
+        for (part = low; level->materials != NULL && parts[part].material != level->materials[t]; --part)
+            if (part == 0 || parts[part - 1].base != parts[low].base) break;
+        for (int k = 0; k < 3; k++)
+            if (v[k] < parts[low].base || v[k] - parts[low].base >= parts[low].vertices)
+                return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED,
+                                 "GLB: triangle %u has vertices of two primitives of options.source", t);
         if (to == NULL) {
             begin[part + 1]++;
             continue;

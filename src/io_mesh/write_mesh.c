@@ -21,23 +21,6 @@ static bvx_status check_finite_uvs(bvx_context *ctx, const char *function, const
     return BVX_OK;
 }
 
-/* All positions are finite; they must be so with the frame added. */
-static bvx_status check_written_positions(bvx_context *ctx, const char *function, const bvx_mesh *mesh)
-{
-    double p[3];
-
-    if (mesh->frame[0] == 0.0 && mesh->frame[1] == 0.0 && mesh->frame[2] == 0.0) return BVX_OK;
-    for (uint64_t v = 0; v < mesh->vertex_count; v++) {
-        /* Two finite numbers may have an infinite sum. */
-        bvxi_world_position(mesh, v, p);
-        for (int a = 0; a < 3; a++)
-            if (!(p[a] - p[a] == 0.0))
-                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                                     "%s: vertex %i is not finite when mesh.frame is added", function, v);
-    }
-    return BVX_OK;
-}
-
 static bvx_status check_written_uvs(bvx_context *ctx, const char *function, const bvx_mesh *mesh)
 {
     if (mesh->uvs == NULL) {
@@ -71,7 +54,7 @@ static bvx_status check_written_uvs(bvx_context *ctx, const char *function, cons
 static bvx_status check_written_mesh(bvx_context *ctx, const char *function, const bvx_mesh *mesh)
 {
     bvx_mesh_view view;
-    double low[3], high[3];
+    double low[3], high[3], p[3];
 
     /* Arrays before numbers: what is checked later is read through what is checked here. */
     BVXI_TRY(bvxi_mesh_check_reserved(ctx, function, mesh));
@@ -84,7 +67,16 @@ static bvx_status check_written_mesh(bvx_context *ctx, const char *function, con
     bvx_mesh_view_of(mesh, &view);
     BVXI_TRY(bvxi_view_check(ctx, function, &view));
     BVXI_TRY(bvxi_view_bounds(ctx, function, &view, low, high));
-    BVXI_TRY(check_written_positions(ctx, function, mesh));
+    /* All positions are finite; they must be so with the frame added. */
+    int const framed = mesh->frame[0] != 0.0 || mesh->frame[1] != 0.0 || mesh->frame[2] != 0.0;
+    for (uint64_t v = 0; framed && v < mesh->vertex_count; v++) {
+        /* Two finite numbers may have an infinite sum. */
+        bvxi_world_position(mesh, v, p);
+        for (int a = 0; a < 3; a++)
+            if (!(p[a] - p[a] == 0.0))
+                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                     "%s: vertex %i is not finite when mesh.frame is added", function, v);
+    }
     BVXI_TRY(check_written_uvs(ctx, function, mesh));
     if (mesh->uvs2 == NULL) return BVX_OK;
     return check_finite_uvs(ctx, function, "second ", mesh->uvs2, mesh->vertex_count);
@@ -186,18 +178,6 @@ static bvx_status write_checked(bvx_context *ctx, const char *function, const bv
 
 /* ---- what a file holds ---- */
 
-/* The positions that readers get, where they are not simply those of the mesh. */
-static void put_file_positions(const bvx_mesh *mesh, int rounded, const bvxi_file_frame *frame,
-                               double *positions)
-{
-    double p[3];
-    for (uint64_t v = 0; v < mesh->vertex_count; v++, positions += 3) {
-        bvxi_world_position(mesh, v, p);
-        if (rounded) bvxi_round_position(frame, p, positions);
-        else memcpy(positions, p, sizeof p);
-    }
-}
-
 static bvx_status count_positions(bvx_context *ctx, const bvx_mesh_view *view, uint64_t *different)
 {
     uint32_t *representative;
@@ -254,26 +234,19 @@ static bvx_status check_written_file(bvx_context *ctx, const char *name, const b
 
     if (rounded || mesh->frame[0] != 0.0 || mesh->frame[1] != 0.0 || mesh->frame[2] != 0.0) {
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the file's positions", &positions));
-        put_file_positions(mesh, rounded, frame, positions);
+        /* The positions that readers get, where they are not simply those of the mesh. */
+        for (uint64_t v = 0; v < mesh->vertex_count; v++) {
+            double *const to = positions + 3 * (size_t)v;
+            bvxi_world_position(mesh, v, to);
+            if (!rounded) continue;
+            double const p[3] = {to[0], to[1], to[2]};
+            bvxi_round_position(frame, p, to);
+        }
         file.positions = positions;
         file.position_type = BVX_F64;
         file.position_stride = 0;
     }
     return check_file_view(ctx, &view, &file, format, rounded, report);
-}
-
-static bvx_status check_levels(bvx_context *ctx, const char *function, const bvx_mesh *levels,
-                               uint64_t level_count)
-{
-    char name[BVXI_LEVEL_NAME];
-    if (level_count == 0 || level_count > WRITTEN_LEVELS)
-        return bvxi_fail_for(ctx, level_count == 0 ? BVX_ERR_ARGUMENT : BVX_ERR_RANGE,
-                             level_count == 0 ? BVX_REASON_RANGE : BVX_REASON_TOO_MANY,
-                             "%s: level_count is %u; 1 to %u levels make a file", function, level_count,
-                             (uint64_t)WRITTEN_LEVELS);
-    for (uint64_t l = 0; l < level_count; l++)
-        BVXI_TRY(check_written_mesh(ctx, level_name(function, l, level_count, name), &levels[l]));
-    return BVX_OK;
 }
 
 /* A report for each level. Those of GLB share one frame; other formats have a file for each. */
@@ -324,7 +297,14 @@ static bvx_status run_write_mesh(bvx_context *context, const bvx_mesh *levels, u
                          (int64_t)format);
 
     if (file != NULL) BVXI_TRY(bvxi_progress(context, "write", 0.0));
-    BVXI_TRY(check_levels(context, function, levels, level_count));
+    char name[BVXI_LEVEL_NAME];
+    if (level_count == 0 || level_count > WRITTEN_LEVELS)
+        return bvxi_fail_for(context, level_count == 0 ? BVX_ERR_ARGUMENT : BVX_ERR_RANGE,
+                             level_count == 0 ? BVX_REASON_RANGE : BVX_REASON_TOO_MANY,
+                             "%s: level_count is %u; 1 to %u levels make a file", function, level_count,
+                             (uint64_t)WRITTEN_LEVELS);
+    for (uint64_t l = 0; l < level_count; l++)
+        BVXI_TRY(check_written_mesh(context, level_name(function, l, level_count, name), &levels[l]));
     if (reported)
         BVXI_TRY(BVXI_SHARE(context, 0.0, file != NULL ? 0.5 : 1.0,
                             report_files(context, function, levels, level_count, &o, format)));

@@ -63,11 +63,6 @@ static cell_node read_node(const body_work *w, uint32_t corner)
     return node;
 }
 
-static int in_side(const cell_node *n, int32_t side)
-{
-    return n->axis != side >> 1 && n->at[side >> 1] == (side & 1);
-}
-
 /* Whether they have the same voxel at the body's end, or with other at the other end. */
 static int share_end(const cell_node *a, const cell_node *b, int other)
 {
@@ -83,7 +78,7 @@ static int32_t list_nodes_in(const cell_node *nodes, uint32_t count, int32_t sid
 {
     int32_t n = 0;
     for (uint32_t i = 0; i < count; i++)
-        if (in_side(&nodes[i], side)) in[n++ & 3] = i;
+        if (nodes[i].axis != side >> 1 && nodes[i].at[side >> 1] == (side & 1)) in[n++ & 3] = i;
     return n;
 }
 
@@ -122,18 +117,6 @@ static uint32_t read_nodes(const body_work *w, uint64_t from, cell_node nodes[12
     for (uint64_t i = from; i < corners && w->vertex[i] == w->vertex[from] && count < 12; i++)
         nodes[count++] = read_node(w, w->corner[i]);
     return count;
-}
-
-/* The first of a vertex's corners. */
-static uint64_t find_vertex(const body_work *w, uint64_t vertex)
-{
-    uint64_t low = 0, high = 4 * w->count;
-    while (low < high) {
-        uint64_t const middle = (low + high) / 2;
-        if (w->vertex[middle] < vertex) low = middle + 1;
-        else high = middle;
-    }
-    return low;
 }
 
 /* The vertex on the other side of a cell's side, along a face that has an edge through it. */
@@ -182,7 +165,14 @@ static void find_label_fans(const body_work *w, uint64_t from, uint32_t corners)
     if (turned >= 0) {
         uint32_t in[4];
         (void)list_nodes_in(nodes, count, turned, in);
-        uint64_t const beyond = find_vertex(w, vertex_beyond(w, &nodes[in[0]], turned));
+        /* The first corner of the vertex beyond. */
+        uint64_t const vertex = vertex_beyond(w, &nodes[in[0]], turned);
+        uint64_t beyond = 0, high = 4 * w->count;
+        while (beyond < high) {
+            uint64_t const middle = (beyond + high) / 2;
+            if (w->vertex[middle] < vertex) beyond = middle + 1;
+            else high = middle;
+        }
         if (double_side(others, read_nodes(w, beyond, others)) != (turned ^ 1)) turned = -1;
     }
     join_fans(nodes, count, turned, w->parent);
@@ -193,18 +183,6 @@ static uint64_t end_of_vertex(const body_work *w, uint64_t from)
     uint64_t end = from;
     while (end < w->each * w->count && w->vertex[end] == w->vertex[from]) end++;
     return end;
-}
-
-/* The vertices of the result for the corners of one, from next on. */
-static void number_fans(const body_work *w, uint64_t from, uint64_t end, uint32_t *next)
-{
-    int const single = w->complex->junctions[w->vertex[from]] == 0;
-
-    if (!single) find_label_fans(w, from, (uint32_t)(end - from));
-    for (uint32_t i = 0; i < end - from; i++) {
-        uint32_t const root = single ? 0 : bvxi_root(w->parent, i);
-        w->fan[i] = root == i ? (*next)++ : w->fan[root];
-    }
 }
 
 static bvx_status sort_body_corners(bvx_context *ctx, body_work *w)
@@ -228,8 +206,32 @@ static bvx_status sort_body_corners(bvx_context *ctx, body_work *w)
     return BVX_OK;
 }
 
-static void put_body(const body_work *w, const uint32_t *number, bvx_mesh *mesh)
+static bvx_status make_body(bvx_context *ctx, body_work *w, bvx_mesh *mesh)
 {
+    const bvx_mesh *const from = &w->complex->mesh;
+    uint64_t const corners = w->each * w->count, bytes = from->position_type == BVX_F64 ? 24 : 12;
+    uint32_t *number, vertices = 0;
+    int const mine = mesh->owned || mesh->positions == NULL;
+
+    BVXI_TRY(sort_body_corners(ctx, w));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->count * 16, "the body's vertices", &number));
+    for (uint64_t i = 0, end; i < corners; i = end) {
+        end = end_of_vertex(w, i);
+        int const single = w->complex->junctions[w->vertex[i]] == 0;
+        if (!single) find_label_fans(w, i, (uint32_t)(end - i));
+        for (uint32_t k = 0; k < end - i; k++) {
+            uint32_t const root = single ? 0 : bvxi_root(w->parent, k);
+            w->fan[k] = root == k ? vertices++ : w->fan[root];
+        }
+        for (uint64_t k = i; k < end; k++) number[w->corner[k]] = w->fan[k - i];
+    }
+
+    BVXI_TRY(bvxi_mesh_open(ctx, label_mesh_name, from->position_type, 0, vertices, (w->each - 2) * w->count,
+                            mesh));
+    memcpy(mesh->frame, from->frame, sizeof mesh->frame);
+    for (uint64_t i = 0; i < corners; i++)
+        memcpy((uint8_t *)mesh->positions + number[w->corner[i]] * bytes,
+               (const uint8_t *)from->positions + w->vertex[i] * bytes, (size_t)bytes);
     for (uint64_t f = 0; f < w->count; f++) {
         const uint32_t *const n = number + 4 * f;
         uint32_t *const t = mesh->triangles + 3 * (w->each - 2) * f;
@@ -244,30 +246,6 @@ static void put_body(const body_work *w, const uint32_t *number, bvx_mesh *mesh)
         t[4] = n[outwards ? 2 : 3];
         t[5] = n[outwards ? 3 : 2];
     }
-}
-
-static bvx_status make_body(bvx_context *ctx, body_work *w, bvx_mesh *mesh)
-{
-    const bvx_mesh *const from = &w->complex->mesh;
-    uint64_t const corners = w->each * w->count, bytes = from->position_type == BVX_F64 ? 24 : 12;
-    uint32_t *number, vertices = 0;
-    int const mine = mesh->owned || mesh->positions == NULL;
-
-    BVXI_TRY(sort_body_corners(ctx, w));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->count * 16, "the body's vertices", &number));
-    for (uint64_t i = 0, end; i < corners; i = end) {
-        end = end_of_vertex(w, i);
-        number_fans(w, i, end, &vertices);
-        for (uint64_t k = i; k < end; k++) number[w->corner[k]] = w->fan[k - i];
-    }
-
-    BVXI_TRY(bvxi_mesh_open(ctx, label_mesh_name, from->position_type, 0, vertices, (w->each - 2) * w->count,
-                            mesh));
-    memcpy(mesh->frame, from->frame, sizeof mesh->frame);
-    for (uint64_t i = 0; i < corners; i++)
-        memcpy((uint8_t *)mesh->positions + number[w->corner[i]] * bytes,
-               (const uint8_t *)from->positions + w->vertex[i] * bytes, (size_t)bytes);
-    put_body(w, number, mesh);
     return bvxi_mesh_made(ctx, bvxi_progress(ctx, "body", 1.0), mine, mesh);
 }
 

@@ -256,31 +256,30 @@ static uint32_t pattern_at(const uint64_t edge[12], int32_t bit)
     return pattern;
 }
 
-/* What leads through a side of a cell; a label that is higher where two could. */
-static uint32_t across_side(const label_work *w, const int32_t c[3], int32_t side)
-{
-    int32_t const a = side >> 1, u = a == 0, v = a == 2 ? 1 : 2;
-    uint32_t rank[4];
-
-    for (int32_t n = 0; n < 4; n++) {
-        int32_t p[3] = {c[0], c[1], c[2]};
-        p[a] += side & 1;
-        p[u] += n & 1;
-        p[v] += n >> 1;
-        rank[n] = rank_at(w, p[0], p[1], p[2]);
-    }
-    if (rank[0] == rank[3] && (rank[1] != rank[2] || rank[0] > rank[1])) return BVXI_ACROSS_SAME;
-    return rank[1] == rank[2] ? BVXI_ACROSS_MIXED : BVXI_ACROSS_NONE;
-}
-
 static uint32_t split_at(const label_work *w, const uint64_t edge[12], const int32_t c[3])
 {
     const cell_pattern *const pattern = &w->patterns[pattern_at(edge, c[0] & 63)];
     uint32_t index = 0;
 
     if (pattern->fours == 0 || w->options.staircase) return pattern->first;
-    for (int32_t side = 5; side >= 0; side--)
-        if ((pattern->fours >> side & 1) != 0) index = 3 * index + across_side(w, c, side);
+    for (int32_t side = 5; side >= 0; side--) {
+        int32_t const a = side >> 1, u = a == 0, v = a == 2 ? 1 : 2;
+        uint32_t rank[4];
+
+        if ((pattern->fours >> side & 1) == 0) continue;
+        for (int32_t n = 0; n < 4; n++) {
+            int32_t p[3] = {c[0], c[1], c[2]};
+            p[a] += side & 1;
+            p[u] += n & 1;
+            p[v] += n >> 1;
+            rank[n] = rank_at(w, p[0], p[1], p[2]);
+        }
+        /* What leads through a side of a cell; a label that is higher where two could. */
+        int const same = rank[0] == rank[3] && (rank[1] != rank[2] || rank[0] > rank[1]);
+        index = 3 * index + (uint32_t)(same                 ? BVXI_ACROSS_SAME
+                                       : rank[1] == rank[2] ? BVXI_ACROSS_MIXED
+                                                            : BVXI_ACROSS_NONE);
+    }
     return pattern->first + index;
 }
 
@@ -399,15 +398,6 @@ static void open_flap(const label_work *w, const int32_t c[3], uint32_t first, c
     t[2] = t[4] = first + split->base[flap->edge];
     t[1] = flap->side[!forward];
     t[5] = flap->side[forward];
-}
-
-static void close_flaps(const label_work *w)
-{
-    for (uint64_t f = w->net.flaps; f < w->made->face_count; f++) {
-        uint32_t *const t = w->made->mesh.triangles + 6 * (size_t)f;
-        t[1] = bvxi_net_link(&w->net, t[0], (int32_t)t[1]);
-        t[5] = bvxi_net_link(&w->net, t[0], (int32_t)t[5]);
-    }
 }
 
 /* Vertices in seams: in the planes of these, with others in the middle. Only those inside faces in the plane have all
@@ -602,25 +592,6 @@ static bvx_status place_rows(label_work *w, uint64_t *vertices, uint64_t *faces)
         surfaces_name, *vertices, *faces);
 }
 
-/* Faces of each label, by counting. */
-static bvx_status list_faces(label_work *w)
-{
-    bvx_complex *const c = w->made;
-    uint64_t const labels = c->label_count;
-
-    BVXI_TRY(bvxi_alloc_zero(w->ctx, BVXI_RESULT, (labels + 1) * 8, "the labels' faces", &c->first));
-    for (uint64_t i = 0; i < 2 * c->face_count; i++)
-        if (c->sides[i] < labels) c->first[c->sides[i]]++;
-    uint64_t const count = bvxi_place_counts(c->first, labels + 1);
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_RESULT, count * 4, "the labels' faces", &c->faces));
-    for (uint64_t i = 0; i < 2 * c->face_count; i++)
-        if (c->sides[i] < labels) c->faces[c->first[c->sides[i]]++] = (uint32_t)(i / 2);
-    /* Each begins where the one before has ended. */
-    for (uint64_t i = labels; i > 0; i--) c->first[i] = c->first[i - 1];
-    c->first[0] = 0;
-    return BVX_OK;
-}
-
 static void put_positions(void *user, uint64_t begin, uint64_t end)
 {
     for (uint64_t v = begin; v < end; v++) bvxi_net_put(user, v);
@@ -682,7 +653,11 @@ static bvx_status make_complex(label_work *w)
     w->emit = 1;
     BVXI_TRY(bvxi_parallel(ctx, "faces", 0.4, 0.6, w->pieces, work_piece, w));
     bvxi_drop(ctx, w->scratch);
-    close_flaps(w);
+    for (uint64_t f = w->net.flaps; f < w->made->face_count; f++) {
+        uint32_t *const t = w->made->mesh.triangles + 6 * (size_t)f;
+        t[1] = bvxi_net_link(&w->net, t[0], (int32_t)t[1]);
+        t[5] = bvxi_net_link(&w->net, t[0], (int32_t)t[5]);
+    }
     w->net.complex = c;
     if (!w->options.staircase) {
         close_seams(w);
@@ -690,6 +665,42 @@ static bvx_status make_complex(label_work *w)
     }
     BVXI_TRY(bvxi_for(ctx, "positions", vertices, POSITION_GRAIN, put_positions, &w->net));
     return w->options.staircase ? BVX_OK : BVXI_SHARE(ctx, 0.8, 1.0, bvxi_net_untangle(ctx, &w->net));
+}
+
+/* The complex, of fewer triangles where that is requested, and faces of each label, by counting. */
+static bvx_status make_listed_complex(label_work *w)
+{
+    int const fewer = w->options.triangles != 0 || w->options.error > 0;
+    bvx_complex *const c = w->made;
+    double box[6];
+
+    /* Between its seams a window keeps its vertices, so that triangles of no two windows cross. */
+    for (uint32_t a = 0; a < 3; a++)
+        for (uint32_t n = 0; n < 2; n++) {
+            double const cell = (double)(n == 0 ? w->net.first[a] : w->net.last[a]);
+            double const p = w->net.origin[a] + ((double)c->low[a] + cell) * w->net.spacing[a];
+            box[2 * a + n] = !w->net.seam[2 * a + n]               ? (n == 0 ? -BVXI_FINITE : BVXI_FINITE)
+                             : w->options.position_type == BVX_F32 ? (double)(float)p
+                                                                   : p;
+        }
+    BVXI_TRY(BVXI_SHARE(w->ctx, 0.0, fewer ? 0.3 : 1.0, BVXI_SCOPE(w->ctx, make_complex(w))));
+    if (fewer)
+        BVXI_TRY(BVXI_SHARE(w->ctx, 0.3, 1.0,
+                            bvxi_complex_simplify(w->ctx, surfaces_name, c, w->options.triangles,
+                                                  w->options.error, w->options.open ? box : NULL)));
+
+    uint64_t const labels = c->label_count;
+    BVXI_TRY(bvxi_alloc_zero(w->ctx, BVXI_RESULT, (labels + 1) * 8, "the labels' faces", &c->first));
+    for (uint64_t i = 0; i < 2 * c->face_count; i++)
+        if (c->sides[i] < labels) c->first[c->sides[i]]++;
+    uint64_t const count = bvxi_place_counts(c->first, labels + 1);
+    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_RESULT, count * 4, "the labels' faces", &c->faces));
+    for (uint64_t i = 0; i < 2 * c->face_count; i++)
+        if (c->sides[i] < labels) c->faces[c->first[c->sides[i]]++] = (uint32_t)(i / 2);
+    /* Each begins where the one before has ended. */
+    for (uint64_t i = labels; i > 0; i--) c->first[i] = c->first[i - 1];
+    c->first[0] = 0;
+    return BVX_OK;
 }
 
 static bvx_status check_label_options(label_work *w)
@@ -731,19 +742,6 @@ static bvx_status check_label_options(label_work *w)
     return o->position_type == BVX_F64 ? bvxi_check_f64(ctx, surfaces_name, &shape, w->net.origin) : BVX_OK;
 }
 
-/* Between its seams a window keeps its vertices, so that triangles of no two windows cross. */
-static void bound_window(const label_work *w, double box[6])
-{
-    for (uint32_t a = 0; a < 3; a++)
-        for (uint32_t n = 0; n < 2; n++) {
-            double const cell = (double)(n == 0 ? w->net.first[a] : w->net.last[a]);
-            double const p = w->net.origin[a] + ((double)w->made->low[a] + cell) * w->net.spacing[a];
-            box[2 * a + n] = !w->net.seam[2 * a + n]               ? (n == 0 ? -BVXI_FINITE : BVXI_FINITE)
-                             : w->options.position_type == BVX_F32 ? (double)(float)p
-                                                                   : p;
-        }
-}
-
 static bvx_status run_label_surfaces(bvx_context *ctx, const bvx_volume_view *volume,
                                      const bvx_labels_options *options, bvx_complex *complex)
 {
@@ -757,20 +755,11 @@ static bvx_status run_label_surfaces(bvx_context *ctx, const bvx_volume_view *vo
     BVXI_TRY(bvxi_take_options(ctx, surfaces_name, options, &w.options, sizeof w.options));
     BVXI_TRY(bvxi_volume_check(ctx, surfaces_name, volume, w.stride));
     BVXI_TRY(check_label_options(&w));
-    double box[6];
-    bound_window(&w, box);
-    int const fewer = w.options.triangles != 0 || w.options.error > 0;
-    bvx_status status = BVXI_SHARE(ctx, 0.0, fewer ? 0.3 : 1.0, BVXI_SCOPE(ctx, make_complex(&w)));
-    if (status == BVX_OK && fewer)
-        status = BVXI_SHARE(ctx, 0.3, 1.0,
-                            bvxi_complex_simplify(ctx, surfaces_name, &made, w.options.triangles,
-                                                  w.options.error, w.options.open ? box : NULL));
-    if (status == BVX_OK) status = list_faces(&w);
-    if (status == BVX_OK) {
-        bvx_complex_free(ctx, complex);
-        *complex = made;
-    } else bvx_complex_free(ctx, &made);
-    return status;
+    bvx_status const status = make_listed_complex(&w);
+    bvx_complex_free(ctx, status == BVX_OK ? complex : &made);
+    if (status != BVX_OK) return status;
+    *complex = made;
+    return BVX_OK;
 }
 
 bvx_status bvx_label_surfaces(bvx_context *context, const bvx_volume_view *volume,

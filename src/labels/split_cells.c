@@ -29,20 +29,6 @@ uint32_t bvxi_four_sides(uint32_t pattern)
     return fours;
 }
 
-static int are_joined(int32_t e, int32_t f, uint32_t across)
-{
-    return across == 0 || (e >> 2 != f >> 2 && (bvxi_edge_offset(e, f >> 2) == bvxi_edge_offset(f, e >> 2)) ==
-                                                   (across == BVXI_ACROSS_MIXED));
-}
-
-/* The side of the cell into which a face turns counter-clockwise about its lattice edge. */
-static int32_t next_side(int32_t e)
-{
-    int32_t const u = ((e >> 2) + 1) % 3, v = (u + 1) % 3;
-    int32_t const at_u = bvxi_edge_offset(e, u), at_v = bvxi_edge_offset(e, v);
-    return at_u == at_v ? 2 * u + at_u : 2 * v + at_v;
-}
-
 /* The other side of a cell in which its edge lies. */
 static int32_t other_side(int32_t e, int32_t side)
 {
@@ -73,8 +59,11 @@ static void add_flap(bvxi_cell_split *split, int32_t side, uint32_t across)
     flap->edge = (uint8_t)first;
     split->of[first] = split->of[second] = flap->vertex;
 
-    /* The flap turns against the face at the edge that they share. */
-    int const to_side = next_side(first) == side;
+    /* The flap turns against the face at the edge that they share; the face turns counter-clockwise about its lattice
+     * edge, into this side of the cell. */
+    int32_t const a = ((first >> 2) + 1) % 3, b = (a + 1) % 3;
+    int32_t const at_a = bvxi_edge_offset(first, a), at_b = bvxi_edge_offset(first, b);
+    int const to_side = (at_a == at_b ? 2 * a + at_a : 2 * b + at_b) == side;
     flap->side[!to_side] = (uint8_t)other_side(first, side);
     flap->side[to_side] = (uint8_t)other_side(second, side);
 }
@@ -91,9 +80,12 @@ void bvxi_split_pattern(uint32_t pattern, const uint8_t across[6], bvxi_cell_spl
         for (int32_t e = 0; e < 12; e++)
             if (is_in_side(pattern, e, side)) in[met++] = e;
         for (int32_t i = 0; i < met; i++)
-            for (int32_t k = 0; k < i; k++)
-                if (are_joined(in[i], in[k], across[side]))
-                    bvxi_join(parent, (uint32_t)in[k], (uint32_t)in[i]);
+            for (int32_t k = 0; k < i; k++) {
+                int32_t const e = in[i], f = in[k];
+                int const same = bvxi_edge_offset(e, f >> 2) == bvxi_edge_offset(f, e >> 2);
+                if (across[side] == 0 || (e >> 2 != f >> 2 && same == (across[side] == BVXI_ACROSS_MIXED)))
+                    bvxi_join(parent, (uint32_t)f, (uint32_t)e);
+            }
     }
 
     /* Roots are the lowest edges, so vertices are in the order of theirs. */

@@ -90,22 +90,6 @@ static void choose_by_state(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-/* Mark all vertices in the cells of the chosen faces. */
-static void mark_near(const tangle *t)
-{
-    const bvx_complex *const c = t->net->complex;
-    uint64_t const vertices = c->mesh.vertex_count;
-
-    for (uint64_t v = 0; v < vertices; v++) t->state[v] &= (uint8_t) ~(IS_NEAR | IS_MOVED);
-    for (uint64_t f = 0; f < c->face_count; f++)
-        for (int32_t n = 0; t->chosen[f] && n < 4; n++) {
-            uint64_t const v = bvxi_face_vertex(c, (uint32_t)f, n);
-            uint64_t first = v;
-            while (first > 0 && c->cells[first - 1] == c->cells[v]) first--;
-            for (; first < vertices && c->cells[first] == c->cells[v]; first++) t->state[first] |= IS_NEAR;
-        }
-}
-
 /* The near faces as a mesh of their own. */
 static bvx_status gather_near_faces(bvx_context *ctx, tangle *t)
 {
@@ -182,7 +166,18 @@ static bvx_status look_for_crossings(bvx_context *ctx, tangle *t, int first, uin
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.2,
                         bvxi_for(ctx, "envelopes", c->face_count, CLOSE_GRAIN,
                                  first ? choose_suspects : choose_by_state, t)));
-    mark_near(t);
+
+    /* Mark all vertices in the cells of the chosen faces. */
+    uint64_t const vertices = c->mesh.vertex_count;
+
+    for (uint64_t v = 0; v < vertices; v++) t->state[v] &= (uint8_t) ~(IS_NEAR | IS_MOVED);
+    for (uint64_t f = 0; f < c->face_count; f++)
+        for (int32_t n = 0; t->chosen[f] && n < 4; n++) {
+            uint64_t const v = bvxi_face_vertex(c, (uint32_t)f, n);
+            uint64_t other = v;
+            while (other > 0 && c->cells[other - 1] == c->cells[v]) other--;
+            for (; other < vertices && c->cells[other] == c->cells[v]; other++) t->state[other] |= IS_NEAR;
+        }
     t->wanted = IS_NEAR;
     BVXI_TRY(
         BVXI_SHARE(ctx, 0.2, 0.3, bvxi_for(ctx, "near", c->face_count, CLOSE_GRAIN, choose_by_state, t)));
@@ -201,25 +196,20 @@ static bvx_status look_for_crossings(bvx_context *ctx, tangle *t, int first, uin
     return BVX_OK;
 }
 
-/* A product of three coordinates that are at most 1 and wrong by half a step each, and ten of them. */
-static double rounding_margin(const bvxi_net *net)
+bvx_status bvxi_net_untangle(bvx_context *ctx, bvxi_net *net)
 {
     const bvx_complex *const c = net->complex;
+    uint64_t const vertices = c->mesh.vertex_count;
+    tangle t = {.net = net};
     double most = 0.0;
 
+    /* A product of three coordinates that are at most 1 and wrong by half a step each, and ten of them. */
     for (int32_t a = 0; a < 3; a++) {
         double const voxels = bvxi_absolute((double)c->low[a]) + (double)c->size[a] + 1.0;
         double const far = bvxi_absolute(net->origin[a]) / net->spacing[a] + voxels;
         if (far > most) most = far;
     }
-    return most / (c->mesh.position_type == BVX_F32 ? 262144.0 : 70368744177664.0); /* 2^18, 2^46 */
-}
-
-bvx_status bvxi_net_untangle(bvx_context *ctx, bvxi_net *net)
-{
-    const bvx_complex *const c = net->complex;
-    uint64_t const vertices = c->mesh.vertex_count;
-    tangle t = {.net = net, .margin = rounding_margin(net)};
+    t.margin = most / (c->mesh.position_type == BVX_F32 ? 262144.0 : 70368744177664.0); /* 2^18, 2^46 */
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, vertices, "the vertices' states", &t.state));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * 4, "the vertices' indices", &t.index));

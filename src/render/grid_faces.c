@@ -78,25 +78,6 @@ static void extent_of_rows(void *user, int32_t index, uint64_t begin, uint64_t e
 
 /* ---- the lattice in the frame ---- */
 
-static void look_at_grid(bvxi_grid_scene *s)
-{
-    const bvx_lattice *const l = &s->grid->lattice;
-    bvxi_camera *const c = &s->picture.camera;
-    double low[3], high[3];
-
-    for (int a = 0; a < 3; a++) {
-        low[a] = l->origin[a] + s->grid->low[a] * l->spacing[a];
-        high[a] = l->origin[a] + ((double)s->grid->low[a] + s->grid->size[a]) * l->spacing[a];
-    }
-
-    /* The camera looks at the whole lattice, so a cut does not turn the picture. */
-    bvxi_camera_look(c, low, high, s->picture.options.camera.direction, s->picture.options.camera.up);
-    bvxi_camera_turn(c, low, s->corner);
-    /* Edges of a voxel in the camera's axes: all corners are sums of whole multiples of them. */
-    for (int e = 0; e < 3; e++)
-        for (int a = 0; a < 3; a++) s->edge[e][a] = c->axis[a][e] * (l->spacing[e] * c->unit);
-}
-
 static int64_t snap_to_fixed(double samples, int32_t bits)
 {
     return (int64_t)floor(samples * (double)((int64_t)1 << bits) + 0.5);
@@ -333,7 +314,21 @@ bvx_status bvxi_grid_scene_fit(bvx_context *ctx, bvxi_grid_scene *scene)
 {
     const bvx_render_options *const o = &scene->picture.options;
     bvxi_grid_cut(scene->grid, o->cut.low, o->cut.high, scene->begin, scene->end);
-    look_at_grid(scene);
+    const bvx_lattice *const l = &scene->grid->lattice;
+    bvxi_camera *const c = &scene->picture.camera;
+    double low[3], high[3];
+
+    for (int a = 0; a < 3; a++) {
+        low[a] = l->origin[a] + scene->grid->low[a] * l->spacing[a];
+        high[a] = l->origin[a] + ((double)scene->grid->low[a] + scene->grid->size[a]) * l->spacing[a];
+    }
+
+    /* The camera looks at the whole lattice, so a cut does not turn the picture. */
+    bvxi_camera_look(c, low, high, scene->picture.options.camera.direction, scene->picture.options.camera.up);
+    bvxi_camera_turn(c, low, scene->corner);
+    /* Edges of a voxel in the camera's axes: all corners are sums of whole multiples of them. */
+    for (int e = 0; e < 3; e++)
+        for (int a = 0; a < 3; a++) scene->edge[e][a] = c->axis[a][e] * (l->spacing[e] * c->unit);
 
     bvxi_camera_extent all = bvxi_camera_nothing;
 

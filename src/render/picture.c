@@ -145,9 +145,10 @@ bvx_status bvxi_picture_make(bvx_context *ctx, bvxi_picture *p)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, pixels * 3, "the picture's pixels", &image.pixels));
     p->image = image;
     bvx_status const status = BVXI_SCOPE(ctx, draw_and_shade(ctx, p, samples));
-    if (status == BVX_OK) return BVX_OK;
-    bvx_image_free(ctx, &image);
-    memset(&p->image, 0, sizeof p->image);
+    if (status != BVX_OK) {
+        bvx_image_free(ctx, &image);
+        memset(&p->image, 0, sizeof p->image);
+    }
     return status;
 }
 

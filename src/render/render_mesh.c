@@ -106,14 +106,6 @@ static void place_piece(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-static bvx_status place_vertices(bvx_context *ctx, mesh_scene *s)
-{
-    if (s->cut.on) return BVX_OK;
-    BVXI_TRY(BVXI_ARRAY(ctx, s->view->vertex_count, "the picture's vertices", s->vertex));
-    return BVXI_SHARE(ctx, 0.05, 0.1,
-                      bvxi_for(ctx, "render", s->view->vertex_count, SCENE_GRAIN, place_piece, s));
-}
-
 /* ---- triangles ---- */
 
 /* What the cut leaves of a triangle, in the frame: corners for the raster, the plane but for its slopes. */
@@ -250,23 +242,6 @@ static double scene_unit(double n[3])
     return length;
 }
 
-/* The mean of the facets around, each counting by its area; in the order of triangles, so on one thread. */
-static bvx_status make_scene_normals(bvx_context *ctx, mesh_scene *s)
-{
-    double p[3][3], n[3];
-    uint32_t c[3];
-    BVXI_TRY(
-        bvxi_alloc_zero(ctx, BVXI_SCRATCH, s->view->vertex_count * 12, "the picture's normals", &s->normal));
-    /* As long as twice the area, so larger facets count for more. */
-    for (uint64_t t = 0; t < s->view->triangle_count; t++) {
-        scene_corners(s, (uint32_t)t, c, p);
-        bvxi_facet_normal((const double(*)[3])p, n);
-        for (int k = 0; k < 3; k++)
-            for (int a = 0; a < 3; a++) s->normal[(size_t)c[k] * 3 + (size_t)a] += (float)n[a];
-    }
-    return BVX_OK;
-}
-
 /* Twice the area of a sample with the edge across from corner k; its sign is the whole's inside. */
 static double area_across(const double p[3][3], int k, double x, double y)
 {
@@ -396,9 +371,26 @@ static bvx_status make_scene(bvx_context *ctx, mesh_scene *s)
     bvxi_camera_show(&s->picture.camera, s->picture.options.camera.show, &all);
     bvxi_camera_fit(&s->picture.camera, &all, s->picture.raster.width, s->picture.raster.height);
 
-    BVXI_TRY(place_vertices(ctx, s));
+    if (!s->cut.on) {
+        BVXI_TRY(BVXI_ARRAY(ctx, s->view->vertex_count, "the picture's vertices", s->vertex));
+        BVXI_TRY(BVXI_SHARE(ctx, 0.05, 0.1,
+                            bvxi_for(ctx, "render", s->view->vertex_count, SCENE_GRAIN, place_piece, s)));
+    }
     BVXI_TRY(bvxi_triangle_bins_open(ctx, s->view->triangle_count, bands, bands_of_triangle, s, &s->bins));
-    if (s->picture.options.smooth) BVXI_TRY(make_scene_normals(ctx, s));
+    if (s->picture.options.smooth) {
+        /* The mean of the facets around, each counting by its area; in the order of triangles, so on one thread. */
+        double p[3][3], n[3];
+        uint32_t c[3];
+        BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, s->view->vertex_count * 12, "the picture's normals",
+                                 &s->normal));
+        /* As long as twice the area, so larger facets count for more. */
+        for (uint64_t t = 0; t < s->view->triangle_count; t++) {
+            scene_corners(s, (uint32_t)t, c, p);
+            bvxi_facet_normal((const double(*)[3])p, n);
+            for (int k = 0; k < 3; k++)
+                for (int a = 0; a < 3; a++) s->normal[(size_t)c[k] * 3 + (size_t)a] += (float)n[a];
+        }
+    }
     s->picture.draw = draw_scene_rows;
     s->picture.see = see_mesh;
     s->picture.model = s;

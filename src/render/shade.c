@@ -225,17 +225,6 @@ static int shade_is_outline(const bvxi_shade *s, int32_t x, int32_t y, const dou
     return 0;
 }
 
-static double shade_strength(const bvxi_shade *s, int32_t x, int32_t y, int32_t pattern,
-                             const bvxi_seen *seen)
-{
-    double const open = 1.0 - shade_occlusion(s, x, y, pattern, seen->tangent);
-    double const facing = (bvxi_vec_dot(seen->normal, s->light) + SHADE_WRAP) / (1.0 + SHADE_WRAP);
-    double const ambient = (0.34 + 0.06 * seen->normal[1]) * open * open;
-    double const direct = facing > 0.0 ? 0.74 * facing * (0.45 + 0.55 * open) : 0.0;
-    /* Little of it is ambient, and it is squared: corners get dark, open places stay even. */
-    return (ambient + direct) * (shade_is_outline(s, x, y, seen->tangent) ? 0.5 : 1.0);
-}
-
 /* ---- pixels ---- */
 
 static void shade_pixel(const bvxi_shade *s, int32_t px, int32_t py, bvxi_seen *seen, uint8_t *pixel)
@@ -254,7 +243,14 @@ static void shade_pixel(const bvxi_shade *s, int32_t px, int32_t py, bvxi_seen *
         }
         bvxi_seen *const here = seen + k / side; /* a row of samples goes from neighbour to neighbour */
         p->see(p->model, r, id, x, y, here);
-        double const strength = shade_strength(s, x, y, k, here) * here->light;
+        double const open = 1.0 - shade_occlusion(s, x, y, k, here->tangent);
+        double const facing = (bvxi_vec_dot(here->normal, s->light) + SHADE_WRAP) / (1.0 + SHADE_WRAP);
+        double const ambient = (0.34 + 0.06 * here->normal[1]) * open * open;
+        double const direct = facing > 0.0 ? 0.74 * facing * (0.45 + 0.55 * open) : 0.0;
+        /* Little of it is ambient, and it is squared: corners get dark, open places stay even. */
+        double const strength = ((ambient + direct) *
+                                 (shade_is_outline(s, x, y, here->tangent) ? 0.5 : 1.0)) *
+                                here->light;
         for (int a = 0; a < 3; a++)
             sum[a] += here->colour[a] * strength * (here->inside ? shade_inside[a] : 1.0);
     }

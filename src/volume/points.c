@@ -20,26 +20,6 @@ typedef struct points_work {
     bvx_points_report report;
 } points_work;
 
-/* All counters begin at 2^plane_count - minimum. */
-static bvx_status open_point_planes(bvx_context *ctx, int32_t minimum, points_work *w)
-{
-    uint64_t const begin = ((uint64_t)1 << w->plane_count) - (uint64_t)minimum;
-    int ok = 1;
-
-    /* Several grids of counters: their size may pass 64 bits. */
-    uint64_t const bytes = bvxi_mul(w->words * 8, (uint64_t)w->plane_count, &ok);
-
-    if (!ok)
-        return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: counters of %d grids are beyond 64 bits", points_name,
-                         (int64_t)w->plane_count);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the counters of points", &w->planes));
-    /* All counters at once: each digit is a whole grid of zeros or ones. */
-    for (int32_t p = 0; p < w->plane_count; p++)
-        memset(w->planes + (size_t)w->words * (size_t)p, (begin >> p & 1) != 0 ? 0xff : 0,
-               (size_t)w->words * 8);
-    return BVX_OK;
-}
-
 static inline void take_point(points_work *w, const double p[3])
 {
     const bvx_grid *const g = w->grid;
@@ -83,7 +63,23 @@ static bvx_status voxelize_cloud(bvx_context *ctx, const bvx_points_options *o, 
     while (((int64_t)1 << n) < o->minimum) n++;
     w->plane_count = n;
     memset(w->grid->words, 0, (size_t)w->words * 8);
-    if (w->plane_count != 0) BVXI_TRY(open_point_planes(ctx, o->minimum, w));
+    if (w->plane_count != 0) {
+        /* All counters begin at 2^plane_count - minimum. */
+        uint64_t const begin = ((uint64_t)1 << w->plane_count) - (uint64_t)o->minimum;
+        int ok = 1;
+
+        /* Several grids of counters: their size may pass 64 bits. */
+        uint64_t const bytes = bvxi_mul(w->words * 8, (uint64_t)w->plane_count, &ok);
+
+        if (!ok)
+            return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: counters of %d grids are beyond 64 bits", points_name,
+                             (int64_t)w->plane_count);
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the counters of points", &w->planes));
+        /* All counters at once: each digit is a whole grid of zeros or ones. */
+        for (int32_t p = 0; p < w->plane_count; p++)
+            memset(w->planes + (size_t)w->words * (size_t)p, (begin >> p & 1) != 0 ? 0xff : 0,
+                   (size_t)w->words * 8);
+    }
     for (uint64_t i = 0; i < w->view.vertex_count; i++) {
         double p[3];
         /* Rarely, so that the question costs nothing. */

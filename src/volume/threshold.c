@@ -339,37 +339,6 @@ void bvxi_range_make(int32_t type, double low, double high, bvxi_range *range)
     }
 }
 
-/* From the type's own ends inwards: those of a u64 are its bits, of lesser unsigned types signed numbers. */
-static void range_of_whole(int32_t type, int64_t low, int64_t high, bvxi_range *range)
-{
-    bvxi_range_make(type, -THRESHOLD_F64_MAX, THRESHOLD_F64_MAX, range);
-    if (type == BVX_SAMPLE_U64) {
-        range->low.u = (uint64_t)low;
-        range->high.u = (uint64_t)high;
-        range->empty = range->low.u > range->high.u;
-        return;
-    }
-    if (low > range->low.i) range->low.i = low;
-    if (high < range->high.i) range->high.i = high;
-    range->empty = range->low.i > range->high.i;
-}
-
-static void report_range(const bvxi_range_tally *tally, int32_t pieces, bvx_volume_report *report)
-{
-    double least = THRESHOLD_F64_MAX, greatest = -THRESHOLD_F64_MAX;
-    memset(report, 0, sizeof *report);
-    for (int32_t p = 0; p < pieces; p++) {
-        report->nan += tally[p].nan;
-        report->infinite += tally[p].infinite;
-        report->inside += tally[p].inside;
-        if (tally[p].least < least) least = tally[p].least;
-        if (tally[p].greatest > greatest) greatest = tally[p].greatest;
-    }
-    if (least > greatest) return;
-    report->least = least + 0.0; /* -0 and 0 are found in any order */
-    report->greatest = greatest + 0.0;
-}
-
 bvx_status bvxi_threshold(bvxi_call call, const bvx_volume_view *volume, const int64_t stride[3],
                           const bvxi_range *range, bvx_volume_report *report, bvx_grid *grid)
 {
@@ -395,7 +364,20 @@ bvx_status bvxi_threshold(bvxi_call call, const bvx_volume_view *volume, const i
     walk.tallies = tally;
     walk.tally_size = sizeof *tally;
     BVXI_TRY(bvxi_samples_to_bits(call.ctx, call.stage, call.from, call.to, &walk));
-    if (report != NULL) report_range(tally, walk.pieces, report);
+    if (report == NULL) return BVX_OK;
+
+    double least = THRESHOLD_F64_MAX, greatest = -THRESHOLD_F64_MAX;
+    memset(report, 0, sizeof *report);
+    for (int32_t p = 0; p < walk.pieces; p++) {
+        report->nan += tally[p].nan;
+        report->infinite += tally[p].infinite;
+        report->inside += tally[p].inside;
+        if (tally[p].least < least) least = tally[p].least;
+        if (tally[p].greatest > greatest) greatest = tally[p].greatest;
+    }
+    if (least > greatest) return BVX_OK;
+    report->least = least + 0.0; /* -0 and 0 are found in any order */
+    report->greatest = greatest + 0.0;
     return BVX_OK;
 }
 
@@ -419,7 +401,14 @@ static bvx_status run_threshold(bvx_context *context, const char *name, const bv
     if (real == NULL && volume->sample_type >= BVX_SAMPLE_F32)
         return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: the samples are floats", name);
     if (real != NULL) bvxi_range_make(volume->sample_type, real[0], real[1], &range);
-    else range_of_whole(volume->sample_type, whole[0], whole[1], &range);
+    else {
+        /* From the type's own ends inwards: those of a u64 are its bits, of lesser unsigned types signed numbers. */
+        int const bits = volume->sample_type == BVX_SAMPLE_U64;
+        bvxi_range_make(volume->sample_type, -THRESHOLD_F64_MAX, THRESHOLD_F64_MAX, &range);
+        if (bits || whole[0] > range.low.i) range.low.i = whole[0];
+        if (bits || whole[1] < range.high.i) range.high.i = whole[1];
+        range.empty = bits ? range.low.u > range.high.u : range.low.i > range.high.i;
+    }
     memcpy(window.low, volume->low, sizeof window.low);
     memcpy(window.size, volume->size, sizeof window.size);
     bvxi_grid_renew(context, &volume->lattice, &window, grid);

@@ -2,22 +2,6 @@
  * and that all samples lie within what addresses can express. */
 #include "volume/room.h"
 
-/* The way from the first sample to the last along all axes must be one that addresses can tell. */
-static bvx_status check_reach(bvx_context *ctx, const char *function, const bvx_volume_view *v,
-                              const int64_t stride[3])
-{
-    uint64_t reach = bvxi_type_size(v->sample_type);
-    int fits = 1;
-    for (int a = 0; a < 3; a++) {
-        /* Taken apart for negative strides: the lowest number has no opposite. */
-        uint64_t const step = stride[a] < 0 ? 0 - (uint64_t)stride[a] : (uint64_t)stride[a];
-        reach = bvxi_add(reach, bvxi_mul(step, (uint64_t)(v->size[a] - 1), &fits), &fits);
-    }
-    if (fits && reach <= PTRDIFF_MAX) return BVX_OK;
-    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
-                         "%s: the volume's strides reach beyond this machine's addresses", function);
-}
-
 bvx_status bvxi_volume_check(bvx_context *ctx, const char *function, const bvx_volume_view *volume,
                              int64_t stride[3])
 {
@@ -56,5 +40,14 @@ bvx_status bvxi_volume_check(bvx_context *ctx, const char *function, const bvx_v
         stride[1] = (int64_t)row;
         stride[2] = (int64_t)slice;
     }
-    return check_reach(ctx, function, volume, stride);
+    /* The way from the first sample to the last along all axes must be one that addresses can tell. */
+    uint64_t reach = bvxi_type_size(volume->sample_type);
+    for (int a = 0; a < 3; a++) {
+        /* Taken apart for negative strides: the lowest number has no opposite. */
+        uint64_t const step = stride[a] < 0 ? 0 - (uint64_t)stride[a] : (uint64_t)stride[a];
+        reach = bvxi_add(reach, bvxi_mul(step, (uint64_t)(volume->size[a] - 1), &fits), &fits);
+    }
+    if (fits && reach <= PTRDIFF_MAX) return BVX_OK;
+    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
+                         "%s: the volume's strides reach beyond this machine's addresses", function);
 }
