@@ -232,25 +232,28 @@ static bvx_status build_stack(body_job *job, const bvx_sections *sections)
 
 /* ---- planes that each have a normal ---- */
 
+static bvx_status build_mended(const body_job *job, const bvx_sections *sections, bvxi_mended *mended)
+{
+    BVXI_TRY(
+        BVXI_SHARE(job->ctx, 0.0, 0.1, bvxi_mend_planes(job->ctx, sections_name, sections, job->o, mended)));
+    return BVXI_SHARE(
+        job->ctx, 0.1, 0.9,
+        bvxi_oblique_body(job->ctx, sections_name, &mended->sections, job->o, job->report, job->mesh));
+}
+
 /* What cannot be mended is refused by its own loops' numbers, as of parallel planes. */
 static bvx_status build_planes(const body_job *job, const bvx_sections *sections)
 {
     bvxi_mended mended = {0};
-    bvx_status status = BVX_ERR_FORMAT;
+    bvx_status status = job->o->mend ? build_mended(job, sections, &mended) : BVX_ERR_FORMAT;
 
-    if (job->o->mend)
-        status = BVXI_SHARE(job->ctx, 0.0, 0.1,
-                            bvxi_mend_planes(job->ctx, sections_name, sections, job->o, &mended));
-    if (status == BVX_OK)
-        status = BVXI_SHARE(
-            job->ctx, 0.1, 0.9,
-            bvxi_oblique_body(job->ctx, sections_name, &mended.sections, job->o, job->report, job->mesh));
     if (status == BVX_ERR_FORMAT) {
         mended.loops = 0;
         status = bvxi_oblique_body(job->ctx, sections_name, sections, job->o, job->report, job->mesh);
     }
-    if (status == BVX_OK) job->report->mended_loops = mended.loops;
-    return status;
+    BVXI_TRY(status);
+    job->report->mended_loops = mended.loops;
+    return BVX_OK;
 }
 
 /* Planes that are parallel after all are a stack. */

@@ -231,17 +231,6 @@ bvx_status bvxi_extended_sample(bvx_context *ctx, bvxi_downsample *d)
                            (uint64_t)d->axis[1].count * (uint64_t)d->axis[2].count, sample_piece, d);
 }
 
-/* The place of sample i, also of -1 and count, just outside. */
-static void place_sample(const bvxi_sample_axis *a, int32_t i, int32_t *at, int64_t *high)
-{
-    /* A voxel, in units of 1/(2r). */
-    int64_t const voxel = 2 * (int64_t)a->r, centre = (2 * (int64_t)i + 1) * a->n - a->r;
-    /* Rounded down also below 0: the place may be outside the grid. */
-    int64_t const down = centre >= 0 ? centre / voxel : -((voxel - 1 - centre) / voxel);
-    *at = (int32_t)down;
-    *high = centre - down * voxel;
-}
-
 /* The four lines of voxels along an edge: each voxel at place i of the axis, weights bilinear. */
 typedef struct edge_lines {
     const uint64_t *word[4]; /* of place 0, NULL where the line counts for nothing */
@@ -298,8 +287,17 @@ double bvxi_extended_ratio(const void *downsample, int32_t axis, int32_t i, int3
     int32_t at[3], voxel;
     edge_lines e;
 
-    /* The edge begins at sample (i, j, k), which lies somewhere between two voxels of its line. */
-    for (int32_t b = 0; b < 3; b++) place_sample(&d->axis[b], sample[b], &at[b], &high[b]);
+    /* The edge begins at sample (i, j, k), which lies somewhere between two voxels of its line. A sample may be -1
+     * or count, just outside. */
+    for (int32_t b = 0; b < 3; b++) {
+        /* A voxel, in units of 1/(2r). */
+        int64_t const step = 2 * (int64_t)d->axis[b].r,
+                      centre = (2 * (int64_t)sample[b] + 1) * d->axis[b].n - d->axis[b].r;
+        /* Rounded down also below 0: the place may be outside the grid. */
+        int64_t const down = centre >= 0 ? centre / step : -((step - 1 - centre) / step);
+        at[b] = (int32_t)down;
+        high[b] = centre - down * step;
+    }
     gather_lines(d, axis, at, high, &e);
     voxel = at[axis];
     place = high[axis] * steps; /* from that voxel's centre */

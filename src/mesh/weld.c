@@ -176,13 +176,6 @@ uint64_t bvxi_drop_collapsed(const bvx_mesh_view *view, const uint32_t *represen
     return kept;
 }
 
-static uint64_t hash_of_places(const uint32_t place[3])
-{
-    uint64_t h = ((uint64_t)place[0] << 32 | place[1]) * UINT64_C(0x9e3779b97f4a7c15);
-    h = (h ^ h >> 32 ^ place[2]) * UINT64_C(0xbf58476d1ce4e5b9);
-    return (h ^ h >> 29) * UINT64_C(0x94d049bb133111eb) >> 33;
-}
-
 /* Fill corner by a table [Size: size] of kept triangles plus 1, or 0. Returns 0 after too long a search. */
 static int drop_by_table(const bvx_mesh_view *view, const uint32_t *representative, uint32_t *table,
                          uint64_t size, uint32_t *corner, uint64_t *kept)
@@ -200,7 +193,9 @@ static int drop_by_table(const bvx_mesh_view *view, const uint32_t *representati
         if (place[0] == place[1] || place[1] == place[2]) continue;
 
         /* An open table, half as large again as the triangles: the searches stay short. */
-        for (slot = hash_of_places(place) * size >> 31; table[slot] != 0;
+        uint64_t h = ((uint64_t)place[0] << 32 | place[1]) * UINT64_C(0x9e3779b97f4a7c15);
+        h = (h ^ h >> 32 ^ place[2]) * UINT64_C(0xbf58476d1ce4e5b9);
+        for (slot = ((h ^ h >> 29) * UINT64_C(0x94d049bb133111eb) >> 33) * size >> 31; table[slot] != 0;
              slot = slot + 1 == size ? 0 : slot + 1, probes++) {
             places_of_triangle(representative, corner + 3 * ((uint64_t)table[slot] - 1), other);
             if (memcmp(place, other, sizeof place) == 0) break;
@@ -226,9 +221,16 @@ static void kept_key(const void *user, uint64_t number, uint32_t key[BVXI_KEY_WO
     places_of_triangle(k->representative, k->corner + 3 * number, key);
 }
 
-static bvx_status drop_by_tree(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,
-                               uint32_t *corner, uint64_t *kept)
+bvx_status bvxi_drop_duplicates(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,
+                                uint32_t *corner, uint64_t *kept)
 {
+    uint64_t const size = view->triangle_count + view->triangle_count / 2 + 1;
+    uint32_t *table;
+    BVXI_TRY(BVXI_ZEROS(ctx, size, "the triangles' table", table));
+    int const done = drop_by_table(view, representative, table, size, corner, kept);
+    bvxi_drop(ctx, table);
+    if (done) return BVX_OK;
+
     kept_triangles const all = {representative, corner};
     uint32_t place[3];
     uint64_t count = 0;
@@ -244,15 +246,4 @@ static bvx_status drop_by_tree(bvx_context *ctx, const bvx_mesh_view *view, cons
     bvxi_key_tree_close(ctx, &tree);
     *kept = count;
     return BVX_OK;
-}
-
-bvx_status bvxi_drop_duplicates(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,
-                                uint32_t *corner, uint64_t *kept)
-{
-    uint64_t const size = view->triangle_count + view->triangle_count / 2 + 1;
-    uint32_t *table;
-    BVXI_TRY(BVXI_ZEROS(ctx, size, "the triangles' table", table));
-    int const done = drop_by_table(view, representative, table, size, corner, kept);
-    bvxi_drop(ctx, table);
-    return done ? BVX_OK : drop_by_tree(ctx, view, representative, corner, kept);
 }

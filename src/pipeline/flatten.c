@@ -122,21 +122,6 @@ static void world_position(const flatten_job *f, const bvx_mesh_view *view, uint
     for (int a = 0; a < 3; a++) p[a] += f->mesh->frame[a];
 }
 
-static uint64_t list_moved(flatten_job *f)
-{
-    bvx_mesh_view view;
-    uint64_t count = 0;
-
-    bvx_mesh_view_of(f->mesh, &view);
-    for (uint64_t v = 0; v < view.vertex_count; v++) {
-        double p[3];
-        world_position(f, &view, v, p);
-        /* Numbers from 1; 0 stays where it is. */
-        f->number[v] = thin_walls_at(f, p) != 0 ? (uint32_t)++count : 0;
-    }
-    return count;
-}
-
 static void aim_piece(void *user, int32_t piece)
 {
     flatten_job *const f = user;
@@ -519,7 +504,15 @@ bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_
 
     /* Which vertices, then where to, then what lies around them; then they move. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices beside thin walls", &f.number));
-    f.count = list_moved(&f);
+    bvx_mesh_view view;
+
+    bvx_mesh_view_of(mesh, &view);
+    for (uint64_t v = 0; v < view.vertex_count; v++) {
+        double p[3];
+        world_position(&f, &view, v, p);
+        /* Numbers from 1; 0 stays where it is. */
+        f.number[v] = thin_walls_at(&f, p) != 0 ? (uint32_t)++f.count : 0;
+    }
 
     if (f.count != 0) {
         /* Vertices are shared by pieces, each with its own hint. */

@@ -237,24 +237,24 @@ static bvx_status measure_walls(inspect_job *job)
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.2, bvx_closest_create(job->ctx, job->mesh, &job->closest)));
     bvx_status const status = BVXI_SHARE(job->ctx, 0.2, 1.0, cast_all(job));
     bvx_closest_free(job->ctx, job->closest);
-    if (status == BVX_OK) {
-        static const double share[4] = {0.01, 0.05, 0.5, 0.95};
-        double all = 0.0, sum = 0.0;
-        int next = 0;
+    BVXI_TRY(status);
 
-        for (uint64_t i = 0; i < INSPECT_BINS; i++) all += job->binned[i];
-        for (int k = 0; k < 4; k++) job->report.thickness[k] = HUGE_VAL;
-        for (uint64_t i = 0; i < INSPECT_BINS && next < 4; i++) {
-            uint64_t const bits = i << INSPECT_DIGITS;
-            double length;
+    static const double share[4] = {0.01, 0.05, 0.5, 0.95};
+    double all = 0.0, sum = 0.0;
+    int next = 0;
 
-            sum += job->binned[i];
-            memcpy(&length, &bits, sizeof length);
-            if (length < job->report.least_thickness) length = job->report.least_thickness;
-            while (next < 4 && sum > 0.0 && sum >= share[next] * all) job->report.thickness[next++] = length;
-        }
+    for (uint64_t i = 0; i < INSPECT_BINS; i++) all += job->binned[i];
+    for (int k = 0; k < 4; k++) job->report.thickness[k] = HUGE_VAL;
+    for (uint64_t i = 0; i < INSPECT_BINS && next < 4; i++) {
+        uint64_t const bits = i << INSPECT_DIGITS;
+        double length;
+
+        sum += job->binned[i];
+        memcpy(&length, &bits, sizeof length);
+        if (length < job->report.least_thickness) length = job->report.least_thickness;
+        while (next < 4 && sum > 0.0 && sum >= share[next] * all) job->report.thickness[next++] = length;
     }
-    return status;
+    return BVX_OK;
 }
 
 /* ---- Parts of voxels ---- */
@@ -378,12 +378,6 @@ static bvx_status list_marks(inspect_job *job, int kind)
     return list_parts(job, &p, BVXI_CONNECT_26);
 }
 
-static bvx_status list_cavities(inspect_job *job)
-{
-    inspect_parts p = {.kind = BVX_FINDING_CAVITY, .axis = {0, 1, 2}, .grid = &job->solid};
-    return list_parts(job, &p, BVXI_CONNECT_6);
-}
-
 /* Layer by layer: the first that has voxels lies on the plate. */
 static bvx_status list_islands(inspect_job *job, const bvx_grid *turned, int up)
 {
@@ -411,9 +405,8 @@ static bvx_status turn_and_list(inspect_job *job)
     int32_t const axes[3] = {(up + 1) % 3, (up + 2) % 3, up};
     bvx_grid turned = {0};
     if (up == 2) return list_islands(job, &job->solid, up);
-    bvx_status status = BVXI_SHARE(job->ctx, 0.0, 0.2,
-                                   bvx_grid_permute(job->ctx, &job->solid, axes, NULL, &turned));
-    if (status == BVX_OK) status = BVXI_SHARE(job->ctx, 0.2, 1.0, list_islands(job, &turned, up));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.2, bvx_grid_permute(job->ctx, &job->solid, axes, NULL, &turned)));
+    bvx_status const status = BVXI_SHARE(job->ctx, 0.2, 1.0, list_islands(job, &turned, up));
     bvx_grid_free(job->ctx, &turned);
     return status;
 }
@@ -517,7 +510,9 @@ static bvx_status run_inspect(bvx_context *ctx, const bvx_mesh_view *mesh, const
     for (int kind = BVX_FINDING_WALL; kind <= BVX_FINDING_GAP; kind++)
         BVXI_TRY(BVXI_SHARE(job.ctx, 0.9 + 0.02 * kind, 0.92 + 0.02 * kind,
                             BVXI_SCOPE(job.ctx, list_marks(&job, kind))));
-    BVXI_TRY(BVXI_SHARE(job.ctx, 0.94, 0.96, BVXI_SCOPE(job.ctx, list_cavities(&job))));
+    inspect_parts cavities = {.kind = BVX_FINDING_CAVITY, .axis = {0, 1, 2}, .grid = &job.solid};
+    BVXI_TRY(
+        BVXI_SHARE(job.ctx, 0.94, 0.96, BVXI_SCOPE(job.ctx, list_parts(&job, &cavities, BVXI_CONNECT_6))));
     BVXI_TRY(BVXI_SHARE(job.ctx, 0.96, 1.0, turn_and_list(&job)));
 
     *report = job.report;

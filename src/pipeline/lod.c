@@ -189,26 +189,6 @@ static bvx_status fill_collapsed(bvx_context *ctx, const lod_job *job, bvxi_marc
     return BVX_OK;
 }
 
-static bvx_status make_lod(bvx_context *ctx, lod_job *job, int32_t resolution, bvx_mesh *mesh)
-{
-    level_work w;
-
-    BVXI_TRY(open_level(ctx, job, resolution, 0, &w));
-
-    /* Nothing at all would look like success. */
-    if (w.march.triangle_count == 0)
-        return bvxi_fail(
-            ctx, BVX_ERR_EMPTY,
-            "%s: level %i, %d x %d x %d samples, keeps nothing of the solid; take more samples for it, or a "
-            "lower threshold",
-            lod_name, level_number(job), (int64_t)w.samples.axis[0].count, (int64_t)w.samples.axis[1].count,
-            (int64_t)w.samples.axis[2].count);
-    BVXI_TRY(job->options->collapse != 0 ? fill_collapsed(ctx, job, &w.march, mesh)
-                                         : bvxi_march_fill(ctx, &w.march, mesh));
-    report_lod(job, &w, mesh);
-    return BVX_OK;
-}
-
 /* ---- the resolution for a triangle count ---- */
 
 /* Where triangles ~ resolution^2 puts the target between two resolutions;
@@ -288,6 +268,30 @@ static bvx_status search_resolution(bvx_context *ctx, lod_job *job, int32_t *res
     return BVX_OK;
 }
 
+static bvx_status make_lod(bvx_context *ctx, lod_job *job, bvx_mesh *mesh)
+{
+    const bvx_lod_options *const o = job->options;
+    int32_t resolution = o->resolutions != NULL ? o->resolutions[job->level] : 0;
+    level_work w;
+
+    job->position_type = o->position_type;
+    if (o->target_triangles != NULL) BVXI_TRY(search_resolution(ctx, job, &resolution));
+    BVXI_TRY(open_level(ctx, job, resolution, 0, &w));
+
+    /* Nothing at all would look like success. */
+    if (w.march.triangle_count == 0)
+        return bvxi_fail(
+            ctx, BVX_ERR_EMPTY,
+            "%s: level %i, %d x %d x %d samples, keeps nothing of the solid; take more samples for it, or a "
+            "lower threshold",
+            lod_name, level_number(job), (int64_t)w.samples.axis[0].count, (int64_t)w.samples.axis[1].count,
+            (int64_t)w.samples.axis[2].count);
+    BVXI_TRY(job->options->collapse != 0 ? fill_collapsed(ctx, job, &w.march, mesh)
+                                         : bvxi_march_fill(ctx, &w.march, mesh));
+    report_lod(job, &w, mesh);
+    return BVX_OK;
+}
+
 static bvx_status run_build_lods(bvx_context *context, const bvx_grid *solid, const bvx_lod_options *options,
                                  uint64_t level_count, bvx_mesh *levels)
 {
@@ -299,13 +303,8 @@ static bvx_status run_build_lods(bvx_context *context, const bvx_grid *solid, co
     BVXI_TRY(bvxi_grid_check(context, lod_name, solid));
     BVXI_TRY(check_lod_options(context, solid, &o, level_count));
     lod_job job = {.solid = solid, .options = &o};
-    for (job.level = 0; job.level < level_count && status == BVX_OK; job.level++) {
-        int32_t resolution = o.resolutions != NULL ? o.resolutions[job.level] : 0;
-        job.position_type = o.position_type;
-        if (o.target_triangles != NULL) status = search_resolution(context, &job, &resolution);
-        if (status == BVX_OK)
-            status = BVXI_SCOPE(context, make_lod(context, &job, resolution, &levels[job.level]));
-    }
+    for (job.level = 0; job.level < level_count && status == BVX_OK; job.level++)
+        status = BVXI_SCOPE(context, make_lod(context, &job, &levels[job.level]));
     if (status == BVX_OK) return BVX_OK;
     /* what the library made goes; arrays of the caller's stay his */
     for (uint64_t l = 0; l < level_count; l++) {

@@ -184,15 +184,6 @@ void bvxi_warn_of_lids(bvx_context *ctx, double share, uint64_t holes, const bvx
     memcpy(w->high, longest->high, sizeof w->high);
 }
 
-/* An open mesh may be the inside of a room: faces that look inward enclose about as much as the result, which is no
- * shell of them. */
-static int encloses_inward(const bvx_repair_report *r, const bvxi_repair_facts *f)
-{
-    double const inward = -r->before.volume, volume = r->after.volume;
-    return r->before.boundary_edges != 0 && f->shelled_area < REPAIR_INWARD * r->before.area &&
-           inward > REPAIR_INWARD * volume && volume >= REPAIR_INWARD * inward;
-}
-
 /* How the volume has changed, once: beyond that of all parts, from the mesh's own, or from what lines of centres
  * see of it. Where walls were put back there is more than these see. */
 static void warn_of_size(bvx_context *ctx, const bvx_repair_report *r, const bvxi_repair_facts *f,
@@ -246,7 +237,12 @@ void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *r, const bvxi_repair_
     if (r->shelled_triangles != 0 && f->shelled_area > REPAIR_SHELLED * r->before.area)
         BVXI_WARN(ctx, BVX_WARN_SHELLS, (double)r->shelled_triangles, f->shelled_area, r->before.area);
     bvxi_warn_of_lids(ctx, share_of_lids(r, f), r->holes, &f->longest_rim);
-    if (encloses_inward(r, f)) BVXI_WARN(ctx, BVX_WARN_TURNED, 0.0, -r->before.volume);
+    /* An open mesh may be the inside of a room: faces that look inward enclose about as much as the result,
+     * which is no shell of them. */
+    double const inward = -r->before.volume, volume = r->after.volume;
+    if (r->before.boundary_edges != 0 && f->shelled_area < REPAIR_INWARD * r->before.area &&
+        inward > REPAIR_INWARD * volume && volume >= REPAIR_INWARD * inward)
+        BVXI_WARN(ctx, BVX_WARN_TURNED, 0.0, -r->before.volume);
     warn_of_size(ctx, r, f, bvxi_advised(2.0 * longest), (double)collapsed);
     r->warnings = bvxi_warned(ctx);
 }

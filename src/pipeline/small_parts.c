@@ -124,16 +124,6 @@ static uint64_t crumb_word(const crumb_job *job, int32_t k, int32_t y, int32_t z
     return job->empty ? ~w : w;
 }
 
-/* Voxels of a word with all six neighbours. */
-static uint64_t crumb_cores(const crumb_job *job, int32_t k, int32_t y, int32_t z)
-{
-    uint64_t const w = crumb_word(job, k, y, z);
-    uint64_t const left = w << 1 | crumb_word(job, k - 1, y, z) >> 63;
-    uint64_t const right = w >> 1 | crumb_word(job, k + 1, y, z) << 63;
-    return w & left & right & crumb_word(job, k, y - 1, z) & crumb_word(job, k, y + 1, z) &
-           crumb_word(job, k, y, z - 1) & crumb_word(job, k, y, z + 1);
-}
-
 static void measure_crumb_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
 {
     crumb_job *const job = user;
@@ -147,8 +137,17 @@ static void measure_crumb_run(void *user, uint32_t space, int32_t begin, int32_t
     p->voxels += (uint64_t)(end - begin);
     /* What touches the window's side is no pocket. */
     if (job->empty && bvxi_spaces_at_side(job->inside, begin, end, y, z)) p->outside = 1;
-    for (int32_t k = begin >> 6; k <= (end - 1) >> 6 && !p->core; k++)
-        p->core = (crumb_cores(job, k, y, z) & bvxi_run_mask(begin, end, k)) != 0;
+
+    for (int32_t k = begin >> 6; k <= (end - 1) >> 6 && !p->core; k++) {
+        /* Voxels of a word with all six neighbours. */
+        uint64_t const w = crumb_word(job, k, y, z);
+        uint64_t const left = w << 1 | crumb_word(job, k - 1, y, z) >> 63;
+        uint64_t const right = w >> 1 | crumb_word(job, k + 1, y, z) << 63;
+
+        p->core = ((w & left & right & crumb_word(job, k, y - 1, z) & crumb_word(job, k, y + 1, z) &
+                    crumb_word(job, k, y, z - 1) & crumb_word(job, k, y, z + 1)) &
+                   bvxi_run_mask(begin, end, k)) != 0;
+    }
 }
 
 static void mark_small_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
@@ -157,25 +156,6 @@ static void mark_small_run(void *user, uint32_t space, int32_t begin, int32_t en
     uint64_t *const row = bvxi_grid_row(&job->small, y, z);
     if (!job->part[space].small) return;
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) row[k] |= bvxi_run_mask(begin, end, k);
-}
-
-static void find_small_parts(crumb_job *job)
-{
-    uint64_t total = 0, most;
-
-    bvxi_spaces_each(&job->spaces, measure_crumb_run, job);
-    for (uint64_t n = 0; n < job->spaces.count; n++)
-        if (!job->part[n].outside) total += job->part[n].voxels;
-
-    /* Small is a share of all, but a few voxels at least. */
-    most = (uint64_t)(CRUMB_SHARE * (double)total);
-    if (most < CRUMB_VOXELS) most = CRUMB_VOXELS;
-
-    for (uint64_t n = 0; n < job->spaces.count; n++) {
-        crumb_part *const p = &job->part[n];
-        p->small = !p->outside && !p->core && p->voxels <= most;
-        job->small_parts += p->small;
-    }
 }
 
 /* ---- What the meshes have there ---- */
@@ -334,27 +314,6 @@ static bvx_status ask_meshes(crumb_job *job)
 
 /* ---- The answer ---- */
 
-static uint64_t judge_crumbs(crumb_job *job)
-{
-    uint64_t dropped = 0;
-
-    for (uint64_t n = 0; n < job->spaces.count; n++) {
-        const crumb_part *const p = &job->part[n];
-        if (!p->small) continue;
-        crumb_piece *const piece = &job->piece[p->source][p->piece];
-        if (piece->best == 0 || p->voxels > job->part[piece->best - 1].voxels) piece->best = (uint32_t)n + 1;
-    }
-    for (uint64_t n = 0; n < job->spaces.count; n++) {
-        crumb_part *const p = &job->part[n];
-        if (!p->small) continue;
-        const crumb_piece *const piece = &job->piece[p->source][p->piece];
-        /* A piece of something larger, or not its largest part: a crumb. */
-        p->dropped = piece->large > piece->small || piece->best != (uint32_t)n + 1;
-        dropped += p->dropped;
-    }
-    return dropped;
-}
-
 static void flip_crumb_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
 {
     crumb_job *const job = user;
@@ -378,7 +337,20 @@ static bvx_status judge_small_parts(crumb_job *job, uint64_t *dropped)
     bvxi_spaces_each(&job->spaces, mark_small_run, job);
     BVXI_TRY(ask_meshes(job));
     for (int32_t s = 0; s < job->sources; s++) count_large(job, s);
-    *dropped = judge_crumbs(job);
+    for (uint64_t n = 0; n < job->spaces.count; n++) {
+        const crumb_part *const p = &job->part[n];
+        if (!p->small) continue;
+        crumb_piece *const piece = &job->piece[p->source][p->piece];
+        if (piece->best == 0 || p->voxels > job->part[piece->best - 1].voxels) piece->best = (uint32_t)n + 1;
+    }
+    for (uint64_t n = 0; n < job->spaces.count; n++) {
+        crumb_part *const p = &job->part[n];
+        if (!p->small) continue;
+        const crumb_piece *const piece = &job->piece[p->source][p->piece];
+        /* A piece of something larger, or not its largest part: a crumb. */
+        p->dropped = piece->large > piece->small || piece->best != (uint32_t)n + 1;
+        *dropped += p->dropped;
+    }
     /* Only now bits change: all was judged by the solid as it was. */
     if (*dropped != 0) bvxi_spaces_each(&job->spaces, flip_crumb_run, job);
     return BVX_OK;
@@ -397,6 +369,22 @@ bvx_status bvxi_drop_crumbs(bvx_context *ctx, const char *function, bvx_grid *in
     *dropped = 0;
     BVXI_TRY(bvxi_spaces_open(ctx, function, "crumbs", inside, empty, BVXI_CONNECT_6, &job.spaces));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, job.spaces.count * sizeof *job.part, "the parts", &job.part));
-    if (job.spaces.count > 1) find_small_parts(&job);
+    if (job.spaces.count > 1) {
+        uint64_t total = 0, most;
+
+        bvxi_spaces_each(&job.spaces, measure_crumb_run, &job);
+        for (uint64_t n = 0; n < job.spaces.count; n++)
+            if (!job.part[n].outside) total += job.part[n].voxels;
+
+        /* Small is a share of all, but a few voxels at least. */
+        most = (uint64_t)(CRUMB_SHARE * (double)total);
+        if (most < CRUMB_VOXELS) most = CRUMB_VOXELS;
+
+        for (uint64_t n = 0; n < job.spaces.count; n++) {
+            crumb_part *const p = &job.part[n];
+            p->small = !p->outside && !p->core && p->voxels <= most;
+            job.small_parts += p->small;
+        }
+    }
     return job.small_parts != 0 ? judge_small_parts(&job, dropped) : BVX_OK;
 }

@@ -299,13 +299,6 @@ static octree_neighbour neighbour_of(const states_job *job, int32_t level, uint6
 
 /* ---- octets ---- */
 
-/* The neighbours within an octet of its children. */
-static inline uint32_t beside_in_octet(uint32_t m)
-{
-    return (m & 0x55) << 1 | (m & 0xaa) >> 1 | (m & 0x33) << 2 | (m & 0xcc) >> 2 | (m & 0x0f) << 4 |
-           (m & 0xf0) >> 4;
-}
-
 /* Children of the octet beyond face d, beside `children` of this one. */
 static void pass_to_octet(states_job *job, int32_t level, uint64_t octet, int d, uint32_t children)
 {
@@ -341,10 +334,12 @@ static void work_on_octet(states_job *job, int32_t level, uint64_t octet)
         if ((o->state >> d & 1) != 0) news |= bvxi_octet_side(d);
     news &= open;
 
-    /* At most seven rounds: the flood of eight voxels in one byte. */
-    for (uint32_t grown = 0; grown != news;) {
-        grown = news;
-        news |= beside_in_octet(news) & open;
+    /* At most seven rounds: the flood of eight voxels in one byte, from each to its neighbours in the octet. */
+    for (uint32_t m = 0; m != news;) {
+        m = news;
+        news |= ((m & 0x55) << 1 | (m & 0xaa) >> 1 | (m & 0x33) << 2 | (m & 0xcc) >> 2 | (m & 0x0f) << 4 |
+                 (m & 0xf0) >> 4) &
+                open;
     }
 
     /* Off the list before anything is passed on: a neighbour may expose more of it and list it again. */

@@ -103,17 +103,16 @@ static bvx_status certify_level(bvx_context *ctx, const bvxi_level_chain *c, bvx
     int const beyond = c->targets.errors != NULL, seams = collapse->attributes.row != NULL;
     bvx_mesh plain = {0};
     bvx_mesh_view view;
-    bvx_status status = BVX_OK;
 
     bvx_mesh_view_of(level, &view);
-    if (beyond) status = BVXI_SHARE(ctx, 0.0, 0.8, bvx_mesh_crossings(ctx, &view, &r->crossings, NULL, 0));
-    else status = BVXI_SHARE(ctx, 0.0, 0.8, bvxi_collapse_crossings(collapse, &r->crossings));
-    if (status == BVX_OK && !beyond && seams) {
-        status = bvxi_collapse_give_plain(collapse, &plain);
+    if (beyond) BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.8, bvx_mesh_crossings(ctx, &view, &r->crossings, NULL, 0)));
+    else BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.8, bvxi_collapse_crossings(collapse, &r->crossings)));
+    if (!beyond && seams) {
+        BVXI_TRY(bvxi_collapse_give_plain(collapse, &plain));
         bvx_mesh_view_of(&plain, &view);
     }
-    if (status == BVX_OK)
-        status = BVXI_SHARE(ctx, 0.8, 1.0, bvx_mesh_check(ctx, &view, beyond && seams, &r->certificate));
+    bvx_status const status = BVXI_SHARE(ctx, 0.8, 1.0,
+                                         bvx_mesh_check(ctx, &view, beyond && seams, &r->certificate));
     bvx_mesh_free(ctx, &plain);
     return status;
 }
@@ -213,16 +212,6 @@ static bvx_status copy_into(bvx_context *ctx, const bvxi_level_chain *c, const b
     return copy_array(ctx, mesh->materials, level->triangle_capacity * 4, &level->materials);
 }
 
-/* Hand a mesh over to a level: as it is, or into arrays of the caller's. */
-static bvx_status hand_over(bvx_context *ctx, const bvxi_level_chain *c, bvx_mesh *made, bvx_mesh *level)
-{
-    if (level->owned == 1) bvx_mesh_free(ctx, level);
-    if (level->positions != NULL || level->triangles != NULL) return copy_into(ctx, c, made, level);
-    *level = *made;
-    memset(made, 0, sizeof *made);
-    return BVX_OK;
-}
-
 /* The last mesh on the way down that keeps the error of level i. Where none does: the level before, which a
  * step too far has left behind, or of the first level the mesh as it is. Errors grow about as triangles become
  * fewer, so the level is far while its share of the triangles is small. */
@@ -272,12 +261,25 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
     return BVX_OK;
 }
 
+/* Hand the mesh that was found over to a level: as it is, or into arrays of the caller's. */
+static bvx_status hand_over(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
+                            bvx_mesh *made, int *met)
+{
+    bvx_mesh *const level = &c->levels[i];
+
+    BVXI_TRY(find_by_error(ctx, c, i, collapse, made, met));
+    if (level->owned == 1) bvx_mesh_free(ctx, level);
+    if (level->positions != NULL || level->triangles != NULL) return copy_into(ctx, c, made, level);
+    *level = *made;
+    memset(made, 0, sizeof *made);
+    return BVX_OK;
+}
+
 static bvx_status make_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
                                 int *met)
 {
     bvx_mesh found = {0};
-    bvx_status status = find_by_error(ctx, c, i, collapse, &found, met);
-    if (status == BVX_OK) status = hand_over(ctx, c, &found, &c->levels[i]);
+    bvx_status const status = hand_over(ctx, c, i, collapse, &found, met);
     bvx_mesh_free(ctx, &found);
     return status;
 }

@@ -377,11 +377,6 @@ static bvx_status thin_junction_lines(complex_round *r, uint64_t target)
 
 /* ---- Sheets ---- */
 
-static int same_label_sheet(const complex_round *r, uint32_t c, uint32_t d)
-{
-    return memcmp(r->from->sides + c / 3 * 2, r->from->sides + d / 3 * 2, 8) == 0;
-}
-
 /* A vertex of lines is one of each sheet around it: view becomes the mesh of all sheets. */
 static bvx_status part_label_sheets(complex_round *r, bvx_mesh_view *view)
 {
@@ -397,7 +392,9 @@ static bvx_status part_label_sheets(complex_round *r, bvx_mesh_view *view)
     for (uint64_t v = 0; v < r->from->mesh.vertex_count; v++) EACH_CORNER(r, v, c)
         {
             uint32_t d = alive_from(r, r->first[v]);
-            while (d != c && r->kind[v] != 0 && !same_label_sheet(r, c, d)) d = alive_from(r, r->next[d]);
+            while (d != c && r->kind[v] != 0 &&
+                   memcmp(r->from->sides + c / 3 * 2, r->from->sides + d / 3 * 2, 8) != 0)
+                d = alive_from(r, r->next[d]);
             number[c] = d == c ? count : number[d];
             if (d != c) continue;
             r->source[count] = (uint32_t)v;

@@ -61,6 +61,8 @@ static bvx_status check_parts(bvx_context *ctx, merge_work *w)
 static bvx_status sort_keys(bvx_context *ctx, merge_work *w, int triangles)
 {
     uint64_t n = 0;
+
+    BVXI_TRY(bvxi_progress(ctx, "merge", triangles ? 0.5 : 0.0));
     /* Keys of all parts, one after the other; their place names part and number. */
     for (uint64_t p = 0; p < w->part_count; p++) {
         const bvx_mesh *const m = &w->parts[p];
@@ -116,7 +118,6 @@ static void merge_vertices(const merge_work *w, const uint64_t *start, bvx_mesh 
 static bvx_status merge_parts(bvx_context *ctx, merge_work *w, uint64_t *start, uint64_t *vertex_start,
                               bvx_mesh *whole)
 {
-    BVXI_TRY(bvxi_progress(ctx, "merge", 0.0));
     /* All keys together say how many vertices there are, before any is made. */
     BVXI_TRY(sort_keys(ctx, w, 0));
     uint64_t different = w->vertices != 0;
@@ -125,8 +126,7 @@ static bvx_status merge_parts(bvx_context *ctx, merge_work *w, uint64_t *start, 
     BVXI_TRY(bvxi_mesh_open(ctx, merge_name, w->parts[0].position_type, 1, different, w->triangles, whole));
     memcpy(whole->frame, w->parts[0].frame, sizeof whole->frame);
     merge_vertices(w, vertex_start, whole);
-    bvx_status status = bvxi_progress(ctx, "merge", 0.5);
-    if (status == BVX_OK) status = sort_keys(ctx, w, 1);
+    bvx_status const status = sort_keys(ctx, w, 1);
     if (status != BVX_OK) {
         bvx_mesh_free(ctx, whole);
         return status;
