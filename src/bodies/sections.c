@@ -64,18 +64,6 @@ bvx_status bvxi_section_options_check(bvx_context *ctx, const char *function, bv
     return BVX_OK;
 }
 
-/* Vertices of the planes: rings, or in the field's way none until they are needed. */
-static bvx_status make_rings(bvxi_stack *s)
-{
-    if (s->options.slabs.crossings == BVX_CROSSINGS_EXACT) return bvxi_rings_make(s);
-    for (uint32_t i = 0; i < s->plane_count; i++) {
-        bvxi_plane *const p = &s->plane[i];
-        memset(p->ring, 0xff, (size_t)p->point_count * 4);
-        s->report.unkept_points += p->point_count;
-    }
-    return BVX_OK;
-}
-
 static bvx_status make_caps(bvxi_stack *s)
 {
     if (s->options.caps != BVX_CAPS_FLAT) return BVX_OK;
@@ -96,7 +84,14 @@ static bvx_status make_surface(bvxi_stack *s, bvxi_slab **slabs, uint32_t *cross
     BVXI_TRY(BVXI_SHARE(s->ctx, 0.0, 0.02, bvxi_nesting_find(s)));
     BVXI_TRY(BVXI_SHARE(s->ctx, 0.02, 0.04, bvxi_nesting_make(s)));
     BVXI_TRY(BVXI_SHARE(s->ctx, 0.04, 0.1, bvxi_slabs_make(s, slabs)));
-    BVXI_TRY(BVXI_SHARE(s->ctx, 0.1, 0.12, make_rings(s)));
+    int const exact = s->options.slabs.crossings == BVX_CROSSINGS_EXACT;
+    if (exact) BVXI_TRY(BVXI_SHARE(s->ctx, 0.1, 0.12, bvxi_rings_make(s)));
+    /* In the field's way the planes have no vertices until they are needed. */
+    for (uint32_t i = 0; i < s->plane_count && !exact; i++) {
+        bvxi_plane *const p = &s->plane[i];
+        memset(p->ring, 0xff, (size_t)p->point_count * 4);
+        s->report.unkept_points += p->point_count;
+    }
     BVXI_TRY(BVXI_SHARE(s->ctx, 0.12, 0.8, bvxi_slabs_fill(s, *slabs, s->slab_count)));
     return BVXI_SHARE(s->ctx, 0.8, 1.0,
                       BVXI_SCOPE(s->ctx, bvxi_nesting_crossed(s, *slabs, s->slab_count, crossed)));
@@ -182,19 +177,6 @@ static bvx_status open_sections(const body_job *job, const bvx_sections *section
                       bvxi_stack_open(job->ctx, sections_name, sections, job->o, s));
 }
 
-/* Loops moved apart by a hair may leave a cap that is cut wrongly: such a mesh is refused. */
-static bvx_status check_body(const body_job *job)
-{
-    int sound;
-    BVXI_TRY(bvxi_section_check_mesh(job->ctx, job->mesh, job->own, &sound));
-    if (sound) return BVX_OK;
-    return bvxi_fail_for(
-        job->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
-        "%s: the mended loops run too near to each other for a closed, manifold mesh; take fewer points, or mend "
-        "the contours before",
-        sections_name);
-}
-
 /* Mended loops may be left in one section only: job->left is its number and no body is made. */
 static bvx_status build_stack(body_job *job, const bvx_sections *sections)
 {
@@ -224,7 +206,17 @@ static bvx_status build_stack(body_job *job, const bvx_sections *sections)
         s.report.prismoid_volume = sum;
 
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.15, 0.95, BVXI_SCOPE(job->ctx, build_body(&s, job->mesh))));
-        if (mended.loops != 0) BVXI_TRY(BVXI_SHARE(job->ctx, 0.95, 1.0, check_body(job)));
+        /* Loops moved apart by a hair may leave a cap that is cut wrongly: such a mesh is refused. */
+        int sound = 1;
+        if (mended.loops != 0)
+            BVXI_TRY(BVXI_SHARE(job->ctx, 0.95, 1.0,
+                                bvxi_section_check_mesh(job->ctx, job->mesh, job->own, &sound)));
+        if (!sound)
+            return bvxi_fail_for(
+                job->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
+                "%s: the mended loops run too near to each other for a closed, manifold mesh; take fewer points, or mend "
+                "the contours before",
+                sections_name);
     }
     *job->report = s.report;
     return BVX_OK;

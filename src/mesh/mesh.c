@@ -184,31 +184,6 @@ bvx_status bvxi_mesh_check_reserved(bvx_context *ctx, const char *function, cons
     return BVX_OK;
 }
 
-static bvx_status check_mesh_struct(bvx_context *ctx, const char *function, const bvx_mesh *mesh)
-{
-    int const empty = mesh->vertex_count == 0 && mesh->triangle_count == 0;
-
-    BVXI_TRY(bvxi_mesh_check_reserved(ctx, function, mesh));
-    if (mesh->position_type != BVX_F32 && mesh->position_type != BVX_F64 &&
-        !(empty && mesh->position_type == 0))
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
-                             "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
-                             (int64_t)mesh->position_type);
-    if (mesh->vertex_count > UINT32_MAX || mesh->triangle_count > INT32_MAX)
-        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: the mesh has %u vertices and %u triangles, limits are 2^32 and 2^31",
-                             function, mesh->vertex_count, mesh->triangle_count);
-    if (mesh->vertex_count != 0 && mesh->positions == NULL)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
-                             "%s: mesh.positions is NULL with a vertex_count of %u", function,
-                             mesh->vertex_count);
-    if (mesh->triangle_count != 0 && mesh->triangles == NULL)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
-                             "%s: mesh.triangles is NULL with a triangle_count of %u", function,
-                             mesh->triangle_count);
-    return BVX_OK;
-}
-
 static bvx_status run_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint64_t *hash)
 {
     static const char *const function = "bvx_mesh_hash";
@@ -216,7 +191,26 @@ static bvx_status run_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint
     int32_t type[2] = {0, 0};
     if (mesh == NULL) return bvxi_fail_null(context, function, "mesh");
     if (hash == NULL) return bvxi_fail_null(context, function, "hash");
-    BVXI_TRY(check_mesh_struct(context, function, mesh));
+    int const empty = mesh->vertex_count == 0 && mesh->triangle_count == 0;
+
+    BVXI_TRY(bvxi_mesh_check_reserved(context, function, mesh));
+    if (mesh->position_type != BVX_F32 && mesh->position_type != BVX_F64 &&
+        !(empty && mesh->position_type == 0))
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                             "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
+                             (int64_t)mesh->position_type);
+    if (mesh->vertex_count > UINT32_MAX || mesh->triangle_count > INT32_MAX)
+        return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: the mesh has %u vertices and %u triangles, limits are 2^32 and 2^31",
+                             function, mesh->vertex_count, mesh->triangle_count);
+    if (mesh->vertex_count != 0 && mesh->positions == NULL)
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
+                             "%s: mesh.positions is NULL with a vertex_count of %u", function,
+                             mesh->vertex_count);
+    if (mesh->triangle_count != 0 && mesh->triangles == NULL)
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
+                             "%s: mesh.triangles is NULL with a triangle_count of %u", function,
+                             mesh->triangle_count);
     type[0] = mesh->position_type;
 
     bvxi_hash_start(&h, 0);

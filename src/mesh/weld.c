@@ -14,21 +14,6 @@ enum {
     WELD_PARTS = 4       /* more would read more than they share */
 };
 
-/* 31 well mixed bits of a position; adding 0 makes -0 the same as 0. */
-static uint32_t weld_hash(const double p[3])
-{
-    uint64_t h = 0, bits;
-    /* Each coordinate is mixed in before the next, so that equal bits at other places give another hash. */
-    for (int a = 0; a < 3; a++) {
-        double x = p[a] + 0.0;
-        memcpy(&bits, &x, sizeof bits);
-        h = (h ^ bits) * UINT64_C(0x9e3779b97f4a7c15);
-        h ^= h >> 29;
-    }
-    h *= UINT64_C(0xbf58476d1ce4e5b9);
-    return (uint32_t)(h >> 33);
-}
-
 /* The table in parts, each of which a task has for itself: it looks at all vertices and takes those whose search begins
  * there. That costs a look for each task: there are as many as threads, which show nowhere. */
 typedef struct weld_job {
@@ -52,7 +37,17 @@ static uint64_t weld_slots(const weld_job *w, uint64_t begin, uint64_t end, uint
 
         bvxi_view_position(w->view, *next, p);
         /* The high bits of the hash times the size spread over the table without a division. */
-        slot[n] = (uint64_t)weld_hash(p) * w->size >> 31; /* size < 2^33 */
+        /* Mixed well; adding 0 makes -0 the same as 0. */
+        uint64_t h = 0, bits;
+        /* Each coordinate is mixed in before the next, so that equal bits at other places give another hash. */
+        for (int a = 0; a < 3; a++) {
+            double x = p[a] + 0.0;
+            memcpy(&bits, &x, sizeof bits);
+            h = (h ^ bits) * UINT64_C(0x9e3779b97f4a7c15);
+            h ^= h >> 29;
+        }
+        h *= UINT64_C(0xbf58476d1ce4e5b9);
+        slot[n] = (h >> 33) * w->size >> 31; /* size < 2^33 */
         if (slot[n] - begin >= end - begin) continue;
         BVXI_PREFETCH(&w->table[slot[n]]);
         vertex[n++] = (uint32_t)*next;

@@ -114,14 +114,6 @@ static int64_t twice_the_handles(const bvx_certificate *c)
     return 2 * (int64_t)c->components - c->euler;
 }
 
-/* 1: the walls are hardly any of the surface, and made handles and nothing else. */
-static int is_better_without(const bvx_repair_report *with, const bvx_repair_report *without)
-{
-    const bvx_certificate *const a = &with->after, *const b = &without->after;
-    return b->components == a->components && twice_the_handles(b) < twice_the_handles(a) &&
-           bvxi_absolute(a->area - b->area) <= FEW_WALLS * a->area;
-}
-
 /* The surface with its thin walls. They may have grown together with what is beside them, and a handle costs
  * a small level more than such walls are worth: without them it is measured once more where that may be
  * so. */
@@ -145,7 +137,10 @@ static bvx_status measure_surface(levels_job *job, int32_t resolution, bvx_mesh 
         job->ctx, mark,
         BVXI_SHARE(job->ctx, 0.7, 1.0, repair_surface(job, resolution, BVX_THIN_SHELL, &without)));
     if (status != BVX_OK && status != BVX_ERR_EMPTY) return status;
-    if (status == BVX_OK && is_better_without(&with, report)) {
+    /* The walls are hardly any of the surface, and made handles and nothing else. */
+    const bvx_certificate *const a = &with.after, *const b = &report->after;
+    if (status == BVX_OK && b->components == a->components && twice_the_handles(b) < twice_the_handles(a) &&
+        bvxi_absolute(a->area - b->area) <= FEW_WALLS * a->area) {
         bvx_mesh const kept = *surface;
 
         *surface = without;

@@ -21,29 +21,6 @@
 #define ENCLOSE_OFFSET 1.03
 #define ENCLOSE_MOST   4096.0 /* voxels along an axis */
 
-/* What is within the offset, or closed off by it; distances become those to the offset's surface. */
-static bvx_status find_enclosing(bvx_context *ctx, bvx_field *field, double offset, bvx_grid *body)
-{
-    uint64_t const words = bvxi_grid_words(&field->band);
-    float *const distance = field->distances;
-    uint64_t next = 0;
-
-    BVXI_TRY(BVXI_ARRAY(ctx, words, "what is enclosed", body->words));
-    body->word_capacity = words;
-    BVXI_TRY(bvx_grid_create(ctx, &field->band.lattice, NULL, body));
-    for (uint64_t i = 0; i < words; i++) {
-        uint64_t near = 0;
-
-        for (uint64_t bits = field->band.words[i]; bits != 0; bits &= bits - 1) {
-            distance[next] -= (float)offset;
-            near |= (bits & ~(bits - 1)) * (uint64_t)(distance[next] <= 0);
-            next++;
-        }
-        body->words[i] = near;
-    }
-    return bvx_grid_fill_cavities(ctx, body, 6, 0, body, NULL);
-}
-
 static bvx_status surface_around(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                                  const bvx_lattice *lattice, bvx_field *field, bvx_mesh *surface)
 {
@@ -58,7 +35,26 @@ static bvx_status surface_around(bvx_context *ctx, const char *function, const b
     bvxi_cut_rule rule = {.offset = 0};
 
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.6, bvx_measure_field(ctx, mesh, lattice, &o, field)));
-    BVXI_TRY(find_enclosing(ctx, field, offset, &body));
+
+    /* What is within the offset, or closed off by it; distances become those to the offset's surface. */
+    uint64_t const words = bvxi_grid_words(&field->band);
+    float *const distance = field->distances;
+    uint64_t next = 0;
+
+    BVXI_TRY(BVXI_ARRAY(ctx, words, "what is enclosed", body.words));
+    body.word_capacity = words;
+    BVXI_TRY(bvx_grid_create(ctx, &field->band.lattice, NULL, &body));
+    for (uint64_t i = 0; i < words; i++) {
+        uint64_t near = 0;
+
+        for (uint64_t bits = field->band.words[i]; bits != 0; bits &= bits - 1) {
+            distance[next] -= (float)offset;
+            near |= (bits & ~(bits - 1)) * (uint64_t)(distance[next] <= 0);
+            next++;
+        }
+        body.words[i] = near;
+    }
+    BVXI_TRY(bvx_grid_fill_cavities(ctx, &body, 6, 0, &body, NULL));
     bvxi_sparse const values = bvxi_sparse_of_field(field);
     rule.values = &values;
     return BVXI_SHARE(ctx, 0.6, 1.0, bvxi_field_surface(ctx, function, &body, &rule, &s, surface));

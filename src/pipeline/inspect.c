@@ -57,16 +57,6 @@ typedef struct inspect_job {
 
 /* ---- Rays ---- */
 
-/* The first triangle ahead, where it faces the ray: walls end at its back, gaps at its front. */
-static int other_side_faces(const inspect_job *job, const double *ray, const bvx_mesh_hit *hit, int kind)
-{
-    double p[3][3], n[3], length;
-    if (hit->side != (kind == BVX_FINDING_WALL ? -1 : 1)) return 0;
-    bvxi_view_scaled(job->mesh, hit->triangle, job->scale, p);
-    length = bvxi_facet_normal((const double(*)[3])p, n);
-    return bvxi_absolute(bvxi_vec_dot(n, ray + 3)) >= INSPECT_FACING * length;
-}
-
 static void note_thickness(inspect_job *job, uint64_t i, double length)
 {
     const inspect_batch *const b = &job->batch;
@@ -105,9 +95,14 @@ static bvx_status take_way(inspect_job *job, int kind, uint64_t i)
     const double *const ray = job->batch.ray + 6 * i;
     double const length = hit->t + job->off, area = job->batch.area[i];
     double *const least = kind == BVX_FINDING_WALL ? &job->report.least_thickness : &job->report.least_gap;
-    double ends[2][3];
+    double ends[2][3], p[3][3], n[3];
 
-    if (!other_side_faces(job, ray, hit, kind)) return BVX_OK;
+    /* The first triangle ahead, where it faces the ray: walls end at its back, gaps at its front. */
+    if (hit->side != (kind == BVX_FINDING_WALL ? -1 : 1)) return BVX_OK;
+    bvxi_view_scaled(job->mesh, hit->triangle, job->scale, p);
+    double const twice = bvxi_facet_normal((const double(*)[3])p, n);
+    if (!(bvxi_absolute(bvxi_vec_dot(n, ray + 3)) >= INSPECT_FACING * twice)) return BVX_OK;
+
     memcpy(ends[0], ray, sizeof ends[0]);
     memcpy(ends[1], hit->position, sizeof ends[1]);
     if (kind == BVX_FINDING_WALL) note_thickness(job, i, length);

@@ -145,15 +145,6 @@ static bvx_status merge_blocks(octree_mesh_job *job, bvx_mesh *mesh)
     return BVX_OK;
 }
 
-static bvx_status run_blocks(octree_mesh_job *job, bvx_mesh *mesh)
-{
-    /* Counted first, so that positions of all blocks have one type. */
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.05, visit_blocks(job)));
-    bvx_status const status = merge_blocks(job, mesh);
-    for (uint64_t i = job->part_count; i-- > 0;) bvx_mesh_free(job->ctx, &job->part[i]);
-    return status;
-}
-
 static bvx_status run_extract_octree(bvx_context *context, const bvx_octree *tree, int32_t states,
                                      const bvx_extract_options *options, bvx_mesh *mesh)
 {
@@ -182,7 +173,11 @@ static bvx_status run_extract_octree(bvx_context *context, const bvx_octree *tre
         job.blocks[a] = (tree->lattice.dims[a] - 1 + (1 << BLOCK_SHIFT) - 1) >> BLOCK_SHIFT;
         if (job.blocks[a] < 1) job.blocks[a] = 1;
     }
-    return run_blocks(&job, mesh);
+    /* Counted first, so that positions of all blocks have one type. */
+    BVXI_TRY(BVXI_SHARE(job.ctx, 0.0, 0.05, visit_blocks(&job)));
+    bvx_status const status = merge_blocks(&job, mesh);
+    for (uint64_t i = job.part_count; i-- > 0;) bvx_mesh_free(job.ctx, &job.part[i]);
+    return status;
 }
 
 bvx_status bvx_extract_octree(bvx_context *context, const bvx_octree *tree, int32_t states,

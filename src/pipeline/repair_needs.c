@@ -17,18 +17,6 @@ static int32_t repair_need(const bvx_certificate *c)
 
 /* ---- Several pieces ---- */
 
-static bvx_status judge_pieces(bvxi_repair_job *job, int *right)
-{
-    bvxi_piece_marks by = {0};
-    bvxi_mesh_piece *pieces = NULL;
-    uint64_t count;
-    by.piece = job->piece;
-    BVXI_TRY(bvxi_mesh_pieces_open(job->ctx, &job->mesh, &by, &job->report.before, &pieces, &count));
-    *right = bvxi_cavities_lie_within(pieces, count);
-    bvxi_drop(job->ctx, pieces);
-    return BVX_OK;
-}
-
 /* Do parity and nonzero fill the same voxels? Then no piece hides another. */
 static bvx_status judge_nesting(bvxi_repair_job *job, int *right)
 {
@@ -52,7 +40,17 @@ bvx_status bvxi_repair_needs(bvxi_repair_job *job)
 
     /* Cheapest first: volumes, then two fills, then crossings, which several pieces may not come to. */
     right = r->turned == 0;
-    if (several && right) BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.1, judge_pieces(job, &right)));
+    if (several && right) {
+        bvxi_piece_marks by = {0};
+        bvxi_mesh_piece *pieces = NULL;
+        uint64_t count;
+
+        by.piece = job->piece;
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.1,
+                            bvxi_mesh_pieces_open(job->ctx, &job->mesh, &by, &r->before, &pieces, &count)));
+        right = bvxi_cavities_lie_within(pieces, count);
+        bvxi_drop(job->ctx, pieces);
+    }
     if (several && right)
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.1, 0.2, BVXI_SCOPE(job->ctx, judge_nesting(job, &right))));
     if (!right) {

@@ -318,19 +318,6 @@ static bvx_status list_parted(bvxi_repair_job *job, const all_sums *sums)
 
 /* ---- Open pieces that make a body together ---- */
 
-static void sum_joined(const bvxi_repair_job *job, const uint8_t *answer, all_sums *sums)
-{
-    double p[3][3], n[3];
-    piece_sums *piece;
-    /* By the area of what lies on a common body's border. */
-    for (uint64_t i = 0; i < sums->count; i++) sums->piece[i].joined = 0;
-    for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
-        if (answer[t] != BVXI_TRIANGLE_ENCLOSED) continue;
-        double const length = normal_of(job, sums, t, &piece, p, n);
-        piece->joined += 0.5 * length;
-    }
-}
-
 /* The triangles of joined pieces are to be asked again; none where a lid over all of them would be large,
  * also together with the bodies whose holes they may close. Returns how many. */
 static uint64_t ask_joined_pieces(const bvxi_repair_job *job, all_sums *sums, uint8_t *answer)
@@ -389,7 +376,17 @@ static bvx_status join_open_pieces(bvxi_repair_job *job, all_sums *sums)
         before = asked;
         if (round > 0) BVXI_TRY(list_parted(job, sums));
         BVXI_TRY(repair_enclosed(job, answer));
-        sum_joined(job, round < SHEET_ROUNDS ? answer : memset(answer, 0, (size_t)bytes), sums);
+        if (round >= SHEET_ROUNDS) memset(answer, 0, (size_t)bytes);
+
+        /* By the area of what lies on a common body's border. */
+        for (uint64_t i = 0; i < sums->count; i++) sums->piece[i].joined = 0;
+        for (uint64_t t = 0; t < bytes; t++) {
+            double p[3][3], n[3];
+            piece_sums *piece;
+            if (answer[t] != BVXI_TRIANGLE_ENCLOSED) continue;
+            double const length = normal_of(job, sums, t, &piece, p, n);
+            piece->joined += 0.5 * length;
+        }
         asked = ask_joined_pieces(job, sums, answer);
     }
     bvxi_drop(job->ctx, answer);

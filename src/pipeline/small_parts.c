@@ -160,14 +160,7 @@ static void mark_small_run(void *user, uint32_t space, int32_t begin, int32_t en
 
 /* ---- What the meshes have there ---- */
 
-/* 0: nothing, 1: a voxel of a large part, 2: of a small one. [Units: voxels of the window] */
-static int crumb_at(const crumb_job *job, const double at[3])
-{
-    if (bvxi_grid_at(job->inside, at) == (job->empty != 0)) return 0;
-    return bvxi_grid_at(&job->small, at) ? 2 : 1;
-}
-
-/* The voxel on either side of a triangle's middle that is of a part. */
+/* The voxel on either side of a triangle's middle that is of a part. 0: none, 1: of a large part, 2: of a small one. */
 static int crumb_beside(const crumb_job *job, const double p[3][3])
 {
     static const double depth[4] = {-0.5, 0.5, -1.0, 1.0};
@@ -182,8 +175,7 @@ static int crumb_beside(const crumb_job *job, const double p[3][3])
             at[a] = ((p[0][a] + p[1][a] + p[2][a]) / 3.0 + n[a] / length * depth[d] * h - l->origin[a]) /
                         l->spacing[a] -
                     (double)job->inside->low[a];
-        int const found = crumb_at(job, at);
-        if (found != 0) return found;
+        if (bvxi_grid_at(job->inside, at) != (job->empty != 0)) return bvxi_grid_at(&job->small, at) ? 2 : 1;
     }
     return 0;
 }

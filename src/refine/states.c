@@ -240,15 +240,6 @@ static inline void expose_children(states_job *job, int32_t level, uint64_t octe
     list_octet(job, level, octet, &o->state);
 }
 
-static inline void expose_voxels(states_job *job, uint64_t octet, uint64_t voxels)
-{
-    cube_news *const c = &job->cubes[octet];
-    uint64_t const fresh = voxels & ~(c->touched | c->outside | c->fresh);
-    if (fresh == 0) return;
-    c->fresh |= fresh;
-    list_octet(job, job->bottom, octet, &c->state);
-}
-
 static inline uint64_t octet_below(const states_job *job, int32_t level, uint64_t octet, uint32_t p)
 {
     return bvxi_octets_rank(&job->tree->octets[level], 8 * octet + p);
@@ -385,8 +376,15 @@ static void work_on_cube(states_job *job, uint64_t octet)
         uint64_t const side = news & bvxi_cube_side(d);
         if (side == 0) continue;
         octree_neighbour const beyond = neighbour_of(job, job->bottom, octet, d);
-        if (beyond.kind == NEIGHBOUR_OCTET) expose_voxels(job, beyond.octet, bvxi_cube_beyond(side, d));
-        else pass_to_leaf(job, &beyond);
+        if (beyond.kind != NEIGHBOUR_OCTET) {
+            pass_to_leaf(job, &beyond);
+            continue;
+        }
+        cube_news *const next = &job->cubes[beyond.octet];
+        uint64_t const fresh = bvxi_cube_beyond(side, d) & ~(next->touched | next->outside | next->fresh);
+        if (fresh == 0) continue;
+        next->fresh |= fresh;
+        list_octet(job, job->bottom, beyond.octet, &next->state);
     }
 }
 

@@ -669,37 +669,6 @@ static bvx_status open_arrays(bvxi_collapse *c)
     return bvxi_collapse_evaluate(c);
 }
 
-static bvx_status open_steps(bvxi_collapse *c, const bvx_mesh_view *mesh)
-{
-    double low[3], high[3], size = 0;
-
-    BVXI_TRY(bvxi_view_bounds(c->ctx, c->function, mesh, low, high));
-    for (int a = 0; a < 3; a++) {
-        c->low[a] = low[a];
-        if (high[a] - low[a] > size) size = high[a] - low[a];
-    }
-
-    if (size > 0 && !(size >= COLLAPSE_NARROWEST && size <= COLLAPSE_WIDEST))
-        return bvxi_fail_for(c->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
-                             "%s: the mesh spans %g; edges collapse between spans of %g and %g: scale it",
-                             c->function, size, COLLAPSE_NARROWEST, COLLAPSE_WIDEST);
-
-    /* The longest side decides: steps are the same along all axes. */
-    c->scale = size > 0 ? 1 / size : 1;
-
-    c->mesh.triangle_room = c->mesh.triangles = mesh->triangle_count;
-    BVXI_TRY(BVXI_ARRAY(c->ctx, c->mesh.triangle_room, "the triangles", c->mesh.triangle));
-
-    /* Ordered before it is connected, so that neighbours are written close to each other. */
-    BVXI_TRY(order_mesh(c, mesh, low, size));
-    BVXI_TRY(bvxi_progress(c->ctx, "collapse", 0.03));
-    BVXI_TRY(bvxi_corners_connect(c->ctx, c->function, &c->mesh, c->options.borders));
-    c->counts.split = c->mesh.split;
-    BVXI_TRY(bvxi_progress(c->ctx, "collapse", 0.07));
-    bvxi_ranges(c->ctx, bvxi_looking_pieces(c->ctx), c->mesh.vertices, quadrics_piece, c);
-    return open_arrays(c);
-}
-
 int bvxi_collapse_needs_sources(const bvx_mesh_view *mesh, const bvxi_collapse_options *options)
 {
     return mesh->uvs != NULL || mesh->uvs2 != NULL || mesh->normals != NULL || mesh->colours != NULL ||
@@ -726,7 +695,33 @@ bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_
     c->sheets = sheets;
     c->source = sheets->source;
     c->fast = bvxi_cpu(ctx) == BVX_CPU_AVX2;
-    BVXI_TRY(open_steps(c, &sheets->view));
+    double low[3], high[3], size = 0;
+
+    BVXI_TRY(bvxi_view_bounds(c->ctx, c->function, &sheets->view, low, high));
+    for (int a = 0; a < 3; a++) {
+        c->low[a] = low[a];
+        if (high[a] - low[a] > size) size = high[a] - low[a];
+    }
+
+    if (size > 0 && !(size >= COLLAPSE_NARROWEST && size <= COLLAPSE_WIDEST))
+        return bvxi_fail_for(c->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                             "%s: the mesh spans %g; edges collapse between spans of %g and %g: scale it",
+                             c->function, size, COLLAPSE_NARROWEST, COLLAPSE_WIDEST);
+
+    /* The longest side decides: steps are the same along all axes. */
+    c->scale = size > 0 ? 1 / size : 1;
+
+    c->mesh.triangle_room = c->mesh.triangles = sheets->view.triangle_count;
+    BVXI_TRY(BVXI_ARRAY(c->ctx, c->mesh.triangle_room, "the triangles", c->mesh.triangle));
+
+    /* Ordered before it is connected, so that neighbours are written close to each other. */
+    BVXI_TRY(order_mesh(c, &sheets->view, low, size));
+    BVXI_TRY(bvxi_progress(c->ctx, "collapse", 0.03));
+    BVXI_TRY(bvxi_corners_connect(c->ctx, c->function, &c->mesh, c->options.borders));
+    c->counts.split = c->mesh.split;
+    BVXI_TRY(bvxi_progress(c->ctx, "collapse", 0.07));
+    bvxi_ranges(c->ctx, bvxi_looking_pieces(c->ctx), c->mesh.vertices, quadrics_piece, c);
+    BVXI_TRY(open_arrays(c));
     *collapse = c;
     return BVX_OK;
 }

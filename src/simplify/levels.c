@@ -149,15 +149,6 @@ static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
 
 /* ---- Levels ---- */
 
-static bvx_status make_by_count(bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse, int *met)
-{
-    uint64_t const wanted = target_of(c, i), target = wanted < c->halve_from ? wanted : c->halve_from;
-    BVXI_TRY(bvxi_collapse_to(collapse, target, 0.0, 1.0));
-    *met = collapse->mesh.left <= wanted;
-    c->closed = collapse->closed;
-    return bvxi_collapse_give(collapse, &c->levels[i]);
-}
-
 /* The share of the error of level i that a distance takes up: 1 or less keeps it. */
 static double error_share(const bvxi_level_chain *c, uint64_t i, const bvx_distance_report *d)
 {
@@ -290,9 +281,15 @@ static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, 
     double const made = c->reports == NULL ? 1.0 : c->targets.samples == 0 ? 0.9 : 0.7;
     int met = 0;
 
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, made,
-                        c->targets.errors != NULL ? make_by_error(ctx, c, i, collapse, &met)
-                                                  : make_by_count(c, i, collapse, &met)));
+    if (c->targets.errors != NULL) {
+        BVXI_TRY(BVXI_SHARE(ctx, 0.0, made, make_by_error(ctx, c, i, collapse, &met)));
+    } else {
+        uint64_t const wanted = target_of(c, i), target = wanted < c->halve_from ? wanted : c->halve_from;
+        BVXI_TRY(BVXI_SHARE(ctx, 0.0, made, bvxi_collapse_to(collapse, target, 0.0, 1.0)));
+        met = collapse->mesh.left <= wanted;
+        c->closed = collapse->closed;
+        BVXI_TRY(bvxi_collapse_give(collapse, &c->levels[i]));
+    }
     /* By count the collapse went as far as it could; by error it had nothing to take back. */
     if (c->targets.strict && !met) {
         if (c->targets.errors != NULL)

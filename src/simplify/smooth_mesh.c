@@ -349,21 +349,6 @@ static double volume_of(const mesh_filter *w, const double *at)
     return sum / 6.0 / w->scale / w->scale / w->scale;
 }
 
-static void fill_report(const mesh_filter *w, bvx_smooth_report *report)
-{
-    memset(report, 0, sizeof *report);
-    report->volume_before = volume_of(w, w->given);
-    report->volume_after = volume_of(w, w->at);
-    for (uint64_t v = 0; v < w->view->vertex_count; v++) {
-        if (w->place[v] != v) continue;
-        double const move = is_held(w, v) ? 0.0 : bvxi_vec_distance2(w->given + 3 * v, w->at + 3 * v);
-        if (move > report->largest_move) report->largest_move = move;
-        report->held += (uint64_t)is_held(w, v);
-        report->undone += w->options->no_crossings && (w->lines[v] & ~STRUCK) != 0;
-    }
-    report->largest_move = sqrt(report->largest_move) / w->scale;
-}
-
 static bvx_status open_positions(bvx_context *ctx, mesh_filter *w)
 {
     uint64_t const bytes = w->view->vertex_count * 24;
@@ -410,7 +395,20 @@ static bvx_status run_mesh_smooth(bvx_context *ctx, const bvx_mesh_view *mesh,
         if (is_held(&w, v)) memcpy(w.at + 3 * v, w.given + 3 * v, 24);
     put_smoothed(&w, positions);
     if (o.no_crossings) BVXI_TRY(BVXI_SHARE(ctx, 0.5, 1.0, undo_crossings(ctx, &w, positions)));
-    if (o.report != NULL) fill_report(&w, o.report);
+    if (o.report == NULL) return BVX_OK;
+
+    bvx_smooth_report *const report = o.report;
+    memset(report, 0, sizeof *report);
+    report->volume_before = volume_of(&w, w.given);
+    report->volume_after = volume_of(&w, w.at);
+    for (uint64_t v = 0; v < mesh->vertex_count; v++) {
+        if (w.place[v] != v) continue;
+        double const move = is_held(&w, v) ? 0.0 : bvxi_vec_distance2(w.given + 3 * v, w.at + 3 * v);
+        if (move > report->largest_move) report->largest_move = move;
+        report->held += (uint64_t)is_held(&w, v);
+        report->undone += o.no_crossings && (w.lines[v] & ~STRUCK) != 0;
+    }
+    report->largest_move = sqrt(report->largest_move) / w.scale;
     return BVX_OK;
 }
 

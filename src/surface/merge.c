@@ -97,24 +97,6 @@ static void start_parts(const merge_work *w, int triangles, uint64_t *start)
     }
 }
 
-static void merge_vertices(const merge_work *w, const uint64_t *start, bvx_mesh *whole)
-{
-    size_t const bytes = whole->position_type == BVX_F32 ? 12 : 24;
-    uint64_t n = 0;
-
-    for (uint64_t i = 0; i < w->vertices; i++) {
-        uint64_t const place = w->order[i];
-        /* The first of equal keys gives the position: they are the same in all parts. */
-        if (i == 0 || w->keys[i] != w->keys[i - 1]) {
-            uint64_t const p = part_of(start, w->part_count, place);
-            memcpy((unsigned char *)whole->positions + n * bytes,
-                   (const unsigned char *)w->parts[p].positions + (place - start[p]) * bytes, bytes);
-            whole->vertex_keys[n++] = w->keys[i];
-        }
-        w->renumber[place] = (uint32_t)(n - 1);
-    }
-}
-
 static bvx_status merge_parts(bvx_context *ctx, merge_work *w, uint64_t *start, uint64_t *vertex_start,
                               bvx_mesh *whole)
 {
@@ -125,7 +107,20 @@ static bvx_status merge_parts(bvx_context *ctx, merge_work *w, uint64_t *start, 
     start_parts(w, 0, vertex_start);
     BVXI_TRY(bvxi_mesh_open(ctx, merge_name, w->parts[0].position_type, 1, different, w->triangles, whole));
     memcpy(whole->frame, w->parts[0].frame, sizeof whole->frame);
-    merge_vertices(w, vertex_start, whole);
+    size_t const bytes = whole->position_type == BVX_F32 ? 12 : 24;
+    uint64_t n = 0;
+
+    for (uint64_t i = 0; i < w->vertices; i++) {
+        uint64_t const place = w->order[i];
+        /* The first of equal keys gives the position: they are the same in all parts. */
+        if (i == 0 || w->keys[i] != w->keys[i - 1]) {
+            uint64_t const p = part_of(vertex_start, w->part_count, place);
+            memcpy((unsigned char *)whole->positions + n * bytes,
+                   (const unsigned char *)w->parts[p].positions + (place - vertex_start[p]) * bytes, bytes);
+            whole->vertex_keys[n++] = w->keys[i];
+        }
+        w->renumber[place] = (uint32_t)(n - 1);
+    }
     bvx_status const status = sort_keys(ctx, w, 1);
     if (status != BVX_OK) {
         bvx_mesh_free(ctx, whole);
