@@ -64,20 +64,6 @@ bvx_status bvxi_section_options_check(bvx_context *ctx, const char *function, bv
     return BVX_OK;
 }
 
-static bvx_status make_caps(bvxi_stack *s)
-{
-    if (s->options.caps != BVX_CAPS_FLAT) return BVX_OK;
-    for (int k = 0; k < 2; k++) {
-        int32_t const side = k == 0 ? -1 : 1;
-        /* Without rings the cap's border is made of the lines that cells left there. */
-        if (s->options.slabs.crossings != BVX_CROSSINGS_EXACT)
-            BVXI_TRY(
-                bvxi_cap_fill_edges(s, (const uint32_t(*)[2])s->cap_edge[k], s->cap_edge_count[k], side));
-        else BVXI_TRY(bvxi_cap_fill(s, &s->plane[k == 0 ? 0 : s->plane_count - 1], side));
-    }
-    return BVX_OK;
-}
-
 /* The surface between the sections; *crossed slabs have levels that cross. */
 static bvx_status make_surface(bvxi_stack *s, bvxi_slab **slabs, uint32_t *crossed)
 {
@@ -134,7 +120,14 @@ static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
     }
     for (uint32_t i = 0; i + 1 < s->plane_count && s->nesting.count != NULL; i++)
         s->report.joined_slabs += s->nesting.joined[i] == BVXI_LEVELS_JOINED;
-    BVXI_TRY(make_caps(s));
+    for (int k = 0; k < 2 && s->options.caps == BVX_CAPS_FLAT; k++) {
+        int32_t const side = k == 0 ? -1 : 1;
+        /* Without rings the cap's border is made of the lines that cells left there. */
+        if (s->options.slabs.crossings != BVX_CROSSINGS_EXACT)
+            BVXI_TRY(
+                bvxi_cap_fill_edges(s, (const uint32_t(*)[2])s->cap_edge[k], s->cap_edge_count[k], side));
+        else BVXI_TRY(bvxi_cap_fill(s, &s->plane[k == 0 ? 0 : s->plane_count - 1], side));
+    }
     return BVXI_SHARE(s->ctx, 0.95, 1.0, bvxi_slabs_join(s, slabs, s->slab_count, mesh));
 }
 
@@ -233,21 +226,6 @@ static bvx_status build_mended(const body_job *job, const bvx_sections *sections
         bvxi_oblique_body(job->ctx, sections_name, &mended->sections, job->o, job->report, job->mesh));
 }
 
-/* What cannot be mended is refused by its own loops' numbers, as of parallel planes. */
-static bvx_status build_planes(const body_job *job, const bvx_sections *sections)
-{
-    bvxi_mended mended = {0};
-    bvx_status status = job->o->mend ? build_mended(job, sections, &mended) : BVX_ERR_FORMAT;
-
-    if (status == BVX_ERR_FORMAT) {
-        mended.loops = 0;
-        status = bvxi_oblique_body(job->ctx, sections_name, sections, job->o, job->report, job->mesh);
-    }
-    BVXI_TRY(status);
-    job->report->mended_loops = mended.loops;
-    return BVX_OK;
-}
-
 /* Planes that are parallel after all are a stack. */
 static bvx_status build_several(body_job *job, const bvx_sections *sections)
 {
@@ -264,7 +242,18 @@ static bvx_status build_several(body_job *job, const bvx_sections *sections)
     }
     memcpy(stack.normal, sections->normals, sizeof stack.normal);
     stack.normals = NULL;
-    return parallel ? build_stack(job, &stack) : build_planes(job, sections);
+    if (parallel) return build_stack(job, &stack);
+
+    /* What cannot be mended is refused by its own loops' numbers, as of parallel planes. */
+    bvxi_mended mended = {0};
+    bvx_status status = job->o->mend ? build_mended(job, sections, &mended) : BVX_ERR_FORMAT;
+    if (status == BVX_ERR_FORMAT) {
+        mended.loops = 0;
+        status = bvxi_oblique_body(job->ctx, sections_name, sections, job->o, job->report, job->mesh);
+    }
+    BVXI_TRY(status);
+    job->report->mended_loops = mended.loops;
+    return BVX_OK;
 }
 
 /* ---- one section only ---- */

@@ -21,16 +21,6 @@ int bvxi_mesh_has_attributes(const bvx_mesh *mesh)
            mesh->normals != NULL || mesh->uvs2 != NULL || mesh->materials != NULL || mesh->assets != NULL;
 }
 
-/* 1 when arrays that the library made hold such a surface and nothing else. */
-static int suits(const bvx_mesh *mesh, int32_t position_type, int32_t keys, uint64_t vertex_count,
-                 uint64_t triangle_count)
-{
-    if (mesh->positions == NULL || mesh->triangles == NULL || mesh->position_type != position_type) return 0;
-    if ((mesh->vertex_keys != NULL) != keys || (mesh->triangle_keys != NULL) != keys) return 0;
-    if (bvxi_mesh_has_attributes(mesh)) return 0;
-    return mesh->vertex_capacity >= vertex_count && mesh->triangle_capacity >= triangle_count;
-}
-
 /* Arrays of the caller's: they must be there and suffice. */
 static bvx_status take_arrays(bvx_context *ctx, const char *function, int32_t position_type, int32_t keys,
                               uint64_t vertex_count, uint64_t triangle_count, const bvx_mesh *mesh)
@@ -77,10 +67,13 @@ bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t positi
                           uint64_t vertex_count, uint64_t triangle_count, bvx_mesh *mesh)
 {
     bvx_mesh made = {.owned = 1, .position_type = position_type};
+    int const suits = mesh->positions != NULL && mesh->triangles != NULL &&
+                      mesh->position_type == position_type && (mesh->vertex_keys != NULL) == (keys != 0) &&
+                      (mesh->triangle_keys != NULL) == (keys != 0) && !bvxi_mesh_has_attributes(mesh) &&
+                      mesh->vertex_capacity >= vertex_count && mesh->triangle_capacity >= triangle_count;
 
     /* Arrays of the library's that do not suit are freed at once, so that both need not live together. */
-    if (mesh->owned == 1 && !suits(mesh, position_type, keys != 0, vertex_count, triangle_count))
-        bvx_mesh_free(ctx, mesh);
+    if (mesh->owned == 1 && !suits) bvx_mesh_free(ctx, mesh);
     if (mesh->positions != NULL || mesh->triangles != NULL) {
         BVXI_TRY(take_arrays(ctx, function, position_type, keys, vertex_count, triangle_count, mesh));
         mesh->vertex_count = vertex_count;

@@ -118,23 +118,6 @@ static void fill_buckets(void *user, int32_t range)
         }
 }
 
-/* Triangles of one edge whose three vertices an earlier one has too. Each triangle is looked at once: on the
- * edge of its two least vertices. The entries' lower halves are reordered. */
-static uint64_t count_edge_duplicates(const topology *c, uint64_t *e, size_t n, uint32_t higher)
-{
-    uint64_t count = 0;
-    size_t kept = 0;
-    for (size_t i = 0; i < n; i++) {
-        /* Each triangle has three edges; this test leaves one of them, that of its two least vertices. */
-        uint32_t const opposite = c->corners[half_edge_before((uint32_t)e[i])];
-        if (opposite > higher) e[kept++] = (uint64_t)opposite << 32 | (e[i] & UINT32_MAX);
-    }
-    if (kept < 2) return 0;
-    bvxi_sort_u64(e, kept);
-    for (size_t i = 1; i < kept; i++) count += e[i] >> 32 == e[i - 1] >> 32;
-    return count;
-}
-
 /* The n >= 1 half-edges of one edge, sorted. */
 static void check_edge(const topology *c, uint64_t *e, size_t n, uint32_t lower, topology_counts *counts)
 {
@@ -159,7 +142,16 @@ static void check_edge(const topology *c, uint64_t *e, size_t n, uint32_t lower,
     if (upwards > 1 || n - upwards > 1) counts->against = 1;
     if (n == 2 && upwards != 1) counts->flipped++;
     if (n > 2) counts->nonmanifold++;
-    counts->duplicates += count_edge_duplicates(c, e, n, higher);
+
+    /* Triangles of the edge whose three vertices an earlier one has too. Each triangle is looked at once: on the
+     * edge of its two least vertices. The entries' lower halves are reordered. */
+    size_t kept = 0;
+    for (size_t i = 0; i < n; i++) {
+        uint32_t const opposite = c->corners[half_edge_before((uint32_t)e[i])];
+        if (opposite > higher) e[kept++] = (uint64_t)opposite << 32 | (e[i] & UINT32_MAX);
+    }
+    if (kept > 1) bvxi_sort_u64(e, kept);
+    for (size_t i = 1; i < kept; i++) counts->duplicates += e[i] >> 32 == e[i - 1] >> 32;
 }
 
 /* Is the least vertex of the triangle in the range from here on? The edge's own vertices are. */

@@ -233,24 +233,6 @@ static bvx_status settle_pair(bvxi_oblique *o, oblique_line_work *w, uint32_t a,
     return BVX_OK;
 }
 
-static bvx_status settle_line(bvxi_oblique *o, oblique_line_work *w, uint32_t a, uint32_t b)
-{
-    const double *const n = o->plane[a].normal, *const m = o->plane[b].normal;
-
-    for (int k = 0; k < 3; k++)
-        w->direction[k] = n[(k + 1) % 3] * m[(k + 2) % 3] - n[(k + 2) % 3] * m[(k + 1) % 3];
-    double const length = sqrt((w->direction[0] * w->direction[0] + w->direction[1] * w->direction[1]) +
-                               w->direction[2] * w->direction[2]);
-    if (!(length > 1e-9)) return BVX_OK; /* they cross nowhere near */
-    /* Places along the line are lengths then, which agree is one of. */
-    for (int k = 0; k < 3; k++) w->direction[k] /= length;
-    w->count = 0;
-    BVXI_TRY(find_events(o, w, a, b, 0));
-    BVXI_TRY(find_events(o, w, b, a, 1));
-    sort_events(w->event, w->count);
-    return settle_pair(o, w, a, b);
-}
-
 /* ---- the order of crossings on a contour ---- */
 
 /* Whether the way of a knot to where it was moved crosses a plane. */
@@ -289,7 +271,21 @@ bvx_status bvxi_oblique_settle(bvxi_oblique *o)
     oblique_line_work w = {0};
     for (uint32_t a = 0; a < o->plane_count; a++) {
         BVXI_TRY(bvxi_progress(o->ctx, "sections", (double)a / o->plane_count));
-        for (uint32_t b = a + 1; b < o->plane_count; b++) BVXI_TRY(settle_line(o, &w, a, b));
+        for (uint32_t b = a + 1; b < o->plane_count; b++) {
+            const double *const n = o->plane[a].normal, *const m = o->plane[b].normal, *const d = w.direction;
+
+            for (int k = 0; k < 3; k++)
+                w.direction[k] = n[(k + 1) % 3] * m[(k + 2) % 3] - n[(k + 2) % 3] * m[(k + 1) % 3];
+            double const length = sqrt((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]);
+            if (!(length > 1e-9)) continue; /* they cross nowhere near */
+            /* Places along the line are lengths then, which agree is one of. */
+            for (int k = 0; k < 3; k++) w.direction[k] /= length;
+            w.count = 0;
+            BVXI_TRY(find_events(o, &w, a, b, 0));
+            BVXI_TRY(find_events(o, &w, b, a, 1));
+            sort_events(w.event, w.count);
+            BVXI_TRY(settle_pair(o, &w, a, b));
+        }
     }
     /* Once all are moved: which side of a corner a contour passes depends on both of its crossings there. */
     for (uint32_t a = 0; a < o->plane_count; a++) {

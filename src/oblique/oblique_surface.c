@@ -383,8 +383,13 @@ static bvx_status keep_bodies(bvxi_oblique *o, uint32_t *joined, uint64_t *verti
     return BVX_OK;
 }
 
-static bvx_status write_surface(bvxi_oblique *o, uint32_t *joined, bvx_mesh *mesh)
+bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh)
 {
+    uint32_t *joined;
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6, march_all(o)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.7, close_handles(o)));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->mesh.vertex_count, "the parts of the surface", joined));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->mesh.vertex_count, "the parts of the surface", o->kept));
     uint64_t vertices;
 
     memset(o->kept, 0, (size_t)o->mesh.vertex_count);
@@ -417,14 +422,4 @@ static bvx_status write_surface(bvxi_oblique *o, uint32_t *joined, bvx_mesh *mes
         bvxi_put_position(mesh, o->options.position_type, joined[i], at[0], at[1], at[2]);
     }
     return BVX_OK;
-}
-
-bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh)
-{
-    uint32_t *joined;
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6, march_all(o)));
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.7, close_handles(o)));
-    BVXI_TRY(BVXI_ARRAY(o->ctx, o->mesh.vertex_count, "the parts of the surface", joined));
-    BVXI_TRY(BVXI_ARRAY(o->ctx, o->mesh.vertex_count, "the parts of the surface", o->kept));
-    return write_surface(o, joined, mesh);
 }

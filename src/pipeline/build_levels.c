@@ -210,12 +210,19 @@ static bvx_status simplify_measured(levels_job *job)
 
 /* ---- As it is ---- */
 
-static bvx_status simplify_as_it_is(levels_job *job)
+static bvx_status levels_steps(levels_job *job)
 {
+    bvx_certificate *const c = &job->report.before;
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.05, bvx_mesh_check(job->ctx, job->mesh, 1, c)));
+    if (c->triangles == c->degenerate)
+        return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: none of the mesh's %u triangles has an area",
+                         levels_name, job->mesh->triangle_count);
+    if (job->report.solid) return BVXI_SHARE(job->ctx, 0.05, 1.0, simplify_measured(job));
+
     bvx_levels_report *const r = &job->report;
     bvxi_sheets_report sheets;
 
-    BVXI_TRY(bvxi_levels_make(job->ctx, &job->chain, job->mesh, &sheets));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.05, 1.0, bvxi_levels_make(job->ctx, &job->chain, job->mesh, &sheets)));
     r->triangles = sheets.triangles;
     r->collapsed = sheets.collapsed;
     r->doubles = sheets.doubles;
@@ -226,17 +233,6 @@ static bvx_status simplify_as_it_is(levels_job *job)
     memcpy(r->cut_edge, sheets.cut_edge, sizeof r->cut_edge);
     bvxi_levels_warn(job->ctx, &job->chain, &r->before, &sheets);
     return BVX_OK;
-}
-
-static bvx_status levels_steps(levels_job *job)
-{
-    bvx_certificate *const c = &job->report.before;
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.05, bvx_mesh_check(job->ctx, job->mesh, 1, c)));
-    if (c->triangles == c->degenerate)
-        return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: none of the mesh's %u triangles has an area",
-                         levels_name, job->mesh->triangle_count);
-    return BVXI_SHARE(job->ctx, 0.05, 1.0,
-                      job->report.solid ? simplify_measured(job) : simplify_as_it_is(job));
 }
 
 /* ---- What is needed ---- */

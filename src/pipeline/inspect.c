@@ -73,22 +73,6 @@ static void note_thickness(inspect_job *job, uint64_t i, double length)
             job->options.thickness[v[k]] = length;
 }
 
-static bvx_status mark_middle(inspect_job *job, int kind, const double ends[2][3], double length)
-{
-    const bvx_lattice *const l = &job->report.lattice;
-    inspect_mark m = {.length = length};
-
-    for (int a = 0; a < 3; a++) {
-        double const at = floor((0.5 * (ends[0][a] + ends[1][a]) - l->origin[a]) / l->spacing[a]);
-        /* Of a lattice that does not hold all of the mesh the nearest voxel stands for what lies beyond. */
-        m.voxel[a] = at < 0.0 ? 0 : at >= (double)l->dims[a] ? l->dims[a] - 1 : (int32_t)at;
-    }
-    BVXI_TRY(
-        BVXI_GROW(job, job->mark[kind], job->marks[kind], job->capacity[kind], "the places of thin walls"));
-    job->mark[kind][job->marks[kind]++] = m;
-    return BVX_OK;
-}
-
 static bvx_status take_way(inspect_job *job, int kind, uint64_t i)
 {
     const bvx_mesh_hit *const hit = &job->batch.hit[i];
@@ -112,7 +96,19 @@ static bvx_status take_way(inspect_job *job, int kind, uint64_t i)
     }
     if (length >= (kind == BVX_FINDING_WALL ? job->options.walls : job->options.gaps)) return BVX_OK;
     if (kind == BVX_FINDING_WALL) job->report.thin_area += area;
-    return mark_middle(job, kind, (const double(*)[3])ends, length);
+
+    const bvx_lattice *const l = &job->report.lattice;
+    inspect_mark m = {.length = length};
+
+    for (int a = 0; a < 3; a++) {
+        double const at = floor((0.5 * (ends[0][a] + ends[1][a]) - l->origin[a]) / l->spacing[a]);
+        /* Of a lattice that does not hold all of the mesh the nearest voxel stands for what lies beyond. */
+        m.voxel[a] = at < 0.0 ? 0 : at >= (double)l->dims[a] ? l->dims[a] - 1 : (int32_t)at;
+    }
+    BVXI_TRY(
+        BVXI_GROW(job, job->mark[kind], job->marks[kind], job->capacity[kind], "the places of thin walls"));
+    job->mark[kind][job->marks[kind]++] = m;
+    return BVX_OK;
 }
 
 /* Cast the rays that wait, inwards and then outwards. */
@@ -269,17 +265,6 @@ typedef struct inspect_parts {
     inspect_part *part;
 } inspect_parts;
 
-/* A run lies on what is below it or beside that: layers may lean by a voxel. */
-static int rests_on(const inspect_parts *p, int32_t begin, int32_t end, int32_t y)
-{
-    int32_t const first = begin > 0 ? begin - 1 : 0, last = end < p->grid->size[0] ? end : end - 1;
-    for (int32_t row = y > 0 ? y - 1 : 0; row <= y + 1 && row < p->grid->size[1]; row++)
-        for (int32_t k = first >> 6; k <= last >> 6; k++)
-            if ((p->below[row * p->grid->words_per_row + k] & bvxi_run_mask(first, last + 1, k)) != 0)
-                return 1;
-    return 0;
-}
-
 static void see_part_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
 {
     const inspect_parts *const p = user;
@@ -293,7 +278,14 @@ static void see_part_run(void *user, uint32_t space, int32_t begin, int32_t end,
     if (s->voxels == 0) s->least = HUGE_VAL;
     s->voxels += (uint64_t)(end - begin);
     if (p->kind == BVX_FINDING_CAVITY) s->left_out |= bvxi_spaces_at_side(p->grid, begin, end, y, z);
-    if (p->kind == BVX_FINDING_ISLAND && !s->left_out) s->left_out = rests_on(p, begin, end, y);
+
+    /* An island's run lies on what is below it or beside that: layers may lean by a voxel. */
+    int32_t const first = begin > 0 ? begin - 1 : 0, last = end < p->grid->size[0] ? end : end - 1;
+    int32_t const rows = p->kind == BVX_FINDING_ISLAND ? p->grid->size[1] : 0;
+    for (int32_t row = y > 0 ? y - 1 : 0; row <= y + 1 && row < rows && !s->left_out; row++)
+        for (int32_t k = first >> 6; k <= last >> 6; k++)
+            if ((p->below[row * p->grid->words_per_row + k] & bvxi_run_mask(first, last + 1, k)) != 0)
+                s->left_out = 1;
     if (p->values == NULL && end - begin > s->longest) {
         int32_t const at[3] = {begin + (end - begin) / 2, y, z};
         s->longest = end - begin;

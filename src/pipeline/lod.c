@@ -38,25 +38,6 @@ static int32_t longest_side(const bvx_grid *g)
     return n;
 }
 
-static bvx_status check_resolutions(bvx_context *ctx, const bvx_grid *solid, const bvx_lod_options *o,
-                                    uint64_t level_count)
-{
-    for (uint64_t l = 0; l < level_count; l++) {
-        /* The longest side counts for one ratio, each axis for three. */
-        for (int32_t a = 0; a < 3; a++) {
-            int32_t const n = o->resolutions != NULL ? longest_side(solid) : solid->size[a];
-            int32_t const r = o->resolutions != NULL ? o->resolutions[l]
-                                                     : o->axis_resolutions[3 * l + (uint64_t)a];
-            if (r < 1 || r > n)
-                return bvxi_fail_for(
-                    ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
-                    "%s: level %i asks for a resolution of %d; 1 to %d, the grid's own, are possible",
-                    lod_name, l + (uint64_t)o->first_level, (int64_t)r, (int64_t)n);
-        }
-    }
-    return BVX_OK;
-}
-
 static const bvxi_option lod_rows[] = {
     BVXI_CHOICE(bvx_lod_options, sampling.method, BVX_LOD_EDGE_RATIO, BVX_LOD_COVERAGE),
     BVXI_WHOLE(bvx_lod_options, sampling.edge_samples, 0, 65536),
@@ -89,7 +70,19 @@ static bvx_status check_lod_options(bvx_context *ctx, const bvx_grid *solid, bvx
                              "%s: collapse requires target_triangles", lod_name);
     if (level_count == 0)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: no level is requested", lod_name);
-    return o->target_triangles != NULL ? BVX_OK : check_resolutions(ctx, solid, o, level_count);
+    for (uint64_t l = 0; l < level_count && o->target_triangles == NULL; l++)
+        /* The longest side counts for one ratio, each axis for three. */
+        for (int32_t a = 0; a < 3; a++) {
+            int32_t const n = o->resolutions != NULL ? longest_side(solid) : solid->size[a];
+            int32_t const r = o->resolutions != NULL ? o->resolutions[l]
+                                                     : o->axis_resolutions[3 * l + (uint64_t)a];
+            if (r < 1 || r > n)
+                return bvxi_fail_for(
+                    ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
+                    "%s: level %i asks for a resolution of %d; 1 to %d, the grid's own, are possible",
+                    lod_name, l + (uint64_t)o->first_level, (int64_t)r, (int64_t)n);
+        }
+    return BVX_OK;
 }
 
 /* ---- one level ---- */
@@ -136,20 +129,6 @@ static bvx_status count_level(bvx_context *ctx, lod_job *job, int32_t resolution
     *triangles = w.march.triangle_count;
     job->searched++;
     return status;
-}
-
-static void report_lod(const lod_job *job, const level_work *w, const bvx_mesh *mesh)
-{
-    if (job->options->reports == NULL) return;
-    bvx_lod_report *const report = &job->options->reports[job->level];
-    memset(report, 0, sizeof *report);
-    for (int32_t a = 0; a < 3; a++) {
-        report->resolution[a] = w->samples.axis[a].count;
-        report->ratio[a] = (double)w->samples.axis[a].n / w->samples.axis[a].r;
-    }
-    report->vertices = mesh->vertex_count;
-    report->triangles = mesh->triangle_count;
-    report->searched = job->searched;
 }
 
 /* Extract into scratch, with the positions that the level will have; collapse to the target. */
@@ -288,7 +267,17 @@ static bvx_status make_lod(bvx_context *ctx, lod_job *job, bvx_mesh *mesh)
             (int64_t)w.samples.axis[2].count);
     BVXI_TRY(job->options->collapse != 0 ? fill_collapsed(ctx, job, &w.march, mesh)
                                          : bvxi_march_fill(ctx, &w.march, mesh));
-    report_lod(job, &w, mesh);
+    if (o->reports == NULL) return BVX_OK;
+
+    bvx_lod_report *const report = &o->reports[job->level];
+    memset(report, 0, sizeof *report);
+    for (int32_t a = 0; a < 3; a++) {
+        report->resolution[a] = w.samples.axis[a].count;
+        report->ratio[a] = (double)w.samples.axis[a].n / w.samples.axis[a].r;
+    }
+    report->vertices = mesh->vertex_count;
+    report->triangles = mesh->triangle_count;
+    report->searched = job->searched;
     return BVX_OK;
 }
 

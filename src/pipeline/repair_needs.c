@@ -6,15 +6,6 @@
 #include "mesh/mesh.h"
 #include "pipeline/repair.h"
 
-static int32_t repair_need(const bvx_certificate *c)
-{
-    if (!c->closed) return BVX_NEEDS_LIDS;
-    if (!c->edge_manifold || !c->vertex_manifold) return BVX_NEEDS_MANIFOLD;
-    if (!c->oriented) return BVX_NEEDS_TURNS;
-    if (c->degenerate + c->duplicates + c->collapsed != 0) return BVX_NEEDS_AREA;
-    return c->volume > 0 ? BVX_NEEDS_NOTHING : BVX_NEEDS_OUTSIDE_IN;
-}
-
 /* ---- Several pieces ---- */
 
 /* Do parity and nonzero fill the same voxels? Then no piece hides another. */
@@ -34,7 +25,13 @@ bvx_status bvxi_repair_needs(bvxi_repair_job *job)
     int const several = r->before.components > 1;
     int right = 1;
 
-    r->needs = repair_need(&r->before);
+    const bvx_certificate *const c = &r->before;
+    r->needs = !c->closed                                          ? BVX_NEEDS_LIDS
+               : !c->edge_manifold || !c->vertex_manifold          ? BVX_NEEDS_MANIFOLD
+               : !c->oriented                                      ? BVX_NEEDS_TURNS
+               : c->degenerate + c->duplicates + c->collapsed != 0 ? BVX_NEEDS_AREA
+               : c->volume > 0                                     ? BVX_NEEDS_NOTHING
+                                                                   : BVX_NEEDS_OUTSIDE_IN;
     if (r->needs != BVX_NEEDS_NOTHING || (job->options->report == NULL && !job->options->if_needed))
         return BVX_OK;
 

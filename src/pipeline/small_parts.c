@@ -224,28 +224,8 @@ static void count_large(crumb_job *job, int32_t s)
     }
 }
 
-/* The piece of some of a mesh's triangles that is nearest to a part's first voxel; *distance is that of what is
- * known already. */
-static void ask_nearest_piece(const crumb_job *job, int32_t s, const bvx_mesh_view *triangles,
-                              const bvx_closest *closest, crumb_part *p, uint32_t *hint, double *distance)
-{
-    const bvx_lattice *const l = &job->inside->lattice;
-    bvx_closest_point found;
-    double centre[3];
-    uint32_t v[3];
-
-    for (int a = 0; a < 3; a++)
-        centre[a] = l->origin[a] + ((double)(job->inside->low[a] + p->at[a]) + 0.5) * l->spacing[a];
-    bvxi_closest_ask(closest, centre, hint, &found);
-    /* Of two meshes the nearer one decides. */
-    if (!(found.distance < *distance)) return;
-    *distance = found.distance;
-    bvxi_view_triangle(triangles, found.triangle, v);
-    p->source = (uint32_t)s;
-    p->piece = job->source[s].piece[v[0]];
-}
-
-/* Of the small parts whose distance is not known yet to be within reach. */
+/* Of the small parts whose distance is not known yet to be within reach: the piece of some of a mesh's triangles that
+ * is nearest to the first voxel. distance has that of what is known already. */
 static bvx_status find_nearest_pieces(crumb_job *job, int32_t s, const bvx_mesh_view *triangles, double reach,
                                       double *distance)
 {
@@ -258,9 +238,24 @@ static bvx_status find_nearest_pieces(crumb_job *job, int32_t s, const bvx_mesh_
     BVXI_TRY(bvxi_closest_build(bvxi_call_of(job->ctx, job->function, "crumbs", 0.0, 1.0), triangles, low,
                                 high, bvxi_unit_scale(low, high), &closest.tree));
     /* Parts in their order: the hint of one serves the next. */
-    for (uint64_t n = 0; n < job->spaces.count; n++)
-        if (job->part[n].small && !(distance[n] <= reach))
-            ask_nearest_piece(job, s, triangles, &closest, &job->part[n], &hint, &distance[n]);
+    for (uint64_t n = 0; n < job->spaces.count; n++) {
+        const bvx_lattice *const l = &job->inside->lattice;
+        crumb_part *const p = &job->part[n];
+        bvx_closest_point found;
+        double centre[3];
+        uint32_t v[3];
+
+        if (!p->small || distance[n] <= reach) continue;
+        for (int a = 0; a < 3; a++)
+            centre[a] = l->origin[a] + ((double)(job->inside->low[a] + p->at[a]) + 0.5) * l->spacing[a];
+        bvxi_closest_ask(&closest, centre, &hint, &found);
+        /* Of two meshes the nearer one decides. */
+        if (!(found.distance < distance[n])) continue;
+        distance[n] = found.distance;
+        bvxi_view_triangle(triangles, found.triangle, v);
+        p->source = (uint32_t)s;
+        p->piece = job->source[s].piece[v[0]];
+    }
     bvxi_closest_shut(job->ctx, &closest);
     return BVX_OK;
 }

@@ -111,19 +111,6 @@ static bvx_status collapse_edges(bvxi_collapse *c, uint64_t target, int last, do
                : BVX_OK;
 }
 
-/* What let a piece out goes back, with all that came after order: the level is larger then. */
-static bvx_status keep_enclosed(bvxi_collapse *c, uint32_t order, double at)
-{
-    uint64_t escaped, undone;
-    BVXI_TRY(BVXI_SCOPE(c->ctx, bvxi_collapse_escaped(c, &escaped)));
-    if (escaped == 0) return BVX_OK;
-    memset(c->fresh, 0, (size_t)c->mesh.vertices);
-    bvxi_collapse_undo_since(c, order);
-    BVXI_TRY(bvxi_collapse_judge(c, at, at, &undone));
-    bvxi_collapse_end_careful(c);
-    return BVX_OK;
-}
-
 /* No edge comes apart after this: what crosses goes back, and has another try where the rest has moved. */
 static bvx_status settle(bvxi_collapse *c, double at)
 {
@@ -175,7 +162,15 @@ static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, d
     }
     bvxi_collapse_end_careful(c);
 
-    if (c->options.enclosed != NULL) BVXI_TRY(keep_enclosed(c, order, to));
+    uint64_t escaped = 0;
+    if (c->options.enclosed != NULL) BVXI_TRY(BVXI_SCOPE(c->ctx, bvxi_collapse_escaped(c, &escaped)));
+    if (escaped != 0) {
+        /* What let a piece out goes back, with all that came after order: the level is larger then. */
+        memset(c->fresh, 0, (size_t)c->mesh.vertices);
+        bvxi_collapse_undo_since(c, order);
+        BVXI_TRY(bvxi_collapse_judge(c, to, to, &undone));
+        bvxi_collapse_end_careful(c);
+    }
     return last ? settle(c, to) : BVX_OK;
 }
 
