@@ -397,20 +397,6 @@ static bvx_status mark_common_places(flatten_job *f, const bvx_mesh_view *view)
     return BVX_OK;
 }
 
-/* Later rounds take the neighbours along, the last one all. */
-static void step_back(flatten_job *f, int32_t round)
-{
-    for (uint64_t n = 0; n < f->count; n++) {
-        flatten_vertex *const m = &f->moved[n];
-        /* A change is what the next look goes by. */
-        m->changed = m->back || (round >= FLATTEN_ROUNDS && m->step != FLATTEN_STAYS);
-        if (round >= FLATTEN_ROUNDS) m->step = FLATTEN_STAYS;
-        else if (m->back) m->step = round >= FLATTEN_SINGLE ? FLATTEN_STAYS : (uint8_t)(m->step + 1);
-        m->back = 0;
-    }
-    f->marked = 0;
-}
-
 /* Aim the vertices of one body's thin walls. */
 static bvx_status aim_at_body(flatten_job *f, int32_t body)
 {
@@ -461,7 +447,17 @@ static bvx_status move_around(flatten_job *f)
         bvxi_drop(ctx, pairs);
 
         if (f->marked == 0) return BVX_OK;
-        step_back(f, round);
+
+        /* Later rounds take the neighbours along, the last one all. */
+        for (uint64_t n = 0; n < f->count; n++) {
+            flatten_vertex *const m = &f->moved[n];
+            /* A change is what the next look goes by. */
+            m->changed = m->back || (round >= FLATTEN_ROUNDS && m->step != FLATTEN_STAYS);
+            if (round >= FLATTEN_ROUNDS) m->step = FLATTEN_STAYS;
+            else if (m->back) m->step = round >= FLATTEN_SINGLE ? FLATTEN_STAYS : (uint8_t)(m->step + 1);
+            m->back = 0;
+        }
+        f->marked = 0;
     }
 }
 

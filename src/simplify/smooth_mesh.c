@@ -79,22 +79,6 @@ static int turns_sharply(const mesh_filter *w, const uint32_t half[2])
     return turn > w->options->sharp_angle * (BVXI_PI / 180.0);
 }
 
-/* What edges say of their ends. */
-static void judge_smooth_edges(mesh_filter *w)
-{
-    for (uint64_t i = 0, end; i < w->edges; i = end) {
-        for (end = i + 1; end < w->edges && w->key[end] == w->key[i];) end++;
-        int const sharp = end - i == 2 && w->options->sharp_angle > 0.0 && turns_sharply(w, w->half + i);
-        int const holds = sharp || (end - i == 1 && w->options->hold_border);
-        uint32_t const v[2] = {(uint32_t)(w->key[i] >> 32), (uint32_t)w->key[i]};
-        for (int k = 0; k < 2; k++) {
-            uint8_t *const lines = &w->lines[v[k]];
-            if (holds) *lines = 4;
-            else if (end - i != 2 && *lines < 3) ++*lines;
-        }
-    }
-}
-
 /* Count or fill, in the order of edges: vertices on two lines have the neighbours along these. */
 static void add_neighbours(mesh_filter *w, uint64_t *next)
 {
@@ -132,7 +116,19 @@ static bvx_status find_neighbours(bvx_context *ctx, mesh_filter *w)
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, vertices, "the lines at vertices", &w->lines));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (vertices + 2) * 8, "where neighbours begin", &w->first));
-    judge_smooth_edges(w);
+
+    /* Which edges hold their ends, and how many lines meet at a vertex. */
+    for (uint64_t i = 0, end; i < w->edges; i = end) {
+        for (end = i + 1; end < w->edges && w->key[end] == w->key[i];) end++;
+        int const sharp = end - i == 2 && w->options->sharp_angle > 0.0 && turns_sharply(w, w->half + i);
+        int const holds = sharp || (end - i == 1 && w->options->hold_border);
+        uint32_t const v[2] = {(uint32_t)(w->key[i] >> 32), (uint32_t)w->key[i]};
+        for (int k = 0; k < 2; k++) {
+            uint8_t *const lines = &w->lines[v[k]];
+            if (holds) *lines = 4;
+            else if (end - i != 2 && *lines < 3) ++*lines;
+        }
+    }
 
     /* Counted at v + 2, summed up, and filled from v + 1 on, which is then where they end. */
     add_neighbours(w, w->first + 2);
