@@ -273,21 +273,6 @@ int bvxi_joint_border_kind(const bvxi_oblique *o, const bvxi_tetra *t, int corne
     return 0;
 }
 
-/* What no plane has anything of is of the kind that is around it. */
-static void find_speck_kinds(const bvxi_oblique *o, const bvxi_joint_cut *cut, speck_work *w)
-{
-    for (uint64_t t = 0; t < o->tetra_count; t++) {
-        uint32_t const root = bvxi_root(w->joined, (uint32_t)t);
-        for (int k = 0; k < 4; k++) {
-            uint32_t const v = o->tetra[t].v[k], n = o->tetra[t].n[k];
-            w->count[root] |= n == BVXI_NONE || o->vertex[v].sign == BVXI_JOINT_BEYOND ||
-                              (o->vertex[v].sign != 0 && bvxi_first_plane(o, v) != BVXI_NONE);
-            if (n == BVXI_NONE || cut->kind[n] == cut->kind[t]) continue;
-            count_speck_beside(w, root, UINT64_C(1) << cut->kind[n]);
-        }
-    }
-}
-
 static bvx_status drop_specks(bvxi_oblique *o, bvxi_joint_cut *cut)
 {
     uint64_t const n = o->tetra_count;
@@ -301,7 +286,18 @@ static bvx_status drop_specks(bvxi_oblique *o, bvxi_joint_cut *cut)
             if (beside != BVXI_NONE && beside <= t && cut->kind[beside] == cut->kind[t])
                 bvxi_join(w.joined, (uint32_t)t, beside);
         }
-    find_speck_kinds(o, cut, &w);
+
+    /* What no plane has anything of is of the kind that is around it. */
+    for (uint64_t t = 0; t < o->tetra_count; t++) {
+        uint32_t const root = bvxi_root(w.joined, (uint32_t)t);
+        for (int k = 0; k < 4; k++) {
+            uint32_t const v = o->tetra[t].v[k], beside = o->tetra[t].n[k];
+            w.count[root] |= beside == BVXI_NONE || o->vertex[v].sign == BVXI_JOINT_BEYOND ||
+                             (o->vertex[v].sign != 0 && bvxi_first_plane(o, v) != BVXI_NONE);
+            if (beside == BVXI_NONE || cut->kind[beside] == cut->kind[t]) continue;
+            count_speck_beside(&w, root, UINT64_C(1) << cut->kind[beside]);
+        }
+    }
     /* A piece whose neighbours are of several kinds may get one without a majority: any is right. */
     for (uint64_t t = 0; t < n; t++) {
         uint32_t const root = bvxi_root(w.joined, (uint32_t)t);

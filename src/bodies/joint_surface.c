@@ -126,20 +126,6 @@ static bvx_status take_faces(joint_faces *f, const joint_list *list, int kind)
     return BVXI_SCOPE(ctx, list_sides(f));
 }
 
-static bvx_status cut_pinched_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t a, uint32_t b)
-{
-    uint32_t t, m;
-    double at[3];
-    BVXI_TRY(bvxi_tetra_with_edge(o, a, b, &t));
-    if (t == BVXI_NONE) return BVX_OK;
-    bvxi_oblique_middle(o, (uint32_t[]){a, b}, 2, at);
-    BVXI_TRY(bvxi_tetra_split_edge(o, t, a, b, at, &m));
-    o->vertex[m].sign = 0;
-    BVXI_TRY(BVXI_RESERVE(o, cut->kind, o->tetra_room, cut->kind_room, "the kinds of tetrahedra"));
-    for (uint64_t i = 0; i < o->ring_count; i++) cut->kind[o->tetra[o->ring[i]].twin] = cut->kind[o->ring[i]];
-    return BVX_OK;
-}
-
 static int is_pinched(const joint_faces *f, uint32_t first)
 {
     uint32_t n = 0;
@@ -349,8 +335,20 @@ static bvx_status cut_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, joint_list *
     for (int kind = 1; kind <= count; kind++)
         BVXI_TRY(BVXI_SHARE(o->ctx, 1.0 * (kind - 1) / count, 1.0 * kind / count,
                             find_pinched(o, cut, list, kind, &pinched)));
-    for (uint64_t i = 0; i < pinched.count; i++)
-        BVXI_TRY(cut_pinched_edge(o, cut, pinched.edge[i][0], pinched.edge[i][1]));
+    for (uint64_t i = 0; i < pinched.count; i++) {
+        const uint32_t *const e = pinched.edge[i];
+        uint32_t t, m;
+        double at[3];
+
+        BVXI_TRY(bvxi_tetra_with_edge(o, e[0], e[1], &t));
+        if (t == BVXI_NONE) continue;
+        bvxi_oblique_middle(o, e, 2, at);
+        BVXI_TRY(bvxi_tetra_split_edge(o, t, e[0], e[1], at, &m));
+        o->vertex[m].sign = 0;
+        BVXI_TRY(BVXI_RESERVE(o, cut->kind, o->tetra_room, cut->kind_room, "the kinds of tetrahedra"));
+        for (uint64_t k = 0; k < o->ring_count; k++)
+            cut->kind[o->tetra[o->ring[k]].twin] = cut->kind[o->ring[k]];
+    }
     /* Numbers of faces are those of the tetrahedra before the cuts. */
     return pinched.count != 0 ? list_all_faces(o, cut, list) : BVX_OK;
 }

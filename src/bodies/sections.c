@@ -64,39 +64,20 @@ bvx_status bvxi_section_options_check(bvx_context *ctx, const char *function, bv
     return BVX_OK;
 }
 
-/* Vertices of the planes: rings, or in the field's way none until they are needed. */
-static bvx_status make_rings(bvxi_stack *s)
-{
-    if (s->options.slabs.crossings == BVX_CROSSINGS_EXACT) return bvxi_rings_make(s);
-    for (uint32_t i = 0; i < s->plane_count; i++) {
-        bvxi_plane *const p = &s->plane[i];
-        memset(p->ring, 0xff, (size_t)p->point_count * 4);
-        s->report.unkept_points += p->point_count;
-    }
-    return BVX_OK;
-}
-
-static bvx_status make_caps(bvxi_stack *s)
-{
-    if (s->options.caps != BVX_CAPS_FLAT) return BVX_OK;
-    for (int k = 0; k < 2; k++) {
-        int32_t const side = k == 0 ? -1 : 1;
-        /* Without rings the cap's border is made of the lines that cells left there. */
-        if (s->options.slabs.crossings != BVX_CROSSINGS_EXACT)
-            BVXI_TRY(
-                bvxi_cap_fill_edges(s, (const uint32_t(*)[2])s->cap_edge[k], s->cap_edge_count[k], side));
-        else BVXI_TRY(bvxi_cap_fill(s, &s->plane[k == 0 ? 0 : s->plane_count - 1], side));
-    }
-    return BVX_OK;
-}
-
 /* The surface between the sections; *crossed slabs have levels that cross. */
 static bvx_status make_surface(bvxi_stack *s, bvxi_slab **slabs, uint32_t *crossed)
 {
     BVXI_TRY(BVXI_SHARE(s->ctx, 0.0, 0.02, bvxi_nesting_find(s)));
     BVXI_TRY(BVXI_SHARE(s->ctx, 0.02, 0.04, bvxi_nesting_make(s)));
     BVXI_TRY(BVXI_SHARE(s->ctx, 0.04, 0.1, bvxi_slabs_make(s, slabs)));
-    BVXI_TRY(BVXI_SHARE(s->ctx, 0.1, 0.12, make_rings(s)));
+    int const exact = s->options.slabs.crossings == BVX_CROSSINGS_EXACT;
+    if (exact) BVXI_TRY(BVXI_SHARE(s->ctx, 0.1, 0.12, bvxi_rings_make(s)));
+    /* In the field's way the planes have no vertices until they are needed. */
+    for (uint32_t i = 0; i < s->plane_count && !exact; i++) {
+        bvxi_plane *const p = &s->plane[i];
+        memset(p->ring, 0xff, (size_t)p->point_count * 4);
+        s->report.unkept_points += p->point_count;
+    }
     BVXI_TRY(BVXI_SHARE(s->ctx, 0.12, 0.8, bvxi_slabs_fill(s, *slabs, s->slab_count)));
     return BVXI_SHARE(s->ctx, 0.8, 1.0,
                       BVXI_SCOPE(s->ctx, bvxi_nesting_crossed(s, *slabs, s->slab_count, crossed)));
@@ -139,7 +120,14 @@ static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
     }
     for (uint32_t i = 0; i + 1 < s->plane_count && s->nesting.count != NULL; i++)
         s->report.joined_slabs += s->nesting.joined[i] == BVXI_LEVELS_JOINED;
-    BVXI_TRY(make_caps(s));
+    for (int k = 0; k < 2 && s->options.caps == BVX_CAPS_FLAT; k++) {
+        int32_t const side = k == 0 ? -1 : 1;
+        /* Without rings the cap's border is made of the lines that cells left there. */
+        if (s->options.slabs.crossings != BVX_CROSSINGS_EXACT)
+            BVXI_TRY(
+                bvxi_cap_fill_edges(s, (const uint32_t(*)[2])s->cap_edge[k], s->cap_edge_count[k], side));
+        else BVXI_TRY(bvxi_cap_fill(s, &s->plane[k == 0 ? 0 : s->plane_count - 1], side));
+    }
     return BVXI_SHARE(s->ctx, 0.95, 1.0, bvxi_slabs_join(s, slabs, s->slab_count, mesh));
 }
 
@@ -182,19 +170,6 @@ static bvx_status open_sections(const body_job *job, const bvx_sections *section
                       bvxi_stack_open(job->ctx, sections_name, sections, job->o, s));
 }
 
-/* Loops moved apart by a hair may leave a cap that is cut wrongly: such a mesh is refused. */
-static bvx_status check_body(const body_job *job)
-{
-    int sound;
-    BVXI_TRY(bvxi_section_check_mesh(job->ctx, job->mesh, job->own, &sound));
-    if (sound) return BVX_OK;
-    return bvxi_fail_for(
-        job->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
-        "%s: the mended loops run too near to each other for a closed, manifold mesh; take fewer points, or mend "
-        "the contours before",
-        sections_name);
-}
-
 /* Mended loops may be left in one section only: job->left is its number and no body is made. */
 static bvx_status build_stack(body_job *job, const bvx_sections *sections)
 {
@@ -224,7 +199,17 @@ static bvx_status build_stack(body_job *job, const bvx_sections *sections)
         s.report.prismoid_volume = sum;
 
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.15, 0.95, BVXI_SCOPE(job->ctx, build_body(&s, job->mesh))));
-        if (mended.loops != 0) BVXI_TRY(BVXI_SHARE(job->ctx, 0.95, 1.0, check_body(job)));
+        /* Loops moved apart by a hair may leave a cap that is cut wrongly: such a mesh is refused. */
+        int sound = 1;
+        if (mended.loops != 0)
+            BVXI_TRY(BVXI_SHARE(job->ctx, 0.95, 1.0,
+                                bvxi_section_check_mesh(job->ctx, job->mesh, job->own, &sound)));
+        if (!sound)
+            return bvxi_fail_for(
+                job->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
+                "%s: the mended loops run too near to each other for a closed, manifold mesh; take fewer points, or mend "
+                "the contours before",
+                sections_name);
     }
     *job->report = s.report;
     return BVX_OK;
@@ -232,25 +217,13 @@ static bvx_status build_stack(body_job *job, const bvx_sections *sections)
 
 /* ---- planes that each have a normal ---- */
 
-/* What cannot be mended is refused by its own loops' numbers, as of parallel planes. */
-static bvx_status build_planes(const body_job *job, const bvx_sections *sections)
+static bvx_status build_mended(const body_job *job, const bvx_sections *sections, bvxi_mended *mended)
 {
-    bvxi_mended mended = {0};
-    bvx_status status = BVX_ERR_FORMAT;
-
-    if (job->o->mend)
-        status = BVXI_SHARE(job->ctx, 0.0, 0.1,
-                            bvxi_mend_planes(job->ctx, sections_name, sections, job->o, &mended));
-    if (status == BVX_OK)
-        status = BVXI_SHARE(
-            job->ctx, 0.1, 0.9,
-            bvxi_oblique_body(job->ctx, sections_name, &mended.sections, job->o, job->report, job->mesh));
-    if (status == BVX_ERR_FORMAT) {
-        mended.loops = 0;
-        status = bvxi_oblique_body(job->ctx, sections_name, sections, job->o, job->report, job->mesh);
-    }
-    if (status == BVX_OK) job->report->mended_loops = mended.loops;
-    return status;
+    BVXI_TRY(
+        BVXI_SHARE(job->ctx, 0.0, 0.1, bvxi_mend_planes(job->ctx, sections_name, sections, job->o, mended)));
+    return BVXI_SHARE(
+        job->ctx, 0.1, 0.9,
+        bvxi_oblique_body(job->ctx, sections_name, &mended->sections, job->o, job->report, job->mesh));
 }
 
 /* Planes that are parallel after all are a stack. */
@@ -269,7 +242,18 @@ static bvx_status build_several(body_job *job, const bvx_sections *sections)
     }
     memcpy(stack.normal, sections->normals, sizeof stack.normal);
     stack.normals = NULL;
-    return parallel ? build_stack(job, &stack) : build_planes(job, sections);
+    if (parallel) return build_stack(job, &stack);
+
+    /* What cannot be mended is refused by its own loops' numbers, as of parallel planes. */
+    bvxi_mended mended = {0};
+    bvx_status status = job->o->mend ? build_mended(job, sections, &mended) : BVX_ERR_FORMAT;
+    if (status == BVX_ERR_FORMAT) {
+        mended.loops = 0;
+        status = bvxi_oblique_body(job->ctx, sections_name, sections, job->o, job->report, job->mesh);
+    }
+    BVXI_TRY(status);
+    job->report->mended_loops = mended.loops;
+    return BVX_OK;
 }
 
 /* ---- one section only ---- */

@@ -138,24 +138,6 @@ static void visit_row_difference(const compare_side *s, int32_t y, int32_t z, co
     if (begin >= 0) take(user, begin, s->one->size[0], y, z);
 }
 
-static bvx_status join_difference(bvx_context *ctx, const compare_side *s, bvxi_components *c)
-{
-    const compare_sums *const all = s->all;
-
-    for (int32_t z = all->low[2]; z <= all->high[2]; z++) {
-        BVXI_TRY(compare_progress(ctx, s, z));
-        for (int32_t y = all->low[1]; y <= all->high[1]; y++) {
-            size_t const at = compare_row_at(s, y, z);
-            uint64_t *const words = bvxi_components_row(c, y - all->low[1], z - all->low[2]);
-            for (int32_t k = 0; k < s->one->words_per_row; k++)
-                words[k] = s->one->words[at + (size_t)k] & ~s->other->words[at + (size_t)k];
-            bvxi_components_add(c, y - all->low[1], z - all->low[2]);
-        }
-    }
-    bvxi_components_number(c);
-    return BVX_OK;
-}
-
 typedef struct compare_sizes {
     const uint32_t *label; /* of the next run */
     uint64_t *size;        /* voxels of each component */
@@ -180,16 +162,27 @@ static bvx_status count_components(bvx_context *ctx, const char *function, const
 
     if (all->runs[side] == 0) return BVX_OK;
     BVXI_TRY(bvxi_components_open(ctx, function, BVXI_CONNECT_6, box, all->runs[side], &c));
-    BVXI_TRY(join_difference(ctx, &joined, &c));
+
+    for (int32_t z = all->low[2]; z <= all->high[2]; z++) {
+        BVXI_TRY(compare_progress(ctx, &joined, z));
+        for (int32_t y = all->low[1]; y <= all->high[1]; y++) {
+            size_t const at = compare_row_at(&joined, y, z);
+            uint64_t *const words = bvxi_components_row(&c, y - all->low[1], z - all->low[2]);
+            for (int32_t k = 0; k < one->words_per_row; k++)
+                words[k] = one->words[at + (size_t)k] & ~other->words[at + (size_t)k];
+            bvxi_components_add(&c, y - all->low[1], z - all->low[2]);
+        }
+    }
+    bvxi_components_number(&c);
 
     uint64_t const bytes = c.component_count * sizeof(uint64_t);
     compare_sizes s = {c.label, NULL};
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the components' sizes", &s.size));
 
-    for (int32_t z = measured.all->low[2]; z <= measured.all->high[2]; z++) {
+    for (int32_t z = all->low[2]; z <= all->high[2]; z++) {
         BVXI_TRY(compare_progress(ctx, &measured, z));
         /* Only the box of the difference: what differs is small, as a rule. */
-        for (int32_t y = measured.all->low[1]; y <= measured.all->high[1]; y++)
+        for (int32_t y = all->low[1]; y <= all->high[1]; y++)
             visit_row_difference(&measured, y, z, measure_compare_run, &s);
     }
 

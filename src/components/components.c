@@ -258,8 +258,11 @@ void bvxi_components_number(bvxi_components *c)
 /* ---- Runs of empty or set voxels joined to spaces (components.c), and handed out again with their
  * numbers ---- */
 
-static uint64_t count_space_runs(const bvx_grid *grid, int32_t empty)
+bvx_status bvxi_spaces_open(bvx_context *ctx, const char *function, const char *stage, const bvx_grid *grid,
+                            int32_t empty, int32_t connectivity, bvxi_spaces *spaces)
 {
+    memset(spaces, 0, sizeof *spaces);
+    /* The number of runs is known before, so the forest is made in its exact size. */
     uint64_t const rows = bvxi_grid_rows(grid);
     uint64_t n = 0;
 
@@ -273,16 +276,7 @@ static uint64_t count_space_runs(const bvx_grid *grid, int32_t empty)
             n += bvxi_popcount(bvxi_run_changes(w, &last) & w);
         }
     }
-    return n;
-}
-
-bvx_status bvxi_spaces_open(bvx_context *ctx, const char *function, const char *stage, const bvx_grid *grid,
-                            int32_t empty, int32_t connectivity, bvxi_spaces *spaces)
-{
-    memset(spaces, 0, sizeof *spaces);
-    /* The number of runs is known before, so the forest is made in its exact size. */
-    BVXI_TRY(bvxi_components_open(ctx, function, connectivity, grid->size, count_space_runs(grid, empty),
-                                  &spaces->parts));
+    BVXI_TRY(bvxi_components_open(ctx, function, connectivity, grid->size, n, &spaces->parts));
     spaces->grid = grid;
     spaces->stage = stage;
     spaces->empty = empty;

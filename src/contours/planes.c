@@ -216,23 +216,6 @@ static void plane_cut_piece(void *user, int32_t index, int32_t worker)
     for (uint64_t i = begin; i < end; i++) bvxi_plane_cut(&job->view, &job->s->plane[i], &job->arcs[worker]);
 }
 
-static bvx_status open_cut_scratch(planes_job *job)
-{
-    static const char what[] = "the order of arcs";
-    const bvxi_stack *const s = job->s;
-    int32_t const rows = (s->size[0] > s->size[1] ? s->size[0] : s->size[1]) + 1;
-
-    BVXI_TRY(BVXI_ZEROS(s->ctx, job->workers, what, job->arcs));
-    for (bvxi_arc_scratch *x = job->arcs; x < job->arcs + job->workers; x++) {
-        BVXI_TRY(BVXI_ARRAY(s->ctx, job->most_arcs, what, x->arc));
-        BVXI_TRY(BVXI_ARRAY(s->ctx, job->most_arcs, what, x->cell));
-        BVXI_TRY(BVXI_ARRAY(s->ctx, job->most_arcs, what, x->order[0]));
-        BVXI_TRY(BVXI_ARRAY(s->ctx, job->most_arcs, what, x->order[1]));
-        BVXI_TRY(BVXI_ARRAY(s->ctx, rows, what, x->start));
-    }
-    return BVX_OK;
-}
-
 bvx_status bvxi_planes_ready(bvxi_stack *s)
 {
     uint64_t const n = s->plane_count;
@@ -258,6 +241,17 @@ bvx_status bvxi_planes_ready(bvxi_stack *s)
     }
     bvxi_drop(s->ctx, job.box);
     BVXI_TRY(open_cuts(&job));
-    BVXI_TRY(open_cut_scratch(&job));
+
+    static const char what[] = "the order of arcs";
+    int32_t const rows = (s->size[0] > s->size[1] ? s->size[0] : s->size[1]) + 1;
+
+    BVXI_TRY(BVXI_ZEROS(s->ctx, job.workers, what, job.arcs));
+    for (bvxi_arc_scratch *x = job.arcs; x < job.arcs + job.workers; x++) {
+        BVXI_TRY(BVXI_ARRAY(s->ctx, job.most_arcs, what, x->arc));
+        BVXI_TRY(BVXI_ARRAY(s->ctx, job.most_arcs, what, x->cell));
+        BVXI_TRY(BVXI_ARRAY(s->ctx, job.most_arcs, what, x->order[0]));
+        BVXI_TRY(BVXI_ARRAY(s->ctx, job.most_arcs, what, x->order[1]));
+        BVXI_TRY(BVXI_ARRAY(s->ctx, rows, what, x->start));
+    }
     return bvxi_parallel(s->ctx, "sections", 0.75, 1.0, job.pieces, plane_cut_piece, &job);
 }

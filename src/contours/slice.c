@@ -226,16 +226,6 @@ static void edge_place(const slice_work *w, uint64_t key, double position, doubl
     }
 }
 
-static bvx_status open_contour(const slice_work *w, double position, uint64_t key)
-{
-    double p[3];
-    edge_place(w, key, position, p);
-    return bvxi_fail(
-        w->ctx, BVX_ERR_FORMAT,
-        "%s: the contour at %g does not close near (%g, %g, %g): the mesh has a hole or flipped triangles there",
-        slice_name, position, p[0], p[1], p[2]);
-}
-
 static uint64_t gather_pieces(slice_work *w, uint64_t plane)
 {
     double const z = w->position[plane];
@@ -318,7 +308,11 @@ static bvx_status follow_pieces(slice_work *w, uint64_t plane, uint64_t n)
             }
             if (key == first) break;
             i = find_piece(w, w->from, n, key);
-            if (i == n) return open_contour(w, z, key);
+            if (i == n)
+                return bvxi_fail(
+                    w->ctx, BVX_ERR_FORMAT,
+                    "%s: the contour at %g does not close near (%g, %g, %g): the mesh has a hole or flipped triangles there",
+                    slice_name, z, p[0], p[1], p[2]);
         }
         const double *const begin = s->points + 3 * l.first_point;
         const double *const last = s->points + 3 * (s->point_count - 1);

@@ -5,13 +5,6 @@
  * memory of its own. A build or thread whose arithmetic would change results gets none. */
 #include "context.h"
 
-/* Before 1.0 a minor version may change the interface. */
-static int same_interface(int32_t version)
-{
-    int32_t const step = BVX_VERSION_MAJOR == 0 ? 100 : 10000;
-    return version / step == BVX_VERSION / step;
-}
-
 /* Why no context can be made, and the status that says so; BVX_OK and NULL where one can. */
 typedef struct context_fault {
     bvx_status status;
@@ -31,7 +24,10 @@ static context_fault take_context_options(int32_t header_version, const bvx_cont
     size_t given_size = 0;
 
     memset(o, 0, sizeof *o);
-    if (!same_interface(header_version))
+
+    /* Before 1.0 a minor version may change the interface. */
+    int32_t const step = BVX_VERSION_MAJOR == 0 ? 100 : 10000;
+    if (header_version / step != BVX_VERSION / step)
         return fault_of(BVX_ERR_VERSION,
                         "the header that was compiled and this library are of different versions");
     /* A build that would give other results is refused before anything is taken. */

@@ -9,28 +9,6 @@
  * is invalid: the thread may have such exceptions made signals. */
 #include "context.h"
 
-/* The parts of fast-math that have no macro in every compiler. */
-static const char *fast_math_fault(void)
-{
-    volatile uint64_t const quiet_nan = UINT64_C(0x7ff8000000000000);
-    volatile double const three = 3.0, one = 1.0, half = 1.0 / 9007199254740992.0;
-    uint64_t const bits = quiet_nan;
-    double const large = one, small = half, tenth = three / 10.0;
-    double none;
-
-    memcpy(&none, &bits, sizeof none);
-    /* Not a number compares unequal to itself, unless the compiler takes that away. */
-    if (none == none) return "numbers are taken to be finite; compile without -ffinite-math-only";
-    /* Half a step is lost in the first sum; regrouped, it would not be. */
-    if ((large + small) - large != 0.0)
-        return "sums are regrouped; compile without -fassociative-math and -funsafe-math-optimizations";
-    /* Divided, 3 / 10 rounds to 0.3; multiplied by a rounded tenth it does not. */
-    if (tenth != 0.3)
-        return "quotients are made products; compile without -freciprocal-math and "
-               "-funsafe-math-optimizations";
-    return NULL;
-}
-
 const char *bvxi_arithmetic_fault(void)
 {
     volatile double const one = 1.0, minus = -1.0, half = 1.0 / 9007199254740992.0; /* half a step above 1 */
@@ -48,5 +26,23 @@ const char *bvxi_arithmetic_fault(void)
                "-fexcess-precision=fast";
     if (above * below + minus != 0.0) /* 1 - 2^-60 rounds to 1 */
         return "products and sums are contracted; compile with -ffp-contract=off";
-    return fast_math_fault();
+
+    /* The parts of fast-math that have no macro in every compiler. */
+    volatile uint64_t const quiet_nan = UINT64_C(0x7ff8000000000000);
+    volatile double const three = 3.0;
+    uint64_t const bits = quiet_nan;
+    double const large = one, small = half, tenth = three / 10.0;
+    double none;
+
+    memcpy(&none, &bits, sizeof none);
+    /* Not a number compares unequal to itself, unless the compiler takes that away. */
+    if (none == none) return "numbers are taken to be finite; compile without -ffinite-math-only";
+    /* Half a step is lost in the first sum; regrouped, it would not be. */
+    if ((large + small) - large != 0.0)
+        return "sums are regrouped; compile without -fassociative-math and -funsafe-math-optimizations";
+    /* Divided, 3 / 10 rounds to 0.3; multiplied by a rounded tenth it does not. */
+    if (tenth != 0.3)
+        return "quotients are made products; compile without -freciprocal-math and "
+               "-funsafe-math-optimizations";
+    return NULL;
 }

@@ -158,19 +158,14 @@ static void work_on_step(bvxi_pool *pool)
     if (pool->inside == 0) pthread_cond_signal(&pool->ended);
 }
 
-static int may_enter(const bvxi_pool *pool)
-{
-    return pool->open && pool->inside < pool->worth.idle && pool->entered + 1 < pool->count &&
-           look_at(&pool->next) < pool->count;
-}
-
 static void *help(void *given)
 {
     bvxi_pool *const pool = given;
 
     pthread_mutex_lock(&pool->lock);
     while (!pool->quit) {
-        if (may_enter(pool)) {
+        if (pool->open && pool->inside < pool->worth.idle && pool->entered + 1 < pool->count &&
+            look_at(&pool->next) < pool->count) {
             work_on_step(pool);
             /* With the lock held, which is given back meanwhile. */
             pool->watching++;

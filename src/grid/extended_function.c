@@ -151,53 +151,51 @@ static void see_pairs(const sample_rows *s, int32_t w, int32_t words, uint64_t *
     *all_pair = all & (all >> 1 | next_all << 63);
 }
 
-/* Most samples lie between voxels that are all empty or all set; only the others are weighed. */
-static void sample_row(const bvxi_downsample *d, int32_t j, int32_t k)
-{
-    const bvxi_sample_axis *const x = &d->axis[0];
-    uint64_t *const out = d->coarse.words + ((uint64_t)k * (uint64_t)d->axis[1].count + (uint64_t)j) *
-                                                (uint64_t)d->coarse.words_per_row;
-    int64_t const voxel = 2 * (int64_t)x->r; /* one, in units of 1/(2r) */
-    uint64_t any = 0, all = 0;
-    int32_t word = -1; /* that any and all are of */
-    sample_rows s;
-
-    const bvxi_sample_axis *const y = &d->axis[1], *const z = &d->axis[2];
-    int64_t const high_y = y->high_weight[j], low_y = 2 * (int64_t)y->r - high_y;
-    int64_t const high_z = z->high_weight[k], low_z = 2 * (int64_t)z->r - high_z;
-    /* A row of weight 0 is not read: it may lie beyond the grid. */
-    for (int32_t i = 0; i < 4; i++) {
-        s.weight[i] = ((i & 1) != 0 ? high_y : low_y) * ((i >> 1) != 0 ? high_z : low_z);
-        s.row[i] = s.weight[i] != 0 ? bvxi_fine_row(d, y->at[j] + (i & 1), z->at[k] + (i >> 1)) : NULL;
-    }
-
-    /* Four rows beyond the grid leave the samples as they are, 0. */
-    if (s.row[0] == NULL && s.row[1] == NULL && s.row[2] == NULL && s.row[3] == NULL) return;
-    for (int32_t i = 0; i < x->count; i++) {
-        int32_t const at = x->at[i];
-        /* The words change every few samples only, so both answers are found for 64 voxels at a time. */
-        if (at >> 6 != word) {
-            word = at >> 6;
-            see_pairs(&s, word, d->fine->words_per_row, &any, &all);
-        }
-
-        /* Without a set voxel around it the sample is 0, with all of them set it is 1: no sum is needed. */
-        if ((any >> (at & 63) & 1) == 0) continue;
-        uint64_t inside = all >> (at & 63) & 1;
-        if (!inside) {
-            int64_t const low = sum_at(&s, at, x->voxels), high = sum_at(&s, at + 1, x->voxels);
-            inside = (uint64_t)(low * (voxel - x->high_weight[i]) + high * x->high_weight[i] > d->limit);
-        }
-        out[i >> 6] |= inside << (i & 63);
-    }
-}
-
 static void sample_piece(void *user, uint64_t begin, uint64_t end)
 {
     const bvxi_downsample *const d = user;
-    for (uint64_t row = begin; row < end; row++)
-        sample_row(d, (int32_t)(row % (uint64_t)d->axis[1].count),
-                   (int32_t)(row / (uint64_t)d->axis[1].count));
+
+    for (uint64_t row = begin; row < end; row++) {
+        /* Most samples lie between voxels that are all empty or all set; only the others are weighed. */
+        int32_t const j = (int32_t)(row % (uint64_t)d->axis[1].count);
+        int32_t const k = (int32_t)(row / (uint64_t)d->axis[1].count);
+        const bvxi_sample_axis *const x = &d->axis[0];
+        uint64_t *const out = d->coarse.words + ((uint64_t)k * (uint64_t)d->axis[1].count + (uint64_t)j) *
+                                                    (uint64_t)d->coarse.words_per_row;
+        int64_t const voxel = 2 * (int64_t)x->r; /* one, in units of 1/(2r) */
+        uint64_t any = 0, all = 0;
+        int32_t word = -1; /* that any and all are of */
+        sample_rows s;
+
+        const bvxi_sample_axis *const y = &d->axis[1], *const z = &d->axis[2];
+        int64_t const high_y = y->high_weight[j], low_y = 2 * (int64_t)y->r - high_y;
+        int64_t const high_z = z->high_weight[k], low_z = 2 * (int64_t)z->r - high_z;
+        /* A row of weight 0 is not read: it may lie beyond the grid. */
+        for (int32_t i = 0; i < 4; i++) {
+            s.weight[i] = ((i & 1) != 0 ? high_y : low_y) * ((i >> 1) != 0 ? high_z : low_z);
+            s.row[i] = s.weight[i] != 0 ? bvxi_fine_row(d, y->at[j] + (i & 1), z->at[k] + (i >> 1)) : NULL;
+        }
+
+        /* Four rows beyond the grid leave the samples as they are, 0. */
+        if (s.row[0] == NULL && s.row[1] == NULL && s.row[2] == NULL && s.row[3] == NULL) continue;
+        for (int32_t i = 0; i < x->count; i++) {
+            int32_t const at = x->at[i];
+            /* The words change every few samples only, so both answers are found for 64 voxels at a time. */
+            if (at >> 6 != word) {
+                word = at >> 6;
+                see_pairs(&s, word, d->fine->words_per_row, &any, &all);
+            }
+
+            /* Without a set voxel around it the sample is 0, with all of them set it is 1: no sum is needed. */
+            if ((any >> (at & 63) & 1) == 0) continue;
+            uint64_t inside = all >> (at & 63) & 1;
+            if (!inside) {
+                int64_t const low = sum_at(&s, at, x->voxels), high = sum_at(&s, at + 1, x->voxels);
+                inside = (uint64_t)(low * (voxel - x->high_weight[i]) + high * x->high_weight[i] > d->limit);
+            }
+            out[i >> 6] |= inside << (i & 63);
+        }
+    }
 }
 
 static int32_t edge_steps(const bvxi_downsample *d, int32_t axis)
@@ -229,17 +227,6 @@ bvx_status bvxi_extended_sample(bvx_context *ctx, bvxi_downsample *d)
     d->limit = bvxi_weight_limit(d->total, d->threshold);
     return bvxi_for_ranges(ctx, "lod", 0.0, 0.5, d->pieces,
                            (uint64_t)d->axis[1].count * (uint64_t)d->axis[2].count, sample_piece, d);
-}
-
-/* The place of sample i, also of -1 and count, just outside. */
-static void place_sample(const bvxi_sample_axis *a, int32_t i, int32_t *at, int64_t *high)
-{
-    /* A voxel, in units of 1/(2r). */
-    int64_t const voxel = 2 * (int64_t)a->r, centre = (2 * (int64_t)i + 1) * a->n - a->r;
-    /* Rounded down also below 0: the place may be outside the grid. */
-    int64_t const down = centre >= 0 ? centre / voxel : -((voxel - 1 - centre) / voxel);
-    *at = (int32_t)down;
-    *high = centre - down * voxel;
 }
 
 /* The four lines of voxels along an edge: each voxel at place i of the axis, weights bilinear. */
@@ -298,8 +285,17 @@ double bvxi_extended_ratio(const void *downsample, int32_t axis, int32_t i, int3
     int32_t at[3], voxel;
     edge_lines e;
 
-    /* The edge begins at sample (i, j, k), which lies somewhere between two voxels of its line. */
-    for (int32_t b = 0; b < 3; b++) place_sample(&d->axis[b], sample[b], &at[b], &high[b]);
+    /* The edge begins at sample (i, j, k), which lies somewhere between two voxels of its line. A sample may be -1
+     * or count, just outside. */
+    for (int32_t b = 0; b < 3; b++) {
+        /* A voxel, in units of 1/(2r). */
+        int64_t const step = 2 * (int64_t)d->axis[b].r,
+                      centre = (2 * (int64_t)sample[b] + 1) * d->axis[b].n - d->axis[b].r;
+        /* Rounded down also below 0: the place may be outside the grid. */
+        int64_t const down = centre >= 0 ? centre / step : -((step - 1 - centre) / step);
+        at[b] = (int32_t)down;
+        high[b] = centre - down * step;
+    }
     gather_lines(d, axis, at, high, &e);
     voxel = at[axis];
     place = high[axis] * steps; /* from that voxel's centre */

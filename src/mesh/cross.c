@@ -56,15 +56,6 @@ static int cross_beside(const double *const p[3], const double *const q[3], int 
     return 0;
 }
 
-/* The axis along which a triangle shows most of its area, nearly. */
-static int cross_view_axis(const bvxi_orient_plane *plane)
-{
-    double size[3];
-    for (int k = 0; k < 3; k++) size[k] = bvxi_absolute(plane->normal[k]);
-    if (size[0] > size[1]) return size[0] > size[2] ? 0 : 2;
-    return size[1] > size[2] ? 1 : 2;
-}
-
 /* 1 when p is in the box of a and b, the coordinate along axis left out (3:
  * none is). On the line of a and b: between them. */
 static int cross_in_box(const double p[3], const double a[3], const double b[3], int axis)
@@ -207,7 +198,12 @@ typedef struct cross_corners {
 int bvxi_triangles_cross_rest(const bvxi_orient_plane *plane, const double *const p[3],
                               const double *const q[3])
 {
-    int const axis = cross_view_axis(plane);
+    double size[3];
+
+    /* The axis along which a triangle shows most of its area, nearly. */
+    for (int k = 0; k < 3; k++) size[k] = bvxi_absolute(plane->normal[k]);
+    int const axis = size[0] > size[1] ? (size[0] > size[2] ? 0 : 2) : size[1] > size[2] ? 1 : 2;
+
     /* Most that reach this point are neighbours in one plane, or nearly. */
     if (cross_beside(p, q, axis) || cross_beside(q, p, axis)) return 0;
     return bvxi_triangles_cross_exact(p, q);

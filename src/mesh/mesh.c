@@ -21,16 +21,6 @@ int bvxi_mesh_has_attributes(const bvx_mesh *mesh)
            mesh->normals != NULL || mesh->uvs2 != NULL || mesh->materials != NULL || mesh->assets != NULL;
 }
 
-/* 1 when arrays that the library made hold such a surface and nothing else. */
-static int suits(const bvx_mesh *mesh, int32_t position_type, int32_t keys, uint64_t vertex_count,
-                 uint64_t triangle_count)
-{
-    if (mesh->positions == NULL || mesh->triangles == NULL || mesh->position_type != position_type) return 0;
-    if ((mesh->vertex_keys != NULL) != keys || (mesh->triangle_keys != NULL) != keys) return 0;
-    if (bvxi_mesh_has_attributes(mesh)) return 0;
-    return mesh->vertex_capacity >= vertex_count && mesh->triangle_capacity >= triangle_count;
-}
-
 /* Arrays of the caller's: they must be there and suffice. */
 static bvx_status take_arrays(bvx_context *ctx, const char *function, int32_t position_type, int32_t keys,
                               uint64_t vertex_count, uint64_t triangle_count, const bvx_mesh *mesh)
@@ -77,10 +67,13 @@ bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t positi
                           uint64_t vertex_count, uint64_t triangle_count, bvx_mesh *mesh)
 {
     bvx_mesh made = {.owned = 1, .position_type = position_type};
+    int const suits = mesh->positions != NULL && mesh->triangles != NULL &&
+                      mesh->position_type == position_type && (mesh->vertex_keys != NULL) == (keys != 0) &&
+                      (mesh->triangle_keys != NULL) == (keys != 0) && !bvxi_mesh_has_attributes(mesh) &&
+                      mesh->vertex_capacity >= vertex_count && mesh->triangle_capacity >= triangle_count;
 
     /* Arrays of the library's that do not suit are freed at once, so that both need not live together. */
-    if (mesh->owned == 1 && !suits(mesh, position_type, keys != 0, vertex_count, triangle_count))
-        bvx_mesh_free(ctx, mesh);
+    if (mesh->owned == 1 && !suits) bvx_mesh_free(ctx, mesh);
     if (mesh->positions != NULL || mesh->triangles != NULL) {
         BVXI_TRY(take_arrays(ctx, function, position_type, keys, vertex_count, triangle_count, mesh));
         mesh->vertex_count = vertex_count;
@@ -184,31 +177,6 @@ bvx_status bvxi_mesh_check_reserved(bvx_context *ctx, const char *function, cons
     return BVX_OK;
 }
 
-static bvx_status check_mesh_struct(bvx_context *ctx, const char *function, const bvx_mesh *mesh)
-{
-    int const empty = mesh->vertex_count == 0 && mesh->triangle_count == 0;
-
-    BVXI_TRY(bvxi_mesh_check_reserved(ctx, function, mesh));
-    if (mesh->position_type != BVX_F32 && mesh->position_type != BVX_F64 &&
-        !(empty && mesh->position_type == 0))
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
-                             "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
-                             (int64_t)mesh->position_type);
-    if (mesh->vertex_count > UINT32_MAX || mesh->triangle_count > INT32_MAX)
-        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: the mesh has %u vertices and %u triangles, limits are 2^32 and 2^31",
-                             function, mesh->vertex_count, mesh->triangle_count);
-    if (mesh->vertex_count != 0 && mesh->positions == NULL)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
-                             "%s: mesh.positions is NULL with a vertex_count of %u", function,
-                             mesh->vertex_count);
-    if (mesh->triangle_count != 0 && mesh->triangles == NULL)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
-                             "%s: mesh.triangles is NULL with a triangle_count of %u", function,
-                             mesh->triangle_count);
-    return BVX_OK;
-}
-
 static bvx_status run_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint64_t *hash)
 {
     static const char *const function = "bvx_mesh_hash";
@@ -216,7 +184,26 @@ static bvx_status run_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint
     int32_t type[2] = {0, 0};
     if (mesh == NULL) return bvxi_fail_null(context, function, "mesh");
     if (hash == NULL) return bvxi_fail_null(context, function, "hash");
-    BVXI_TRY(check_mesh_struct(context, function, mesh));
+    int const empty = mesh->vertex_count == 0 && mesh->triangle_count == 0;
+
+    BVXI_TRY(bvxi_mesh_check_reserved(context, function, mesh));
+    if (mesh->position_type != BVX_F32 && mesh->position_type != BVX_F64 &&
+        !(empty && mesh->position_type == 0))
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                             "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
+                             (int64_t)mesh->position_type);
+    if (mesh->vertex_count > UINT32_MAX || mesh->triangle_count > INT32_MAX)
+        return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: the mesh has %u vertices and %u triangles, limits are 2^32 and 2^31",
+                             function, mesh->vertex_count, mesh->triangle_count);
+    if (mesh->vertex_count != 0 && mesh->positions == NULL)
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
+                             "%s: mesh.positions is NULL with a vertex_count of %u", function,
+                             mesh->vertex_count);
+    if (mesh->triangle_count != 0 && mesh->triangles == NULL)
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
+                             "%s: mesh.triangles is NULL with a triangle_count of %u", function,
+                             mesh->triangle_count);
     type[0] = mesh->position_type;
 
     bvxi_hash_start(&h, 0);

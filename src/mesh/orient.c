@@ -31,16 +31,6 @@ typedef struct orient_number {
 
 /* ---- Taking doubles apart ---- */
 
-/* The index of the lowest digit that is set; of what is not 0. One bit is
- * exact as a double, and its index the exponent. */
-static int32_t orient_lowest_bit(uint64_t m)
-{
-    double const lowest = (double)(int64_t)(m & (0 - m));
-    uint64_t bits;
-    memcpy(&bits, &lowest, sizeof bits);
-    return (int32_t)(bits >> 52) - 1023;
-}
-
 static orient_double orient_take_apart(double x)
 {
     orient_double r = {0, 0};
@@ -54,21 +44,16 @@ static orient_double orient_take_apart(double x)
     if (field != 0) m |= UINT64_C(1) << 52;
     if (m == 0) return r;
 
-    /* A subnormal number (field 0) has the exponent of field 1, without the leading digit. */
-    int32_t const zeros = orient_lowest_bit(m);
+    /* A subnormal number (field 0) has the exponent of field 1, without the leading digit. The lowest digit that is
+     * set is exact as a double, and its index the exponent. */
+    double const lowest = (double)(int64_t)(m & (0 - m));
+    uint64_t digits;
+    memcpy(&digits, &lowest, sizeof digits);
+    int32_t const zeros = (int32_t)(digits >> 52) - 1023;
     r.mantissa = (int64_t)(m >> zeros);
     if (bits >> 63 != 0) r.mantissa = -r.mantissa;
     r.exponent = (field != 0 ? field : 1) - 1075 + zeros;
     return r;
-}
-
-/* Digits of a mantissa, which is below 2^53. */
-static int32_t orient_digits(int64_t mantissa)
-{
-    double const size = (double)(mantissa < 0 ? -mantissa : mantissa);
-    uint64_t bits;
-    memcpy(&bits, &size, sizeof bits);
-    return (int32_t)(bits >> 52) - 1022;
 }
 
 static void orient_open_axis(const double *const points[], int count, int k, orient_axis *axis)
@@ -77,7 +62,11 @@ static void orient_open_axis(const double *const points[], int count, int k, ori
     /* The unit of the axis is the lowest digit of any value; the bits reach from there to the highest. */
     for (int i = 0; i < count; i++) {
         orient_double const v = axis->value[i] = orient_take_apart(points[i][k]);
-        int32_t const top = v.exponent + orient_digits(v.mantissa);
+        /* Digits of a mantissa, which is below 2^53. */
+        double const size = (double)(v.mantissa < 0 ? -v.mantissa : v.mantissa);
+        uint64_t bits;
+        memcpy(&bits, &size, sizeof bits);
+        int32_t const top = v.exponent + (int32_t)(bits >> 52) - 1022;
         if (v.mantissa == 0) continue;
         low = v.exponent < low ? v.exponent : low;
         high = top > high ? top : high;

@@ -275,17 +275,6 @@ static bvx_status judge_rays(bvx_context *ctx, const bvxi_patch_sides *in, patch
 
 /* ---- The whole ---- */
 
-/* Faces inward, and three of five crossings say that this is wrong (of a body that overlaps another one half
- * of them cannot), some of them beside what is right: where all patches face inward they mean a room, whose
- * inside is filled as it is. By chance any patch may face either way, and parity alone decides. */
-static int is_side_turned(const patch_side *s, int chance)
-{
-    if (chance) return 2 * s->turn >= 3 * s->keep && (s->inward || s->turn >= LEAST_VOTES);
-    /* A closed one is judged by its volume, where the rule for inside is chosen. */
-    return s->border > 0 && s->inward && s->turn >= LEAST_VOTES && 2 * s->turn >= 3 * s->keep &&
-           s->beside >= LEAST_BESIDE && 16 * s->beside >= s->turn;
-}
-
 bvx_status bvxi_patch_sides_turn(bvx_context *ctx, const bvxi_patch_sides *in)
 {
     patch_side *sides;
@@ -318,7 +307,17 @@ bvx_status bvxi_patch_sides_turn(bvx_context *ctx, const bvxi_patch_sides *in)
     /* Of most meshes no patch faces inward, or all do, and no ray is needed. */
     if (!find_inward_sides(sides, in->patches) && !in->chance) return BVX_OK;
     BVXI_TRY(judge_rays(ctx, in, sides));
-    for (uint64_t t = 0; t < in->triangles; t++)
-        if (is_side_turned(&sides[in->patch[t]], in->chance)) in->turn[t] ^= 1;
+    for (uint64_t t = 0; t < in->triangles; t++) {
+        const patch_side *const s = &sides[in->patch[t]];
+        int const by_chance = 2 * s->turn >= 3 * s->keep && (s->inward || s->turn >= LEAST_VOTES);
+        /* Faces inward, and three of five crossings say that this is wrong (of a body that overlaps another one half
+         * of them cannot), some of them beside what is right: where all patches face inward they mean a room, whose
+         * inside is filled as it is. A closed one is judged by its volume, where the rule for inside is chosen. */
+        int const wrong = s->border > 0 && s->inward && s->turn >= LEAST_VOTES &&
+                          2 * s->turn >= 3 * s->keep && s->beside >= LEAST_BESIDE &&
+                          16 * s->beside >= s->turn;
+        /* By chance any patch may face either way, and parity alone decides. */
+        if (in->chance ? by_chance : wrong) in->turn[t] ^= 1;
+    }
     return BVX_OK;
 }

@@ -50,21 +50,6 @@ uint32_t bvxi_link_root(uint32_t *link, uint32_t t, uint32_t *differs)
     return t;
 }
 
-static void join_patches(patch_work *w, uint32_t s, uint32_t t, uint32_t differ)
-{
-    uint32_t ds, dt;
-    uint32_t const a = bvxi_link_root(w->link, s, &ds), b = bvxi_link_root(w->link, t, &dt);
-    /* The least triangle is the root, so the result does not depend on the order of edges. */
-    uint32_t const least = a < b ? a : b, most = a < b ? b : a;
-    /* Two ways to the same root that disagree: the patch has one side only. */
-    if (a == b) {
-        if ((ds ^ dt) != differ) w->torn[a] = 1;
-        return;
-    }
-    w->link[most] = least << 1 | (ds ^ dt ^ differ);
-    w->torn[least] |= w->torn[most];
-}
-
 /* ---- Edges ---- */
 
 static void list_half_edges(patch_work *w)
@@ -96,8 +81,20 @@ static void link_edge(patch_work *w, uint64_t at, uint64_t n)
 {
     /* Parts hang together over any edge, patches only over those of two triangles. */
     for (uint64_t i = 1; i < n; i++) bvxi_join(w->out->part, w->numbers[at] / 3, w->numbers[at + i] / 3);
-    if (n == 2)
-        join_patches(w, w->numbers[at] / 3, w->numbers[at + 1] / 3, runs_down(w, at) == runs_down(w, at + 1));
+    if (n == 2) {
+        uint32_t const differ = runs_down(w, at) == runs_down(w, at + 1);
+        uint32_t ds, dt;
+        uint32_t const a = bvxi_link_root(w->link, w->numbers[at] / 3, &ds);
+        uint32_t const b = bvxi_link_root(w->link, w->numbers[at + 1] / 3, &dt);
+        /* The least triangle is the root, so the result does not depend on the order of edges. */
+        uint32_t const least = a < b ? a : b, most = a < b ? b : a;
+        if (a != b) {
+            w->link[most] = least << 1 | (ds ^ dt ^ differ);
+            w->torn[least] |= w->torn[most];
+        } else if ((ds ^ dt) != differ) {
+            w->torn[a] = 1; /* two ways to the same root that disagree: the patch has one side only */
+        }
+    }
     w->out->odd_edges += n % 2;
 }
 

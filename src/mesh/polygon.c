@@ -281,13 +281,6 @@ static void polygon_turn_round(bvxi_ring *ring)
     for (uint32_t i = 0; i < ring->count; i++) ring->xy[i][1] = -ring->xy[i][1];
 }
 
-static int polygon_is_line(const bvxi_ring *ring)
-{
-    for (uint32_t i = 0; i + 2 < ring->count; i++)
-        if (bvxi_ring_side(ring, i, i + 1, i + 2) != 0) return 0;
-    return 1;
-}
-
 /* ---- the ways to cut ---- */
 
 /* Scratch: places and numbers of count corners, then more bytes. */
@@ -359,8 +352,10 @@ static bvx_status polygon_cut_flat(bvxi_polygon *work, const double (*corner)[3]
         double const component = normal[axes[a]];
         ring.triangles = triangles;
         /* Seen along this axis there may be nothing but a line; the next one shows more. */
-        if (!polygon_lay_flat(&ring, corner, (uint32_t)count, factors, axes[a]) || polygon_is_line(&ring))
-            continue;
+        if (!polygon_lay_flat(&ring, corner, (uint32_t)count, factors, axes[a])) continue;
+        uint32_t bend = 0;
+        while (bend + 2 < ring.count && bvxi_ring_side(&ring, bend, bend + 1, bend + 2) == 0) bend++;
+        if (bend + 2 >= ring.count) continue;
         /* The lowest corner is on the hull, so its turn cannot be a reflex one in a simple ring. */
         uint32_t lowest = 0;
         for (uint32_t i = 1; i < ring.count; i++)

@@ -31,19 +31,6 @@ static void welded_triangle(const bvx_mesh_view *mesh, const uint32_t *represent
     for (int k = 0; k < 3; k++) v[k] = representative[v[k]];
 }
 
-/* By triangle: the normal of length 1, and twice the area, 0 without a normal. */
-static void list_facets(const bvx_mesh_view *mesh, const uint32_t *representative, double *facet)
-{
-    for (uint64_t t = 0; t < mesh->triangle_count; t++, facet += 4) {
-        double p[3][3];
-        uint32_t v[3];
-        welded_triangle(mesh, representative, t, v);
-        for (int k = 0; k < 3; k++) bvxi_view_position(mesh, v[k], p[k]);
-        facet[3] = bvxi_facet_normal((const double(*)[3])p, facet);
-        for (int a = 0; a < 3 && facet[3] > 0; a++) facet[a] /= facet[3];
-    }
-}
-
 /* Two sides (3 * triangle + k: from corner k to the next) of one edge. */
 static void add_edge(const bvx_mesh_view *mesh, const uint32_t *representative, const double *facet,
                      uint32_t one, uint32_t other, edge_lengths *sum)
@@ -91,7 +78,15 @@ static bvx_status judge_edges(bvx_context *ctx, const bvx_mesh_view *view, const
     BVXI_TRY(bvxi_radix_sort(ctx, keys, side, n));
     /* Once each, in less room than sorting took. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->triangle_count * 32, "the facets' normals", &facet));
-    list_facets(view, representative, facet);
+    /* By triangle: the normal of length 1, and twice the area, 0 without a normal. */
+    for (uint64_t t = 0; t < view->triangle_count; t++) {
+        double *const own = facet + 4 * t, p[3][3];
+        uint32_t v[3];
+        welded_triangle(view, representative, t, v);
+        for (int k = 0; k < 3; k++) bvxi_view_position(view, v[k], p[k]);
+        own[3] = bvxi_facet_normal((const double(*)[3])p, own);
+        for (int a = 0; a < 3 && own[3] > 0; a++) own[a] /= own[3];
+    }
 
     for (uint64_t i = 0; i + 1 < n; i++) {
         if (keys[i] != keys[i + 1]) continue;

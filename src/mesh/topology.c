@@ -118,34 +118,6 @@ static void fill_buckets(void *user, int32_t range)
         }
 }
 
-static void fill_edge_buckets(topology *c)
-{
-    bucket_ranges r = {c, bvxi_piece_count(c->vertex_count, TOPOLOGY_GRAIN)};
-    if (r.count > bvxi_threads(c->ctx)) r.count = bvxi_threads(c->ctx);
-    if (r.count > BUCKET_RANGES) r.count = BUCKET_RANGES;
-    bvxi_tasks(c->ctx, r.count, count_buckets, &r);
-    /* ends as they are before anything is filled in: the starts */
-    bvxi_place_counts32(c->bucket_end, c->vertex_count);
-    bvxi_tasks(c->ctx, r.count, fill_buckets, &r);
-}
-
-/* Triangles of one edge whose three vertices an earlier one has too. Each triangle is looked at once: on the
- * edge of its two least vertices. The entries' lower halves are reordered. */
-static uint64_t count_edge_duplicates(const topology *c, uint64_t *e, size_t n, uint32_t higher)
-{
-    uint64_t count = 0;
-    size_t kept = 0;
-    for (size_t i = 0; i < n; i++) {
-        /* Each triangle has three edges; this test leaves one of them, that of its two least vertices. */
-        uint32_t const opposite = c->corners[half_edge_before((uint32_t)e[i])];
-        if (opposite > higher) e[kept++] = (uint64_t)opposite << 32 | (e[i] & UINT32_MAX);
-    }
-    if (kept < 2) return 0;
-    bvxi_sort_u64(e, kept);
-    for (size_t i = 1; i < kept; i++) count += e[i] >> 32 == e[i - 1] >> 32;
-    return count;
-}
-
 /* The n >= 1 half-edges of one edge, sorted. */
 static void check_edge(const topology *c, uint64_t *e, size_t n, uint32_t lower, topology_counts *counts)
 {
@@ -170,7 +142,16 @@ static void check_edge(const topology *c, uint64_t *e, size_t n, uint32_t lower,
     if (upwards > 1 || n - upwards > 1) counts->against = 1;
     if (n == 2 && upwards != 1) counts->flipped++;
     if (n > 2) counts->nonmanifold++;
-    counts->duplicates += count_edge_duplicates(c, e, n, higher);
+
+    /* Triangles of the edge whose three vertices an earlier one has too. Each triangle is looked at once: on the
+     * edge of its two least vertices. The entries' lower halves are reordered. */
+    size_t kept = 0;
+    for (size_t i = 0; i < n; i++) {
+        uint32_t const opposite = c->corners[half_edge_before((uint32_t)e[i])];
+        if (opposite > higher) e[kept++] = (uint64_t)opposite << 32 | (e[i] & UINT32_MAX);
+    }
+    if (kept > 1) bvxi_sort_u64(e, kept);
+    for (size_t i = 1; i < kept; i++) counts->duplicates += e[i] >> 32 == e[i - 1] >> 32;
 }
 
 /* Is the least vertex of the triangle in the range from here on? The edge's own vertices are. */
@@ -311,16 +292,6 @@ static void walk_range_of_fans(void *user, int32_t range)
     }
 }
 
-/* Vertices with more corners than their first fan has; the buckets are needed no more. */
-static void count_second_fans(topology *c)
-{
-    uint32_t *const corners = c->bucket_end;
-    memset(corners, 0, (size_t)c->vertex_count * 4);
-    for (uint64_t h = 0; h < 3 * c->triangle_count; h++) corners[c->corners[h]]++;
-    for (uint64_t v = 0; v < c->vertex_count; v++)
-        c->result->nonmanifold_vertices += corners[v] != 0 && corners[v] != c->corner_of[v];
-}
-
 /* Where edges have more triangles. A vertex of several broken edges or fans counts once. */
 static bvx_status search_broken_fans(topology *c)
 {
@@ -379,7 +350,15 @@ static bvx_status check_vertices(topology *c)
         r->vertices += c->counts[i].vertices;
         corners += c->counts[i].corners;
     }
-    if (corners != 3 * c->triangle_count) count_second_fans(c);
+
+    if (corners != 3 * c->triangle_count) {
+        /* Vertices with more corners than their first fan has; the buckets are needed no more. */
+        uint32_t *const around = c->bucket_end;
+        memset(around, 0, (size_t)c->vertex_count * 4);
+        for (uint64_t h = 0; h < 3 * c->triangle_count; h++) around[c->corners[h]]++;
+        for (uint64_t v = 0; v < c->vertex_count; v++)
+            c->result->nonmanifold_vertices += around[v] != 0 && around[v] != c->corner_of[v];
+    }
     return BVX_OK;
 }
 
@@ -403,7 +382,13 @@ bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t tri
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c.triangle_count * 4, "the check's components", &c.parent));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, half_edges * 8, "the check's half-edges", &c.entries));
     /* Edges first: what they break decides which vertices have fans at all. */
-    fill_edge_buckets(&c);
+    bucket_ranges ranges = {&c, bvxi_piece_count(c.vertex_count, TOPOLOGY_GRAIN)};
+    if (ranges.count > bvxi_threads(c.ctx)) ranges.count = bvxi_threads(c.ctx);
+    if (ranges.count > BUCKET_RANGES) ranges.count = BUCKET_RANGES;
+    bvxi_tasks(c.ctx, ranges.count, count_buckets, &ranges);
+    /* ends as they are before anything is filled in: the starts */
+    bvxi_place_counts32(c.bucket_end, c.vertex_count);
+    bvxi_tasks(c.ctx, ranges.count, fill_buckets, &ranges);
     BVXI_TRY(check_edges(&c));
     if (!edges_alone) BVXI_TRY(check_vertices(&c));
     if (!edges_alone) {

@@ -14,21 +14,6 @@ enum {
     WELD_PARTS = 4       /* more would read more than they share */
 };
 
-/* 31 well mixed bits of a position; adding 0 makes -0 the same as 0. */
-static uint32_t weld_hash(const double p[3])
-{
-    uint64_t h = 0, bits;
-    /* Each coordinate is mixed in before the next, so that equal bits at other places give another hash. */
-    for (int a = 0; a < 3; a++) {
-        double x = p[a] + 0.0;
-        memcpy(&bits, &x, sizeof bits);
-        h = (h ^ bits) * UINT64_C(0x9e3779b97f4a7c15);
-        h ^= h >> 29;
-    }
-    h *= UINT64_C(0xbf58476d1ce4e5b9);
-    return (uint32_t)(h >> 33);
-}
-
 /* The table in parts, each of which a task has for itself: it looks at all vertices and takes those whose search begins
  * there. That costs a look for each task: there are as many as threads, which show nowhere. */
 typedef struct weld_job {
@@ -52,7 +37,17 @@ static uint64_t weld_slots(const weld_job *w, uint64_t begin, uint64_t end, uint
 
         bvxi_view_position(w->view, *next, p);
         /* The high bits of the hash times the size spread over the table without a division. */
-        slot[n] = (uint64_t)weld_hash(p) * w->size >> 31; /* size < 2^33 */
+        /* Mixed well; adding 0 makes -0 the same as 0. */
+        uint64_t h = 0, bits;
+        /* Each coordinate is mixed in before the next, so that equal bits at other places give another hash. */
+        for (int a = 0; a < 3; a++) {
+            double x = p[a] + 0.0;
+            memcpy(&bits, &x, sizeof bits);
+            h = (h ^ bits) * UINT64_C(0x9e3779b97f4a7c15);
+            h ^= h >> 29;
+        }
+        h *= UINT64_C(0xbf58476d1ce4e5b9);
+        slot[n] = (h >> 33) * w->size >> 31; /* size < 2^33 */
         if (slot[n] - begin >= end - begin) continue;
         BVXI_PREFETCH(&w->table[slot[n]]);
         vertex[n++] = (uint32_t)*next;
@@ -176,13 +171,6 @@ uint64_t bvxi_drop_collapsed(const bvx_mesh_view *view, const uint32_t *represen
     return kept;
 }
 
-static uint64_t hash_of_places(const uint32_t place[3])
-{
-    uint64_t h = ((uint64_t)place[0] << 32 | place[1]) * UINT64_C(0x9e3779b97f4a7c15);
-    h = (h ^ h >> 32 ^ place[2]) * UINT64_C(0xbf58476d1ce4e5b9);
-    return (h ^ h >> 29) * UINT64_C(0x94d049bb133111eb) >> 33;
-}
-
 /* Fill corner by a table [Size: size] of kept triangles plus 1, or 0. Returns 0 after too long a search. */
 static int drop_by_table(const bvx_mesh_view *view, const uint32_t *representative, uint32_t *table,
                          uint64_t size, uint32_t *corner, uint64_t *kept)
@@ -200,7 +188,9 @@ static int drop_by_table(const bvx_mesh_view *view, const uint32_t *representati
         if (place[0] == place[1] || place[1] == place[2]) continue;
 
         /* An open table, half as large again as the triangles: the searches stay short. */
-        for (slot = hash_of_places(place) * size >> 31; table[slot] != 0;
+        uint64_t h = ((uint64_t)place[0] << 32 | place[1]) * UINT64_C(0x9e3779b97f4a7c15);
+        h = (h ^ h >> 32 ^ place[2]) * UINT64_C(0xbf58476d1ce4e5b9);
+        for (slot = ((h ^ h >> 29) * UINT64_C(0x94d049bb133111eb) >> 33) * size >> 31; table[slot] != 0;
              slot = slot + 1 == size ? 0 : slot + 1, probes++) {
             places_of_triangle(representative, corner + 3 * ((uint64_t)table[slot] - 1), other);
             if (memcmp(place, other, sizeof place) == 0) break;
@@ -226,9 +216,16 @@ static void kept_key(const void *user, uint64_t number, uint32_t key[BVXI_KEY_WO
     places_of_triangle(k->representative, k->corner + 3 * number, key);
 }
 
-static bvx_status drop_by_tree(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,
-                               uint32_t *corner, uint64_t *kept)
+bvx_status bvxi_drop_duplicates(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,
+                                uint32_t *corner, uint64_t *kept)
 {
+    uint64_t const size = view->triangle_count + view->triangle_count / 2 + 1;
+    uint32_t *table;
+    BVXI_TRY(BVXI_ZEROS(ctx, size, "the triangles' table", table));
+    int const done = drop_by_table(view, representative, table, size, corner, kept);
+    bvxi_drop(ctx, table);
+    if (done) return BVX_OK;
+
     kept_triangles const all = {representative, corner};
     uint32_t place[3];
     uint64_t count = 0;
@@ -244,15 +241,4 @@ static bvx_status drop_by_tree(bvx_context *ctx, const bvx_mesh_view *view, cons
     bvxi_key_tree_close(ctx, &tree);
     *kept = count;
     return BVX_OK;
-}
-
-bvx_status bvxi_drop_duplicates(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,
-                                uint32_t *corner, uint64_t *kept)
-{
-    uint64_t const size = view->triangle_count + view->triangle_count / 2 + 1;
-    uint32_t *table;
-    BVXI_TRY(BVXI_ZEROS(ctx, size, "the triangles' table", table));
-    int const done = drop_by_table(view, representative, table, size, corner, kept);
-    bvxi_drop(ctx, table);
-    return done ? BVX_OK : drop_by_tree(ctx, view, representative, corner, kept);
 }

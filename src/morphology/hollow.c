@@ -163,22 +163,24 @@ static const bvxi_option hollow_rows[] = {
     BVXI_RESERVED(bvx_hollow_options, reserved),
 };
 
-/* *shell becomes the grid without its hollow and hole; hollow is room for a grid. */
+/* *shell becomes the grid without its hollow and hole. */
 static bvx_status make_shell(bvx_context *ctx, const char *function, const bvx_grid *grid,
-                             const bvx_hollow_options *o, bvx_grid *hollow, bvx_grid *shell,
-                             bvx_hollow_report *report)
+                             const bvx_hollow_options *o, bvx_grid *shell, bvx_hollow_report *report)
 {
     bvxi_morph morph = {"hollow", {BVXI_ERODE, BVXI_ERODE}, 1, 0, 0, 0, {0, 0, 0}, 0};
     uint64_t const words = bvxi_grid_words(grid);
+    bvx_grid hollow = *shell;
+
+    BVXI_TRY(BVXI_ARRAY(ctx, words, "the hollow", hollow.words));
     BVXI_TRY(bvxi_ball_set(ctx, function, &grid->lattice, o->thickness, &morph));
     morph.beyond = o->beyond;
-    BVXI_TRY(bvxi_morph_run(ctx, &morph, grid, hollow));
+    BVXI_TRY(bvxi_morph_run(ctx, &morph, grid, &hollow));
     /* The hollow lies in the body, so no voxel beyond is touched. */
     for (uint64_t i = 0; i < words; i++) {
-        shell->words[i] = grid->words[i] & ~hollow->words[i];
-        report->hollowed += bvxi_popcount(hollow->words[i]);
+        shell->words[i] = grid->words[i] & ~hollow.words[i];
+        report->hollowed += bvxi_popcount(hollow.words[i]);
     }
-    return o->drain_radius > 0.0 ? make_hole(ctx, function, o, hollow, shell, report) : BVX_OK;
+    return o->drain_radius > 0.0 ? make_hole(ctx, function, o, &hollow, shell, report) : BVX_OK;
 }
 
 static bvx_status run_grid_hollow(bvx_context *context, const bvx_grid *grid,
@@ -214,10 +216,7 @@ static bvx_status run_grid_hollow(bvx_context *context, const bvx_grid *grid,
     bvxi_grid_renew(context, &grid->lattice, &window, result);
     bvx_grid made = *result;
     BVXI_TRY(bvxi_grid_open(context, function, &grid->lattice, &window, &made));
-    bvx_grid hollow = made;
-    bvx_status status = BVXI_ARRAY(context, bvxi_grid_words(grid), "the hollow", hollow.words);
-    if (status == BVX_OK) status = make_shell(context, function, grid, &o, &hollow, &made, &report);
-    BVXI_TRY(bvxi_grid_put(context, status, &made, result));
+    BVXI_TRY(bvxi_grid_put(context, make_shell(context, function, grid, &o, &made, &report), &made, result));
     if (o.report != NULL) *o.report = report;
     return BVX_OK;
 }

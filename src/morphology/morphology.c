@@ -58,20 +58,6 @@ static bvx_status run_between(bvx_context *ctx, const bvxi_morph *morph, const b
                                   : BVX_OK;
 }
 
-static bvx_status run_in_window(bvx_context *ctx, const bvxi_morph *morph, const bvx_grid *grid,
-                                bvx_grid *result)
-{
-    bvxi_bit_box const source = bvxi_box_of_grid(grid), target = bvxi_box_of_grid(result);
-    int32_t const runs = morph->neighbourhood != 0 ? bvxi_step_sweeps(morph, &source) : morph->operations;
-    const bvxi_bit_box *last;
-    bvxi_bit_box between = source;
-    /* The last run writes to the result, whatever their number is; a single one needs no box between. */
-    if (runs == 1) return run_between(ctx, morph, &source, &target, &target, &last);
-    BVXI_TRY(alloc_box(ctx, morph->stage, &between));
-    return runs % 2 == 1 ? run_between(ctx, morph, &source, &target, &between, &last)
-                         : run_between(ctx, morph, &source, &between, &target, &last);
-}
-
 static bvx_status run_in_wide_box(bvx_context *ctx, const bvxi_morph *morph, const bvx_grid *grid,
                                   bvx_grid *result)
 {
@@ -119,8 +105,18 @@ bvx_status bvxi_morph_run(bvx_context *ctx, const bvxi_morph *morph, const bvx_g
     /* Only where the first operation leaves something beyond the window that the second one sees. */
     int const leaves_window = morph->operations == 2 &&
                               morph->operation[0] == (morph->beyond ? BVXI_ERODE : BVXI_DILATE);
-    return leaves_window ? run_in_wide_box(ctx, morph, grid, result)
-                         : run_in_window(ctx, morph, grid, result);
+    if (leaves_window) return run_in_wide_box(ctx, morph, grid, result);
+
+    bvxi_bit_box const source = bvxi_box_of_grid(grid), target = bvxi_box_of_grid(result);
+    int32_t const runs = morph->neighbourhood != 0 ? bvxi_step_sweeps(morph, &source) : morph->operations;
+    const bvxi_bit_box *last;
+    bvxi_bit_box between = source;
+
+    /* The last run writes to the result, whatever their number is; a single one needs no box between. */
+    if (runs == 1) return run_between(ctx, morph, &source, &target, &target, &last);
+    BVXI_TRY(alloc_box(ctx, morph->stage, &between));
+    return runs % 2 == 1 ? run_between(ctx, morph, &source, &target, &between, &last)
+                         : run_between(ctx, morph, &source, &between, &target, &last);
 }
 
 static const bvxi_option morph_rows[] = {

@@ -87,31 +87,6 @@ static bvx_status join_surface_patches(handle_work *w, const uint32_t *corner)
     return BVX_OK;
 }
 
-/* Of each patch its Euler number and how many loops its border is, at its root. */
-static bvx_status count_surface_patches(handle_work *w)
-{
-    for (uint32_t c = 0; c < 3 * w->triangles; c++) w->loop[c] = c;
-    for (uint32_t c = 0; c < 3 * w->triangles; c++) {
-        int32_t *const euler = &w->euler[bvxi_root(w->patch, c / 3)];
-        BVXI_TRY(report_patches(w, 0.2, c));
-        /* Triangles and vertices count for, edges against; an inner edge at one of its sides. */
-        if (c % 3 == 0) ++*euler;
-        if (bvxi_root(w->fan, c) == c) ++*euler;
-        if (w->side[c] != 2) --*euler;
-        if (w->side[c] == 0)
-            bvxi_join(w->loop, bvxi_root(w->fan, c), bvxi_root(w->fan, bvxi_corner_after(c)));
-    }
-    /* Each loop once, at the fan that is its root, which a border edge begins at. */
-    for (uint32_t c = 0; c < 3 * w->triangles; c++) {
-        uint32_t const f = bvxi_root(w->fan, c);
-        BVXI_TRY(report_patches(w, 0.4, c));
-        if (w->side[c] != 0 || w->loop[f] != f) continue;
-        w->loops[bvxi_root(w->patch, c / 3)]++;
-        w->loop[f] = BVXI_NONE;
-    }
-    return BVX_OK;
-}
-
 static bvx_status find_surface_patches(handle_work *w)
 {
     static const char what[] = "the patches of the surface";
@@ -134,7 +109,28 @@ static bvx_status find_surface_patches(handle_work *w)
     for (uint32_t t = 0; t < n; t++) w->patch[t] = t;
     for (uint32_t c = 0; c < 3 * n; c++) w->fan[c] = c;
     BVXI_TRY(join_surface_patches(w, o->mesh.triangle));
-    return count_surface_patches(w);
+
+    /* Of each patch its Euler number and how many loops its border is, at its root. */
+    for (uint32_t c = 0; c < 3 * w->triangles; c++) w->loop[c] = c;
+    for (uint32_t c = 0; c < 3 * w->triangles; c++) {
+        int32_t *const euler = &w->euler[bvxi_root(w->patch, c / 3)];
+        BVXI_TRY(report_patches(w, 0.2, c));
+        /* Triangles and vertices count for, edges against; an inner edge at one of its sides. */
+        if (c % 3 == 0) ++*euler;
+        if (bvxi_root(w->fan, c) == c) ++*euler;
+        if (w->side[c] != 2) --*euler;
+        if (w->side[c] == 0)
+            bvxi_join(w->loop, bvxi_root(w->fan, c), bvxi_root(w->fan, bvxi_corner_after(c)));
+    }
+    /* Each loop once, at the fan that is its root, which a border edge begins at. */
+    for (uint32_t c = 0; c < 3 * w->triangles; c++) {
+        uint32_t const f = bvxi_root(w->fan, c);
+        BVXI_TRY(report_patches(w, 0.4, c));
+        if (w->side[c] != 0 || w->loop[f] != f) continue;
+        w->loops[bvxi_root(w->patch, c / 3)]++;
+        w->loop[f] = BVXI_NONE;
+    }
+    return BVX_OK;
 }
 
 /* ---- what lies around ---- */

@@ -171,16 +171,6 @@ static void sort_events(line_event *e, uint64_t n)
         }
 }
 
-static bvx_status refuse_gap(bvxi_oblique *o, uint32_t a, uint32_t b, const double at[3], double gap)
-{
-    return bvxi_fail_for(
-        o->ctx, BVX_ERR_FORMAT, BVX_REASON_DAMAGED,
-        "%s: sections %u and %u contradict each other where their planes cross, near (%g, %g, %g): "
-        "over a way of %g only one of them is inside; %g is allowed, which agree sets",
-        o->function, (uint64_t)a, (uint64_t)b, o->origin[0] + o->step * at[0], o->origin[1] + o->step * at[1],
-        o->origin[2] + o->step * at[2], gap * o->step, o->agree * o->step);
-}
-
 /* Where crossings of the contours of two planes become one place: the share of the way from a to b. A third
  * plane that crosses the way has a corner with both there, and its contours say whose side it is on; the place
  * lies beyond the corner for the one that is outvoted. */
@@ -215,14 +205,22 @@ static bvx_status settle_pair(bvxi_oblique *o, oblique_line_work *w, uint32_t a,
             since = i;
             continue;
         }
+        const double *const from = o->knot[before->knot].at, *const to = o->knot[e->knot].at;
         /* How far a contour would have to move at most: along the line, or across it where it just reaches it. */
         double gap = e->along - before->along, middle[3];
-        for (int k = 0; k < 3; k++) middle[k] = 0.5 * (o->knot[before->knot].at[k] + o->knot[e->knot].at[k]);
+        for (int k = 0; k < 3; k++) middle[k] = 0.5 * (from[k] + to[k]);
         for (int k = 0; k < 2; k++) {
             double const across = 2.0 * bvxi_absolute(bvxi_oblique_exact(o, k == 0 ? a : b, middle));
             gap = gap < across ? gap : across;
         }
-        if (gap > o->agree) return refuse_gap(o, a, b, o->knot[before->knot].at, gap);
+        if (gap > o->agree)
+            return bvxi_fail_for(
+                o->ctx, BVX_ERR_FORMAT, BVX_REASON_DAMAGED,
+                "%s: sections %u and %u contradict each other where their planes cross, near (%g, %g, %g): "
+                "over a way of %g only one of them is inside; %g is allowed, which agree sets",
+                o->function, (uint64_t)a, (uint64_t)b, o->origin[0] + o->step * from[0],
+                o->origin[1] + o->step * from[1], o->origin[2] + o->step * from[2], gap * o->step,
+                o->agree * o->step);
         if (gap * o->step > o->report.largest_gap) o->report.largest_gap = gap * o->step;
         /* In and out again of the same plane, with nothing of the other: there is nothing to move it to. */
         if (e->which == before->which) {
@@ -230,28 +228,9 @@ static bvx_status settle_pair(bvxi_oblique *o, oblique_line_work *w, uint32_t a,
             continue;
         }
         join_knots(o, before->knot, e->knot,
-                   share_of_way(o, before->which == 0 ? a : b, o->knot[before->knot].at,
-                                e->which == 0 ? a : b, o->knot[e->knot].at));
+                   share_of_way(o, before->which == 0 ? a : b, from, e->which == 0 ? a : b, to));
     }
     return BVX_OK;
-}
-
-static bvx_status settle_line(bvxi_oblique *o, oblique_line_work *w, uint32_t a, uint32_t b)
-{
-    const double *const n = o->plane[a].normal, *const m = o->plane[b].normal;
-
-    for (int k = 0; k < 3; k++)
-        w->direction[k] = n[(k + 1) % 3] * m[(k + 2) % 3] - n[(k + 2) % 3] * m[(k + 1) % 3];
-    double const length = sqrt((w->direction[0] * w->direction[0] + w->direction[1] * w->direction[1]) +
-                               w->direction[2] * w->direction[2]);
-    if (!(length > 1e-9)) return BVX_OK; /* they cross nowhere near */
-    /* Places along the line are lengths then, which agree is one of. */
-    for (int k = 0; k < 3; k++) w->direction[k] /= length;
-    w->count = 0;
-    BVXI_TRY(find_events(o, w, a, b, 0));
-    BVXI_TRY(find_events(o, w, b, a, 1));
-    sort_events(w->event, w->count);
-    return settle_pair(o, w, a, b);
 }
 
 /* ---- the order of crossings on a contour ---- */
@@ -292,7 +271,21 @@ bvx_status bvxi_oblique_settle(bvxi_oblique *o)
     oblique_line_work w = {0};
     for (uint32_t a = 0; a < o->plane_count; a++) {
         BVXI_TRY(bvxi_progress(o->ctx, "sections", (double)a / o->plane_count));
-        for (uint32_t b = a + 1; b < o->plane_count; b++) BVXI_TRY(settle_line(o, &w, a, b));
+        for (uint32_t b = a + 1; b < o->plane_count; b++) {
+            const double *const n = o->plane[a].normal, *const m = o->plane[b].normal, *const d = w.direction;
+
+            for (int k = 0; k < 3; k++)
+                w.direction[k] = n[(k + 1) % 3] * m[(k + 2) % 3] - n[(k + 2) % 3] * m[(k + 1) % 3];
+            double const length = sqrt((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]);
+            if (!(length > 1e-9)) continue; /* they cross nowhere near */
+            /* Places along the line are lengths then, which agree is one of. */
+            for (int k = 0; k < 3; k++) w.direction[k] /= length;
+            w.count = 0;
+            BVXI_TRY(find_events(o, &w, a, b, 0));
+            BVXI_TRY(find_events(o, &w, b, a, 1));
+            sort_events(w.event, w.count);
+            BVXI_TRY(settle_pair(o, &w, a, b));
+        }
     }
     /* Once all are moved: which side of a corner a contour passes depends on both of its crossings there. */
     for (uint32_t a = 0; a < o->plane_count; a++) {

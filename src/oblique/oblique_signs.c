@@ -159,18 +159,6 @@ static void judge_loose_piece(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-/* Vertices of which two planes say different things get the sign that leaves the body simple, whosever it is;
- * so do those off all planes that lie between contours or next to the surface. */
-static bvx_status settle_signs(signs_job *job, const uint32_t *torn, uint64_t torn_count)
-{
-    for (uint64_t i = 0; i < torn_count; i++) BVXI_TRY(settle_sign(job, torn[i]));
-    memset(job->again, 0, (size_t)job->vertices);
-    BVXI_TRY(bvxi_for(job->o->ctx, "surface", job->vertices, 256, judge_loose_piece, job));
-    for (uint32_t v = 0; v < job->vertices; v++)
-        if (job->wrong[v] || (job->again[v] && is_loose_sign(job->o, v))) BVXI_TRY(settle_sign(job, v));
-    return BVX_OK;
-}
-
 /* ---- contours' edges ---- */
 
 /* A vertex of the other sign between a contour's edge, or vertex, and another vertex. */
@@ -329,16 +317,6 @@ static void judge_vertex_piece(void *user, uint64_t begin, uint64_t end)
                         (!bvxi_look_link(o, &look, (uint32_t)i) || bvxi_look_torn(o, &look, (uint32_t)i));
 }
 
-static bvx_status settle_vertices(bvxi_oblique *o, signs_job *job)
-{
-    memset(job->again, 0, (size_t)job->vertices);
-    BVXI_TRY(bvxi_for(o->ctx, "surface", job->vertices, 256, judge_vertex_piece, job));
-    for (uint64_t v = 0; v < job->vertices; v++)
-        if (o->vertex[v].sign == 0 && (job->wrong[v] || job->again[v]))
-            BVXI_TRY(oblique_settle_vertex(job, (uint32_t)v));
-    return BVX_OK;
-}
-
 bvx_status bvxi_oblique_signs(bvxi_oblique *o)
 {
     const bvxi_map *const m = &o->contour_edge;
@@ -355,13 +333,26 @@ bvx_status bvxi_oblique_signs(bvxi_oblique *o)
     BVXI_TRY(BVXI_ARRAY(o->ctx, job.vertices, "the vertices to settle", job.wrong));
     BVXI_TRY(BVXI_ARRAY(o->ctx, job.vertices, "the vertices to settle", job.again));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.5, bvxi_oblique_regions(o, &torn, &count)));
-    /* Vertices that planes contradict each other of come first: others look at their signs. */
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.5, 0.64, settle_signs(&job, torn, count)));
+    /* Vertices that planes contradict each other of come first: others look at their signs. They get the sign that
+     * leaves the body simple, whosever it is. */
+    for (uint64_t i = 0; i < count; i++) BVXI_TRY(settle_sign(&job, torn[i]));
+    /* So do those off all planes that lie between contours or next to the surface. */
+    memset(job.again, 0, (size_t)job.vertices);
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.5, 0.64,
+                        bvxi_for(o->ctx, "surface", job.vertices, 256, judge_loose_piece, &job)));
+    for (uint32_t v = 0; v < job.vertices; v++)
+        if (job.wrong[v] || (job.again[v] && is_loose_sign(o, v))) BVXI_TRY(settle_sign(&job, v));
     for (uint64_t i = 0; i < m->room; i++) {
         if (i % 4096 == 0)
             BVXI_TRY(bvxi_progress(o->ctx, "surface", 0.64 + 0.18 * (double)i / (double)m->room));
         if (m->key[i] == UINT64_MAX || m->value[i] == BVXI_NONE) continue;
         BVXI_TRY(settle_edge(o, (uint32_t)(m->key[i] >> 32), (uint32_t)m->key[i], m->value[i] / 2));
     }
-    return BVXI_SHARE(o->ctx, 0.82, 1.0, settle_vertices(o, &job));
+    memset(job.again, 0, (size_t)job.vertices);
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.82, 1.0,
+                        bvxi_for(o->ctx, "surface", job.vertices, 256, judge_vertex_piece, &job)));
+    for (uint64_t v = 0; v < job.vertices; v++)
+        if (o->vertex[v].sign == 0 && (job.wrong[v] || job.again[v]))
+            BVXI_TRY(oblique_settle_vertex(&job, (uint32_t)v));
+    return BVX_OK;
 }

@@ -84,13 +84,6 @@ static int is_on_plane(const part_work *w, const uint32_t *cell, uint32_t count,
     return 0;
 }
 
-static int ends_in_cell(const part_work *w, const uint32_t *cell, uint32_t count, const part_stretch *a)
-{
-    for (uint32_t i = 0; i < count; i++)
-        if (w->stretch[cell[i]].root == a->root && w->stretch[cell[i]].plane != a->plane) return 0;
-    return 1;
-}
-
 static bvx_status find_apart(bvxi_oblique *o, uint32_t *joined)
 {
     uint64_t const most = 2 * (uint64_t)o->point_count;
@@ -107,7 +100,10 @@ static bvx_status find_apart(bvxi_oblique *o, uint32_t *joined)
         uint32_t const count = n < PARTS_IN_CELL ? n : PARTS_IN_CELL, *const cell = w.order + i;
         for (uint32_t k = 0; k < count; k++) {
             const part_stretch *const a = &w.stretch[cell[k]];
-            if (!ends_in_cell(&w, cell, count, a)) continue;
+            int ends = 1;
+            for (uint32_t j = 0; j < count; j++)
+                ends &= w.stretch[cell[j]].root != a->root || w.stretch[cell[j]].plane == a->plane;
+            if (!ends) continue;
             for (uint32_t j = 0; j < count; j++) {
                 uint32_t const root = w.stretch[cell[j]].root;
                 if (bvxi_root(joined, a->root) == bvxi_root(joined, root) ||
@@ -387,8 +383,13 @@ static bvx_status keep_bodies(bvxi_oblique *o, uint32_t *joined, uint64_t *verti
     return BVX_OK;
 }
 
-static bvx_status write_surface(bvxi_oblique *o, uint32_t *joined, bvx_mesh *mesh)
+bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh)
 {
+    uint32_t *joined;
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6, march_all(o)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.7, close_handles(o)));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->mesh.vertex_count, "the parts of the surface", joined));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->mesh.vertex_count, "the parts of the surface", o->kept));
     uint64_t vertices;
 
     memset(o->kept, 0, (size_t)o->mesh.vertex_count);
@@ -421,14 +422,4 @@ static bvx_status write_surface(bvxi_oblique *o, uint32_t *joined, bvx_mesh *mes
         bvxi_put_position(mesh, o->options.position_type, joined[i], at[0], at[1], at[2]);
     }
     return BVX_OK;
-}
-
-bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh)
-{
-    uint32_t *joined;
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6, march_all(o)));
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.7, close_handles(o)));
-    BVXI_TRY(BVXI_ARRAY(o->ctx, o->mesh.vertex_count, "the parts of the surface", joined));
-    BVXI_TRY(BVXI_ARRAY(o->ctx, o->mesh.vertex_count, "the parts of the surface", o->kept));
-    return write_surface(o, joined, mesh);
 }

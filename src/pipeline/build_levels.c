@@ -91,7 +91,7 @@ static uint64_t finest_of(const bvx_levels_options *o, uint64_t level_count, uin
 
 /* ---- Levels ---- */
 
-static bvx_repair_options repair_options(levels_job *job, int32_t resolution, int32_t thin)
+static bvx_status repair_surface(levels_job *job, int32_t resolution, int32_t thin, bvx_mesh *surface)
 {
     const bvx_levels_options *const o = job->options;
     /* Positions of the surface are those of the levels. */
@@ -105,12 +105,6 @@ static bvx_repair_options repair_options(levels_job *job, int32_t resolution, in
                             .report = &job->report.repair};
 
     r.parts.keep_crumbs |= o->parts.least_part != 0;
-    return r;
-}
-
-static bvx_status repair_surface(levels_job *job, int32_t resolution, int32_t thin, bvx_mesh *surface)
-{
-    bvx_repair_options const r = repair_options(job, resolution, thin);
     return BVXI_SCOPE(job->ctx,
                       bvxi_repair_known(job->ctx, job->mesh, &job->report.before, &r, &job->facts, surface));
 }
@@ -118,22 +112,6 @@ static bvx_status repair_surface(levels_job *job, int32_t resolution, int32_t th
 static int64_t twice_the_handles(const bvx_certificate *c)
 {
     return 2 * (int64_t)c->components - c->euler;
-}
-
-/* 1: thin walls were kept, and the surface has handles that the mesh has not. */
-static int has_new_handles(const levels_job *job)
-{
-    const bvx_certificate *const c = &job->report.before;
-    return job->report.repair.thin_kept && c->closed && c->edge_manifold && c->oriented &&
-           twice_the_handles(&job->report.repair.after) > twice_the_handles(c);
-}
-
-/* 1: the walls are hardly any of the surface, and made handles and nothing else. */
-static int is_better_without(const bvx_repair_report *with, const bvx_repair_report *without)
-{
-    const bvx_certificate *const a = &with->after, *const b = &without->after;
-    return b->components == a->components && twice_the_handles(b) < twice_the_handles(a) &&
-           bvxi_absolute(a->area - b->area) <= FEW_WALLS * a->area;
 }
 
 /* The surface with its thin walls. They may have grown together with what is beside them, and a handle costs
@@ -145,7 +123,11 @@ static bvx_status measure_surface(levels_job *job, int32_t resolution, bvx_mesh 
     bvx_mesh without = {0};
 
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.7, repair_surface(job, resolution, BVX_THIN_KEEP, surface)));
-    if (!has_new_handles(job)) return BVX_OK;
+    /* Thin walls were kept: does the surface have handles that the mesh has not? */
+    const bvx_certificate *const c = &job->report.before;
+    if (!(job->report.repair.thin_kept && c->closed && c->edge_manifold && c->oriented &&
+          twice_the_handles(&job->report.repair.after) > twice_the_handles(c)))
+        return BVX_OK;
 
     /* The report is written anew; the better surface's one stays. */
     bvx_repair_report with = *report;
@@ -155,7 +137,10 @@ static bvx_status measure_surface(levels_job *job, int32_t resolution, bvx_mesh 
         job->ctx, mark,
         BVXI_SHARE(job->ctx, 0.7, 1.0, repair_surface(job, resolution, BVX_THIN_SHELL, &without)));
     if (status != BVX_OK && status != BVX_ERR_EMPTY) return status;
-    if (status == BVX_OK && is_better_without(&with, report)) {
+    /* The walls are hardly any of the surface, and made handles and nothing else. */
+    const bvx_certificate *const a = &with.after, *const b = &report->after;
+    if (status == BVX_OK && b->components == a->components && twice_the_handles(b) < twice_the_handles(a) &&
+        bvxi_absolute(a->area - b->area) <= FEW_WALLS * a->area) {
         bvx_mesh const kept = *surface;
 
         *surface = without;
@@ -225,12 +210,19 @@ static bvx_status simplify_measured(levels_job *job)
 
 /* ---- As it is ---- */
 
-static bvx_status simplify_as_it_is(levels_job *job)
+static bvx_status levels_steps(levels_job *job)
 {
+    bvx_certificate *const c = &job->report.before;
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.05, bvx_mesh_check(job->ctx, job->mesh, 1, c)));
+    if (c->triangles == c->degenerate)
+        return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: none of the mesh's %u triangles has an area",
+                         levels_name, job->mesh->triangle_count);
+    if (job->report.solid) return BVXI_SHARE(job->ctx, 0.05, 1.0, simplify_measured(job));
+
     bvx_levels_report *const r = &job->report;
     bvxi_sheets_report sheets;
 
-    BVXI_TRY(bvxi_levels_make(job->ctx, &job->chain, job->mesh, &sheets));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.05, 1.0, bvxi_levels_make(job->ctx, &job->chain, job->mesh, &sheets)));
     r->triangles = sheets.triangles;
     r->collapsed = sheets.collapsed;
     r->doubles = sheets.doubles;
@@ -243,51 +235,23 @@ static bvx_status simplify_as_it_is(levels_job *job)
     return BVX_OK;
 }
 
-static bvx_status levels_steps(levels_job *job)
-{
-    bvx_certificate *const c = &job->report.before;
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.05, bvx_mesh_check(job->ctx, job->mesh, 1, c)));
-    if (c->triangles == c->degenerate)
-        return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: none of the mesh's %u triangles has an area",
-                         levels_name, job->mesh->triangle_count);
-    return BVXI_SHARE(job->ctx, 0.05, 1.0,
-                      job->report.solid ? simplify_measured(job) : simplify_as_it_is(job));
-}
-
 /* ---- What is needed ---- */
 
-/* Most bytes that levels of the mesh itself take, as the header states them. */
-static uint64_t bytes_as_it_is(const levels_job *job)
+/* Say what limit the call would need, where the mesh itself is too large for the one it has. */
+static bvx_status explain_budget(const levels_job *job, uint64_t used)
 {
-    /* By what each triangle and vertex takes at most. */
+    /* What levels of the mesh itself take at most, as the header states it: by triangles and vertices. */
     uint64_t const n = job->mesh->triangle_count, finest = finest_of(job->options, job->chain.count, n);
     uint64_t bytes = (180 + 60) * n + 36 * job->report.before.boundary_edges + 400000;
     if ((job->options->targets.samples != 0 && job->options->reports != NULL) ||
         job->options->targets.errors != NULL) /* bvx_mesh_distance */
         bytes += 116 * (n + (finest < n ? finest : n));
-    return bytes;
-}
-
-/* Say what limit the call would need, where the mesh itself is too large for the one it has. */
-static bvx_status explain_budget(const levels_job *job, uint64_t used)
-{
-    uint64_t const needed = used + bytes_as_it_is(job), limit = bvxi_memory_limit(job->ctx);
+    uint64_t const needed = used + bytes, limit = bvxi_memory_limit(job->ctx);
     /* Something else was in the way: its message stays. */
     if (job->report.solid || limit >= needed) return BVX_ERR_BUDGET;
     return bvxi_fail_for(job->ctx, BVX_ERR_BUDGET, BVX_REASON_BUDGET,
                          "%s: the memory limit of %u bytes is too small for %u triangles; %u suffice",
                          levels_name, limit, job->mesh->triangle_count, needed);
-}
-
-static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
-{
-    const bvx_levels_options *const o = job->options;
-    bvxi_level_chain *const c = &job->chain;
-    bvxi_chain_take(c, job->mesh, &o->targets, &o->collapse);
-    c->function = levels_name;
-    c->count = level_count;
-    c->levels = levels;
-    c->reports = o->reports;
 }
 
 static void warn_of_surface(levels_job *job)
@@ -325,7 +289,11 @@ static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *me
     /* No level may be the mesh itself. */
     for (uint64_t i = 0; i < level_count; i++)
         BVXI_TRY(bvxi_view_apart(context, levels_name, mesh, &levels[i]));
-    take_chain(&job, level_count, levels);
+    bvxi_chain_take(&job.chain, mesh, &o.targets, &o.collapse);
+    job.chain.function = levels_name;
+    job.chain.count = level_count;
+    job.chain.levels = levels;
+    job.chain.reports = o.reports;
     BVXI_TRY(bvxi_levels_check(context, &job.chain));
 
     if (mesh->triangle_count == 0)

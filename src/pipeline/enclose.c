@@ -21,12 +21,52 @@
 #define ENCLOSE_OFFSET 1.03
 #define ENCLOSE_MOST   4096.0 /* voxels along an axis */
 
-static bvx_status fit_around(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
-                             double farthest, bvx_lattice *lattice)
+static bvx_status surface_around(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                                 const bvx_lattice *lattice, bvx_field *field, bvx_mesh *surface)
+{
+    double const offset = ENCLOSE_OFFSET * sqrt(3.0) * lattice->spacing[0];
+    bvx_field_options const o = {.struct_size = sizeof o,
+                                 .half_width = offset / lattice->spacing[0] + 1.01,
+                                 .sign = BVX_FILL_NONE,
+                                 .no_vectors = 1};
+    bvx_field_surface_options const s = {
+        .placing = {.interpolation = BVX_EDGE_SCALAR, .sharp = BVX_SHARP_NEVER}};
+    bvx_grid body = {.words = NULL};
+    bvxi_cut_rule rule = {.offset = 0};
+
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.6, bvx_measure_field(ctx, mesh, lattice, &o, field)));
+
+    /* What is within the offset, or closed off by it; distances become those to the offset's surface. */
+    uint64_t const words = bvxi_grid_words(&field->band);
+    float *const distance = field->distances;
+    uint64_t next = 0;
+
+    BVXI_TRY(BVXI_ARRAY(ctx, words, "what is enclosed", body.words));
+    body.word_capacity = words;
+    BVXI_TRY(bvx_grid_create(ctx, &field->band.lattice, NULL, &body));
+    for (uint64_t i = 0; i < words; i++) {
+        uint64_t near = 0;
+
+        for (uint64_t bits = field->band.words[i]; bits != 0; bits &= bits - 1) {
+            distance[next] -= (float)offset;
+            near |= (bits & ~(bits - 1)) * (uint64_t)(distance[next] <= 0);
+            next++;
+        }
+        body.words[i] = near;
+    }
+    BVXI_TRY(bvx_grid_fill_cavities(ctx, &body, 6, 0, &body, NULL));
+    bvxi_sparse const values = bvxi_sparse_of_field(field);
+    rule.values = &values;
+    return BVXI_SHARE(ctx, 0.6, 1.0, bvxi_field_surface(ctx, function, &body, &rule, &s, surface));
+}
+
+bvx_status bvxi_enclose(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, double farthest,
+                        bvx_lattice *lattice, bvx_mesh *surface)
 {
     double const spacing = farthest / ENCLOSE_SPACINGS;
     bvx_lattice_options const o = {
         .struct_size = sizeof o, .spacing = {spacing, spacing, spacing}, .padding = 4};
+    bvx_field field = {.value_count = 0};
     double low[3], high[3];
 
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
@@ -36,54 +76,8 @@ static bvx_status fit_around(bvx_context *ctx, const char *function, const bvx_m
                                  "%s: enclose of %g is too small for a mesh that spans %g; %g is possible",
                                  function, farthest, high[a] - low[a],
                                  (high[a] - low[a]) * (ENCLOSE_SPACINGS / ENCLOSE_MOST));
-    return bvx_lattice_fit_with(ctx, mesh, &o, lattice);
-}
-
-/* What is within the offset, or closed off by it; distances become those to the offset's surface. */
-static bvx_status find_enclosing(bvx_context *ctx, bvx_field *field, double offset, bvx_grid *body)
-{
-    uint64_t const words = bvxi_grid_words(&field->band);
-    float *const distance = field->distances;
-    uint64_t next = 0;
-
-    BVXI_TRY(BVXI_ARRAY(ctx, words, "what is enclosed", body->words));
-    body->word_capacity = words;
-    BVXI_TRY(bvx_grid_create(ctx, &field->band.lattice, NULL, body));
-    for (uint64_t i = 0; i < words; i++) {
-        uint64_t near = 0;
-
-        for (uint64_t bits = field->band.words[i]; bits != 0; bits &= bits - 1) {
-            distance[next] -= (float)offset;
-            near |= (bits & ~(bits - 1)) * (uint64_t)(distance[next] <= 0);
-            next++;
-        }
-        body->words[i] = near;
-    }
-    return bvx_grid_fill_cavities(ctx, body, 6, 0, body, NULL);
-}
-
-bvx_status bvxi_enclose(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, double farthest,
-                        bvx_lattice *lattice, bvx_mesh *surface)
-{
-    BVXI_TRY(fit_around(ctx, function, mesh, farthest, lattice));
-
-    double const offset = ENCLOSE_OFFSET * sqrt(3.0) * lattice->spacing[0];
-    bvx_field_options const o = {.struct_size = sizeof o,
-                                 .half_width = offset / lattice->spacing[0] + 1.01,
-                                 .sign = BVX_FILL_NONE,
-                                 .no_vectors = 1};
-    bvx_field_surface_options const s = {
-        .placing = {.interpolation = BVX_EDGE_SCALAR, .sharp = BVX_SHARP_NEVER}};
-    bvx_field field = {.value_count = 0};
-    bvx_grid body = {.words = NULL};
-    bvxi_cut_rule rule = {.offset = 0};
-    bvx_status status = BVXI_SHARE(ctx, 0.0, 0.6, bvx_measure_field(ctx, mesh, lattice, &o, &field));
-
-    if (status == BVX_OK) status = find_enclosing(ctx, &field, offset, &body);
-    bvxi_sparse const values = bvxi_sparse_of_field(&field);
-    rule.values = &values;
-    if (status == BVX_OK)
-        status = BVXI_SHARE(ctx, 0.6, 1.0, bvxi_field_surface(ctx, function, &body, &rule, &s, surface));
+    BVXI_TRY(bvx_lattice_fit_with(ctx, mesh, &o, lattice));
+    bvx_status const status = surface_around(ctx, function, mesh, lattice, &field, surface);
     bvx_field_free(ctx, &field);
     return status;
 }

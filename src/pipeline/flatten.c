@@ -122,21 +122,6 @@ static void world_position(const flatten_job *f, const bvx_mesh_view *view, uint
     for (int a = 0; a < 3; a++) p[a] += f->mesh->frame[a];
 }
 
-static uint64_t list_moved(flatten_job *f)
-{
-    bvx_mesh_view view;
-    uint64_t count = 0;
-
-    bvx_mesh_view_of(f->mesh, &view);
-    for (uint64_t v = 0; v < view.vertex_count; v++) {
-        double p[3];
-        world_position(f, &view, v, p);
-        /* Numbers from 1; 0 stays where it is. */
-        f->number[v] = thin_walls_at(f, p) != 0 ? (uint32_t)++count : 0;
-    }
-    return count;
-}
-
 static void aim_piece(void *user, int32_t piece)
 {
     flatten_job *const f = user;
@@ -412,20 +397,6 @@ static bvx_status mark_common_places(flatten_job *f, const bvx_mesh_view *view)
     return BVX_OK;
 }
 
-/* Later rounds take the neighbours along, the last one all. */
-static void step_back(flatten_job *f, int32_t round)
-{
-    for (uint64_t n = 0; n < f->count; n++) {
-        flatten_vertex *const m = &f->moved[n];
-        /* A change is what the next look goes by. */
-        m->changed = m->back || (round >= FLATTEN_ROUNDS && m->step != FLATTEN_STAYS);
-        if (round >= FLATTEN_ROUNDS) m->step = FLATTEN_STAYS;
-        else if (m->back) m->step = round >= FLATTEN_SINGLE ? FLATTEN_STAYS : (uint8_t)(m->step + 1);
-        m->back = 0;
-    }
-    f->marked = 0;
-}
-
 /* Aim the vertices of one body's thin walls. */
 static bvx_status aim_at_body(flatten_job *f, int32_t body)
 {
@@ -476,7 +447,17 @@ static bvx_status move_around(flatten_job *f)
         bvxi_drop(ctx, pairs);
 
         if (f->marked == 0) return BVX_OK;
-        step_back(f, round);
+
+        /* Later rounds take the neighbours along, the last one all. */
+        for (uint64_t n = 0; n < f->count; n++) {
+            flatten_vertex *const m = &f->moved[n];
+            /* A change is what the next look goes by. */
+            m->changed = m->back || (round >= FLATTEN_ROUNDS && m->step != FLATTEN_STAYS);
+            if (round >= FLATTEN_ROUNDS) m->step = FLATTEN_STAYS;
+            else if (m->back) m->step = round >= FLATTEN_SINGLE ? FLATTEN_STAYS : (uint8_t)(m->step + 1);
+            m->back = 0;
+        }
+        f->marked = 0;
     }
 }
 
@@ -519,7 +500,15 @@ bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_
 
     /* Which vertices, then where to, then what lies around them; then they move. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices beside thin walls", &f.number));
-    f.count = list_moved(&f);
+    bvx_mesh_view view;
+
+    bvx_mesh_view_of(mesh, &view);
+    for (uint64_t v = 0; v < view.vertex_count; v++) {
+        double p[3];
+        world_position(&f, &view, v, p);
+        /* Numbers from 1; 0 stays where it is. */
+        f.number[v] = thin_walls_at(&f, p) != 0 ? (uint32_t)++f.count : 0;
+    }
 
     if (f.count != 0) {
         /* Vertices are shared by pieces, each with its own hint. */

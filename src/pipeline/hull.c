@@ -181,22 +181,6 @@ static void mark_triangles(const hull_job *job, const bvxi_sparse *thin, const b
         }
 }
 
-/* Small triangles pass between all edges: those between marked ones are marked too. at: of vertices, all 0. */
-static void mark_between(const bvx_mesh_view *mesh, uint8_t *mark, uint8_t *at)
-{
-    uint32_t v[3];
-
-    for (uint64_t t = 0; t < mesh->triangle_count; t++) {
-        if (mark[t] == 0) continue;
-        bvxi_view_triangle(mesh, t, v);
-        for (int k = 0; k < 3; k++) at[v[k]] |= mark[t];
-    }
-    for (uint64_t t = 0; t < mesh->triangle_count; t++) {
-        bvxi_view_triangle(mesh, t, v);
-        mark[t] |= at[v[0]] & at[v[1]] & at[v[2]];
-    }
-}
-
 /* The triangles with a mark, in their order. */
 static bvx_status list_marked(hull_job *job, const uint8_t *mark, int kind, bvx_mesh_view *view)
 {
@@ -212,17 +196,33 @@ static bvx_status list_marked(hull_job *job, const uint8_t *mark, int kind, bvx_
     return BVX_OK;
 }
 
-static bvx_status list_outer(hull_job *job, const bvx_grid *thin, const bvx_attached *listed)
+static bvx_status list_outer(hull_job *job, bvx_attached *listed)
 {
     bvxi_repair_job *const r = &job->repair;
-    bvxi_sparse s = {.where = *thin};
+    bvx_surface_options const o = {.struct_size = sizeof o, .mode = BVX_SURFACE_THIN, .attached = listed};
+    bvx_grid thin;
     uint8_t *mark, *at;
 
+    BVXI_TRY(open_hull_grid(job, &thin));
+    BVXI_TRY(BVXI_SHARE(r->ctx, 0.0, 0.8, bvx_voxelize_surface(r->ctx, &r->mesh, &r->lattice, &o, &thin)));
+    bvxi_sparse s = {.where = thin};
     BVXI_TRY(bvxi_sparse_rank(r->ctx, &s));
     BVXI_TRY(BVXI_ZEROS(r->ctx, r->mesh.triangle_count, "what triangles are for", mark));
     BVXI_TRY(BVXI_ZEROS(r->ctx, r->mesh.vertex_count, "what vertices are for", at));
     mark_triangles(job, &s, listed, mark);
-    mark_between(&r->mesh, mark, at);
+
+    /* Small triangles pass between all edges: those between marked ones are marked too. */
+    uint32_t v[3];
+
+    for (uint64_t t = 0; t < r->mesh.triangle_count; t++) {
+        if (mark[t] == 0) continue;
+        bvxi_view_triangle(&r->mesh, t, v);
+        for (int k = 0; k < 3; k++) at[v[k]] |= mark[t];
+    }
+    for (uint64_t t = 0; t < r->mesh.triangle_count; t++) {
+        bvxi_view_triangle(&r->mesh, t, v);
+        mark[t] |= at[v[0]] & at[v[1]] & at[v[2]];
+    }
     bvxi_drop(r->ctx, at);
     BVXI_TRY(list_marked(job, mark, HULL_BODY, &r->body));
     BVXI_TRY(list_marked(job, mark, HULL_SHEET, &r->sheets));
@@ -232,16 +232,9 @@ static bvx_status list_outer(hull_job *job, const bvx_grid *thin, const bvx_atta
 
 static bvx_status find_outer(hull_job *job)
 {
-    bvx_context *const ctx = job->repair.ctx;
     bvx_attached listed = {0};
-    bvx_surface_options const o = {.struct_size = sizeof o, .mode = BVX_SURFACE_THIN, .attached = &listed};
-    bvx_grid thin;
-
-    BVXI_TRY(open_hull_grid(job, &thin));
-    bvx_status status = BVXI_SHARE(
-        ctx, 0.0, 0.8, bvx_voxelize_surface(ctx, &job->repair.mesh, &job->repair.lattice, &o, &thin));
-    if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.8, 1.0, list_outer(job, &thin, &listed));
-    bvx_attached_free(ctx, &listed);
+    bvx_status const status = list_outer(job, &listed);
+    bvx_attached_free(job->repair.ctx, &listed);
     return status;
 }
 
@@ -287,9 +280,24 @@ static bvx_status measure_hull(hull_job *job, bvx_mesh *surface)
     return BVX_OK;
 }
 
-static bvx_status simplify_hull(hull_job *job, const bvx_mesh *surface, bvxi_level_chain *chain)
+/* Of what can be reached from outside, or around all of the mesh. */
+static bvx_status simplify_hull(hull_job *job, bvx_mesh *surface, bvxi_enclosed *enclosed,
+                                bvxi_level_chain *chain)
 {
+    bvx_context *const ctx = job->repair.ctx;
+    const bvx_mesh_view *const mesh = &job->repair.mesh;
+    double const farthest = enclosed->farthest;
     bvx_mesh_view view;
+
+    if (farthest > 0) {
+        BVXI_TRY(BVXI_SHARE(
+            ctx, 0.0, 0.4,
+            BVXI_SCOPE(ctx, bvxi_enclose(ctx, hull_name, mesh, farthest, &job->report.lattice, surface))));
+        BVXI_TRY(BVXI_SHARE(ctx, 0.4, 0.5, bvxi_enclosed_open(ctx, hull_name, mesh, farthest, enclosed)));
+        job->report.triangles = surface->triangle_count;
+        job->report.outer_triangles = mesh->triangle_count;
+        chain->collapse.enclosed = enclosed;
+    } else BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.7, measure_hull(job, surface)));
 
     /* Errors are measured against the surface, as the mesh has inner walls. */
     bvx_mesh_view_of(surface, &view);
@@ -298,37 +306,19 @@ static bvx_status simplify_hull(hull_job *job, const bvx_mesh *surface, bvxi_lev
     chain->collapse.simple = 1;
     /* Without targets the first level is the surface, and each one after it has half the triangles. */
     chain->halve_from = 2 * view.triangle_count;
-    BVXI_TRY(bvxi_levels_make(job->repair.ctx, chain, &view, NULL));
+    BVXI_TRY(BVXI_SHARE(ctx, farthest > 0 ? 0.5 : 0.7, 1.0, bvxi_levels_make(ctx, chain, &view, NULL)));
     for (uint64_t i = 0; i < chain->count; i++)
         memcpy(chain->levels[i].frame, surface->frame, sizeof surface->frame);
     return BVX_OK;
 }
 
-/* Of what can be reached from outside, or around all of the mesh. */
 static bvx_status make_hull_levels(hull_job *job, bvxi_level_chain *chain)
 {
-    bvx_context *const ctx = job->repair.ctx;
-    const bvx_mesh_view *const mesh = &job->repair.mesh;
-    double const farthest = job->options->enclose;
-    bvxi_enclosed enclosed = {.farthest = farthest};
+    bvxi_enclosed enclosed = {.farthest = job->options->enclose};
     bvx_mesh surface = {0};
-    bvx_status status = farthest > 0
-                            ? BVXI_SHARE(ctx, 0.0, 0.4,
-                                         BVXI_SCOPE(ctx, bvxi_enclose(ctx, hull_name, mesh, farthest,
-                                                                      &job->report.lattice, &surface)))
-                            : BVXI_SHARE(ctx, 0.0, 0.7, measure_hull(job, &surface));
-
-    if (farthest > 0) {
-        job->report.triangles = surface.triangle_count;
-        job->report.outer_triangles = mesh->triangle_count;
-        chain->collapse.enclosed = &enclosed;
-        if (status == BVX_OK)
-            status = BVXI_SHARE(ctx, 0.4, 0.5, bvxi_enclosed_open(ctx, hull_name, mesh, farthest, &enclosed));
-    }
-    if (status == BVX_OK)
-        status = BVXI_SHARE(ctx, farthest > 0 ? 0.5 : 0.7, 1.0, simplify_hull(job, &surface, chain));
-    bvxi_closest_shut(ctx, &enclosed.closest);
-    bvx_mesh_free(ctx, &surface);
+    bvx_status const status = simplify_hull(job, &surface, &enclosed, chain);
+    bvxi_closest_shut(job->repair.ctx, &enclosed.closest);
+    bvx_mesh_free(job->repair.ctx, &surface);
     return status;
 }
 

@@ -57,16 +57,6 @@ typedef struct inspect_job {
 
 /* ---- Rays ---- */
 
-/* The first triangle ahead, where it faces the ray: walls end at its back, gaps at its front. */
-static int other_side_faces(const inspect_job *job, const double *ray, const bvx_mesh_hit *hit, int kind)
-{
-    double p[3][3], n[3], length;
-    if (hit->side != (kind == BVX_FINDING_WALL ? -1 : 1)) return 0;
-    bvxi_view_scaled(job->mesh, hit->triangle, job->scale, p);
-    length = bvxi_facet_normal((const double(*)[3])p, n);
-    return bvxi_absolute(bvxi_vec_dot(n, ray + 3)) >= INSPECT_FACING * length;
-}
-
 static void note_thickness(inspect_job *job, uint64_t i, double length)
 {
     const inspect_batch *const b = &job->batch;
@@ -83,8 +73,30 @@ static void note_thickness(inspect_job *job, uint64_t i, double length)
             job->options.thickness[v[k]] = length;
 }
 
-static bvx_status mark_middle(inspect_job *job, int kind, const double ends[2][3], double length)
+static bvx_status take_way(inspect_job *job, int kind, uint64_t i)
 {
+    const bvx_mesh_hit *const hit = &job->batch.hit[i];
+    const double *const ray = job->batch.ray + 6 * i;
+    double const length = hit->t + job->off, area = job->batch.area[i];
+    double *const least = kind == BVX_FINDING_WALL ? &job->report.least_thickness : &job->report.least_gap;
+    double ends[2][3], p[3][3], n[3];
+
+    /* The first triangle ahead, where it faces the ray: walls end at its back, gaps at its front. */
+    if (hit->side != (kind == BVX_FINDING_WALL ? -1 : 1)) return BVX_OK;
+    bvxi_view_scaled(job->mesh, hit->triangle, job->scale, p);
+    double const twice = bvxi_facet_normal((const double(*)[3])p, n);
+    if (!(bvxi_absolute(bvxi_vec_dot(n, ray + 3)) >= INSPECT_FACING * twice)) return BVX_OK;
+
+    memcpy(ends[0], ray, sizeof ends[0]);
+    memcpy(ends[1], hit->position, sizeof ends[1]);
+    if (kind == BVX_FINDING_WALL) note_thickness(job, i, length);
+    if (length < *least) {
+        *least = length;
+        memcpy(kind == BVX_FINDING_WALL ? job->report.thin_ends : job->report.gap_ends, ends, sizeof ends);
+    }
+    if (length >= (kind == BVX_FINDING_WALL ? job->options.walls : job->options.gaps)) return BVX_OK;
+    if (kind == BVX_FINDING_WALL) job->report.thin_area += area;
+
     const bvx_lattice *const l = &job->report.lattice;
     inspect_mark m = {.length = length};
 
@@ -97,27 +109,6 @@ static bvx_status mark_middle(inspect_job *job, int kind, const double ends[2][3
         BVXI_GROW(job, job->mark[kind], job->marks[kind], job->capacity[kind], "the places of thin walls"));
     job->mark[kind][job->marks[kind]++] = m;
     return BVX_OK;
-}
-
-static bvx_status take_way(inspect_job *job, int kind, uint64_t i)
-{
-    const bvx_mesh_hit *const hit = &job->batch.hit[i];
-    const double *const ray = job->batch.ray + 6 * i;
-    double const length = hit->t + job->off, area = job->batch.area[i];
-    double *const least = kind == BVX_FINDING_WALL ? &job->report.least_thickness : &job->report.least_gap;
-    double ends[2][3];
-
-    if (!other_side_faces(job, ray, hit, kind)) return BVX_OK;
-    memcpy(ends[0], ray, sizeof ends[0]);
-    memcpy(ends[1], hit->position, sizeof ends[1]);
-    if (kind == BVX_FINDING_WALL) note_thickness(job, i, length);
-    if (length < *least) {
-        *least = length;
-        memcpy(kind == BVX_FINDING_WALL ? job->report.thin_ends : job->report.gap_ends, ends, sizeof ends);
-    }
-    if (length >= (kind == BVX_FINDING_WALL ? job->options.walls : job->options.gaps)) return BVX_OK;
-    if (kind == BVX_FINDING_WALL) job->report.thin_area += area;
-    return mark_middle(job, kind, (const double(*)[3])ends, length);
 }
 
 /* Cast the rays that wait, inwards and then outwards. */
@@ -237,24 +228,24 @@ static bvx_status measure_walls(inspect_job *job)
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.2, bvx_closest_create(job->ctx, job->mesh, &job->closest)));
     bvx_status const status = BVXI_SHARE(job->ctx, 0.2, 1.0, cast_all(job));
     bvx_closest_free(job->ctx, job->closest);
-    if (status == BVX_OK) {
-        static const double share[4] = {0.01, 0.05, 0.5, 0.95};
-        double all = 0.0, sum = 0.0;
-        int next = 0;
+    BVXI_TRY(status);
 
-        for (uint64_t i = 0; i < INSPECT_BINS; i++) all += job->binned[i];
-        for (int k = 0; k < 4; k++) job->report.thickness[k] = HUGE_VAL;
-        for (uint64_t i = 0; i < INSPECT_BINS && next < 4; i++) {
-            uint64_t const bits = i << INSPECT_DIGITS;
-            double length;
+    static const double share[4] = {0.01, 0.05, 0.5, 0.95};
+    double all = 0.0, sum = 0.0;
+    int next = 0;
 
-            sum += job->binned[i];
-            memcpy(&length, &bits, sizeof length);
-            if (length < job->report.least_thickness) length = job->report.least_thickness;
-            while (next < 4 && sum > 0.0 && sum >= share[next] * all) job->report.thickness[next++] = length;
-        }
+    for (uint64_t i = 0; i < INSPECT_BINS; i++) all += job->binned[i];
+    for (int k = 0; k < 4; k++) job->report.thickness[k] = HUGE_VAL;
+    for (uint64_t i = 0; i < INSPECT_BINS && next < 4; i++) {
+        uint64_t const bits = i << INSPECT_DIGITS;
+        double length;
+
+        sum += job->binned[i];
+        memcpy(&length, &bits, sizeof length);
+        if (length < job->report.least_thickness) length = job->report.least_thickness;
+        while (next < 4 && sum > 0.0 && sum >= share[next] * all) job->report.thickness[next++] = length;
     }
-    return status;
+    return BVX_OK;
 }
 
 /* ---- Parts of voxels ---- */
@@ -274,17 +265,6 @@ typedef struct inspect_parts {
     inspect_part *part;
 } inspect_parts;
 
-/* A run lies on what is below it or beside that: layers may lean by a voxel. */
-static int rests_on(const inspect_parts *p, int32_t begin, int32_t end, int32_t y)
-{
-    int32_t const first = begin > 0 ? begin - 1 : 0, last = end < p->grid->size[0] ? end : end - 1;
-    for (int32_t row = y > 0 ? y - 1 : 0; row <= y + 1 && row < p->grid->size[1]; row++)
-        for (int32_t k = first >> 6; k <= last >> 6; k++)
-            if ((p->below[row * p->grid->words_per_row + k] & bvxi_run_mask(first, last + 1, k)) != 0)
-                return 1;
-    return 0;
-}
-
 static void see_part_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
 {
     const inspect_parts *const p = user;
@@ -298,7 +278,14 @@ static void see_part_run(void *user, uint32_t space, int32_t begin, int32_t end,
     if (s->voxels == 0) s->least = HUGE_VAL;
     s->voxels += (uint64_t)(end - begin);
     if (p->kind == BVX_FINDING_CAVITY) s->left_out |= bvxi_spaces_at_side(p->grid, begin, end, y, z);
-    if (p->kind == BVX_FINDING_ISLAND && !s->left_out) s->left_out = rests_on(p, begin, end, y);
+
+    /* An island's run lies on what is below it or beside that: layers may lean by a voxel. */
+    int32_t const first = begin > 0 ? begin - 1 : 0, last = end < p->grid->size[0] ? end : end - 1;
+    int32_t const rows = p->kind == BVX_FINDING_ISLAND ? p->grid->size[1] : 0;
+    for (int32_t row = y > 0 ? y - 1 : 0; row <= y + 1 && row < rows && !s->left_out; row++)
+        for (int32_t k = first >> 6; k <= last >> 6; k++)
+            if ((p->below[row * p->grid->words_per_row + k] & bvxi_run_mask(first, last + 1, k)) != 0)
+                s->left_out = 1;
     if (p->values == NULL && end - begin > s->longest) {
         int32_t const at[3] = {begin + (end - begin) / 2, y, z};
         s->longest = end - begin;
@@ -378,12 +365,6 @@ static bvx_status list_marks(inspect_job *job, int kind)
     return list_parts(job, &p, BVXI_CONNECT_26);
 }
 
-static bvx_status list_cavities(inspect_job *job)
-{
-    inspect_parts p = {.kind = BVX_FINDING_CAVITY, .axis = {0, 1, 2}, .grid = &job->solid};
-    return list_parts(job, &p, BVXI_CONNECT_6);
-}
-
 /* Layer by layer: the first that has voxels lies on the plate. */
 static bvx_status list_islands(inspect_job *job, const bvx_grid *turned, int up)
 {
@@ -411,9 +392,8 @@ static bvx_status turn_and_list(inspect_job *job)
     int32_t const axes[3] = {(up + 1) % 3, (up + 2) % 3, up};
     bvx_grid turned = {0};
     if (up == 2) return list_islands(job, &job->solid, up);
-    bvx_status status = BVXI_SHARE(job->ctx, 0.0, 0.2,
-                                   bvx_grid_permute(job->ctx, &job->solid, axes, NULL, &turned));
-    if (status == BVX_OK) status = BVXI_SHARE(job->ctx, 0.2, 1.0, list_islands(job, &turned, up));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.2, bvx_grid_permute(job->ctx, &job->solid, axes, NULL, &turned)));
+    bvx_status const status = BVXI_SHARE(job->ctx, 0.2, 1.0, list_islands(job, &turned, up));
     bvx_grid_free(job->ctx, &turned);
     return status;
 }
@@ -517,7 +497,9 @@ static bvx_status run_inspect(bvx_context *ctx, const bvx_mesh_view *mesh, const
     for (int kind = BVX_FINDING_WALL; kind <= BVX_FINDING_GAP; kind++)
         BVXI_TRY(BVXI_SHARE(job.ctx, 0.9 + 0.02 * kind, 0.92 + 0.02 * kind,
                             BVXI_SCOPE(job.ctx, list_marks(&job, kind))));
-    BVXI_TRY(BVXI_SHARE(job.ctx, 0.94, 0.96, BVXI_SCOPE(job.ctx, list_cavities(&job))));
+    inspect_parts cavities = {.kind = BVX_FINDING_CAVITY, .axis = {0, 1, 2}, .grid = &job.solid};
+    BVXI_TRY(
+        BVXI_SHARE(job.ctx, 0.94, 0.96, BVXI_SCOPE(job.ctx, list_parts(&job, &cavities, BVXI_CONNECT_6))));
     BVXI_TRY(BVXI_SHARE(job.ctx, 0.96, 1.0, turn_and_list(&job)));
 
     *report = job.report;

@@ -38,25 +38,6 @@ static int32_t longest_side(const bvx_grid *g)
     return n;
 }
 
-static bvx_status check_resolutions(bvx_context *ctx, const bvx_grid *solid, const bvx_lod_options *o,
-                                    uint64_t level_count)
-{
-    for (uint64_t l = 0; l < level_count; l++) {
-        /* The longest side counts for one ratio, each axis for three. */
-        for (int32_t a = 0; a < 3; a++) {
-            int32_t const n = o->resolutions != NULL ? longest_side(solid) : solid->size[a];
-            int32_t const r = o->resolutions != NULL ? o->resolutions[l]
-                                                     : o->axis_resolutions[3 * l + (uint64_t)a];
-            if (r < 1 || r > n)
-                return bvxi_fail_for(
-                    ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
-                    "%s: level %i asks for a resolution of %d; 1 to %d, the grid's own, are possible",
-                    lod_name, l + (uint64_t)o->first_level, (int64_t)r, (int64_t)n);
-        }
-    }
-    return BVX_OK;
-}
-
 static const bvxi_option lod_rows[] = {
     BVXI_CHOICE(bvx_lod_options, sampling.method, BVX_LOD_EDGE_RATIO, BVX_LOD_COVERAGE),
     BVXI_WHOLE(bvx_lod_options, sampling.edge_samples, 0, 65536),
@@ -89,7 +70,19 @@ static bvx_status check_lod_options(bvx_context *ctx, const bvx_grid *solid, bvx
                              "%s: collapse requires target_triangles", lod_name);
     if (level_count == 0)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: no level is requested", lod_name);
-    return o->target_triangles != NULL ? BVX_OK : check_resolutions(ctx, solid, o, level_count);
+    for (uint64_t l = 0; l < level_count && o->target_triangles == NULL; l++)
+        /* The longest side counts for one ratio, each axis for three. */
+        for (int32_t a = 0; a < 3; a++) {
+            int32_t const n = o->resolutions != NULL ? longest_side(solid) : solid->size[a];
+            int32_t const r = o->resolutions != NULL ? o->resolutions[l]
+                                                     : o->axis_resolutions[3 * l + (uint64_t)a];
+            if (r < 1 || r > n)
+                return bvxi_fail_for(
+                    ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
+                    "%s: level %i asks for a resolution of %d; 1 to %d, the grid's own, are possible",
+                    lod_name, l + (uint64_t)o->first_level, (int64_t)r, (int64_t)n);
+        }
+    return BVX_OK;
 }
 
 /* ---- one level ---- */
@@ -138,20 +131,6 @@ static bvx_status count_level(bvx_context *ctx, lod_job *job, int32_t resolution
     return status;
 }
 
-static void report_lod(const lod_job *job, const level_work *w, const bvx_mesh *mesh)
-{
-    if (job->options->reports == NULL) return;
-    bvx_lod_report *const report = &job->options->reports[job->level];
-    memset(report, 0, sizeof *report);
-    for (int32_t a = 0; a < 3; a++) {
-        report->resolution[a] = w->samples.axis[a].count;
-        report->ratio[a] = (double)w->samples.axis[a].n / w->samples.axis[a].r;
-    }
-    report->vertices = mesh->vertex_count;
-    report->triangles = mesh->triangle_count;
-    report->searched = job->searched;
-}
-
 /* Extract into scratch, with the positions that the level will have; collapse to the target. */
 static bvx_status fill_collapsed(bvx_context *ctx, const lod_job *job, bvxi_march *march, bvx_mesh *mesh)
 {
@@ -186,26 +165,6 @@ static bvx_status fill_collapsed(bvx_context *ctx, const lod_job *job, bvxi_marc
                              "%s: level %i asks for at most %u triangles; collapsing its %u ends at %u",
                              lod_name, level_number(job), target, fine.triangle_count, mesh->triangle_count);
     memcpy(mesh->frame, fine.frame, sizeof mesh->frame);
-    return BVX_OK;
-}
-
-static bvx_status make_lod(bvx_context *ctx, lod_job *job, int32_t resolution, bvx_mesh *mesh)
-{
-    level_work w;
-
-    BVXI_TRY(open_level(ctx, job, resolution, 0, &w));
-
-    /* Nothing at all would look like success. */
-    if (w.march.triangle_count == 0)
-        return bvxi_fail(
-            ctx, BVX_ERR_EMPTY,
-            "%s: level %i, %d x %d x %d samples, keeps nothing of the solid; take more samples for it, or a "
-            "lower threshold",
-            lod_name, level_number(job), (int64_t)w.samples.axis[0].count, (int64_t)w.samples.axis[1].count,
-            (int64_t)w.samples.axis[2].count);
-    BVXI_TRY(job->options->collapse != 0 ? fill_collapsed(ctx, job, &w.march, mesh)
-                                         : bvxi_march_fill(ctx, &w.march, mesh));
-    report_lod(job, &w, mesh);
     return BVX_OK;
 }
 
@@ -288,6 +247,40 @@ static bvx_status search_resolution(bvx_context *ctx, lod_job *job, int32_t *res
     return BVX_OK;
 }
 
+static bvx_status make_lod(bvx_context *ctx, lod_job *job, bvx_mesh *mesh)
+{
+    const bvx_lod_options *const o = job->options;
+    int32_t resolution = o->resolutions != NULL ? o->resolutions[job->level] : 0;
+    level_work w;
+
+    job->position_type = o->position_type;
+    if (o->target_triangles != NULL) BVXI_TRY(search_resolution(ctx, job, &resolution));
+    BVXI_TRY(open_level(ctx, job, resolution, 0, &w));
+
+    /* Nothing at all would look like success. */
+    if (w.march.triangle_count == 0)
+        return bvxi_fail(
+            ctx, BVX_ERR_EMPTY,
+            "%s: level %i, %d x %d x %d samples, keeps nothing of the solid; take more samples for it, or a "
+            "lower threshold",
+            lod_name, level_number(job), (int64_t)w.samples.axis[0].count, (int64_t)w.samples.axis[1].count,
+            (int64_t)w.samples.axis[2].count);
+    BVXI_TRY(job->options->collapse != 0 ? fill_collapsed(ctx, job, &w.march, mesh)
+                                         : bvxi_march_fill(ctx, &w.march, mesh));
+    if (o->reports == NULL) return BVX_OK;
+
+    bvx_lod_report *const report = &o->reports[job->level];
+    memset(report, 0, sizeof *report);
+    for (int32_t a = 0; a < 3; a++) {
+        report->resolution[a] = w.samples.axis[a].count;
+        report->ratio[a] = (double)w.samples.axis[a].n / w.samples.axis[a].r;
+    }
+    report->vertices = mesh->vertex_count;
+    report->triangles = mesh->triangle_count;
+    report->searched = job->searched;
+    return BVX_OK;
+}
+
 static bvx_status run_build_lods(bvx_context *context, const bvx_grid *solid, const bvx_lod_options *options,
                                  uint64_t level_count, bvx_mesh *levels)
 {
@@ -299,13 +292,8 @@ static bvx_status run_build_lods(bvx_context *context, const bvx_grid *solid, co
     BVXI_TRY(bvxi_grid_check(context, lod_name, solid));
     BVXI_TRY(check_lod_options(context, solid, &o, level_count));
     lod_job job = {.solid = solid, .options = &o};
-    for (job.level = 0; job.level < level_count && status == BVX_OK; job.level++) {
-        int32_t resolution = o.resolutions != NULL ? o.resolutions[job.level] : 0;
-        job.position_type = o.position_type;
-        if (o.target_triangles != NULL) status = search_resolution(context, &job, &resolution);
-        if (status == BVX_OK)
-            status = BVXI_SCOPE(context, make_lod(context, &job, resolution, &levels[job.level]));
-    }
+    for (job.level = 0; job.level < level_count && status == BVX_OK; job.level++)
+        status = BVXI_SCOPE(context, make_lod(context, &job, &levels[job.level]));
     if (status == BVX_OK) return BVX_OK;
     /* what the library made goes; arrays of the caller's stay his */
     for (uint64_t l = 0; l < level_count; l++) {

@@ -77,24 +77,12 @@ static bvx_status extract_block(octree_mesh_job *job, const int32_t b[3])
     /* The block at the finest level; its open sides are left to others. */
     BVXI_TRY(bvx_octree_expand(job->ctx, job->tree, job->tree->levels, job->states, &w, &grid));
     job->options.open_sides = open_sides_of_block(job, b);
-    bvx_status status = bvx_extract_surface(job->ctx, &grid, &job->options, &job->part[job->part_count]);
+    bvx_status const status = bvx_extract_surface(job->ctx, &grid, &job->options,
+                                                  &job->part[job->part_count]);
     bvx_grid_free(job->ctx, &grid);
-    if (status == BVX_OK) job->part_count++;
-    return status;
-}
-
-/* Positions are doubles in all blocks when one of them needs it. */
-static void choose_for_block(octree_mesh_job *job, const int32_t b[3])
-{
-    static const double local_origin[3] = {0, 0, 0};
-    bvx_grid grid = {.lattice = job->tree->lattice};
-    bvx_window w;
-    if (job->options.position_type != BVX_POSITION_AUTO) return;
-    block_window(job, b, &w);
-    memcpy(grid.low, w.low, sizeof grid.low);
-    memcpy(grid.size, w.size, sizeof grid.size);
-    if (!bvxi_fits_f32(&grid, job->options.local_frame ? local_origin : grid.lattice.origin))
-        job->options.position_type = BVX_F64;
+    BVXI_TRY(status);
+    job->part_count++;
+    return BVX_OK;
 }
 
 /* Count the blocks (part NULL), or extract them. */
@@ -104,8 +92,19 @@ static bvx_status visit_block(octree_mesh_job *job, const int32_t b[3])
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, job->part == NULL ? 1.0 : 0.1, block_may_hold(job, b, &holds)));
     if (!holds) return BVX_OK;
     if (job->part != NULL) return BVXI_SHARE(job->ctx, 0.1, 1.0, extract_block(job, b));
-    choose_for_block(job, b);
     job->room++;
+    if (job->options.position_type != BVX_POSITION_AUTO) return BVX_OK;
+
+    /* Positions are doubles in all blocks when one of them needs it. */
+    static const double local_origin[3] = {0, 0, 0};
+    bvx_grid grid = {.lattice = job->tree->lattice};
+    bvx_window w;
+
+    block_window(job, b, &w);
+    memcpy(grid.low, w.low, sizeof grid.low);
+    memcpy(grid.size, w.size, sizeof grid.size);
+    if (!bvxi_fits_f32(&grid, job->options.local_frame ? local_origin : grid.lattice.origin))
+        job->options.position_type = BVX_F64;
     return BVX_OK;
 }
 
@@ -128,35 +127,22 @@ static bvx_status merge_blocks(octree_mesh_job *job, bvx_mesh *mesh)
 {
     bvx_mesh made = {0};
 
-    if (job->room == 0) { /* the surface of nothing, as the options make it */
+    if (job->room > 0) {
+        if (job->options.position_type == BVX_POSITION_AUTO) job->options.position_type = BVX_F32;
+        BVXI_TRY(BVXI_ZEROS(job->ctx, job->room, "the blocks' surfaces", job->part));
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.05, 0.4, visit_blocks(job)));
+    } else { /* the surface of nothing, as the options make it */
         int32_t const first[3] = {0, 0, 0};
         job->room = 1;
-        BVXI_TRY(
-            bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sizeof *job->part, "the blocks' surfaces", &job->part));
-        BVXI_TRY(extract_block(job, first));
+        BVXI_TRY(BVXI_ZEROS(job->ctx, job->room, "the blocks' surfaces", job->part));
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.4, 1.0, extract_block(job, first)));
     }
     /* Keys bring common vertices together, in the order of the whole. */
-    BVXI_TRY(bvx_mesh_merge(job->ctx, job->part, job->part_count, &made));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.4, 1.0, bvx_mesh_merge(job->ctx, job->part, job->part_count, &made)));
     if (!job->keys) bvxi_mesh_release(job->ctx, &made, BVXI_MESH_KEYS);
     bvx_mesh_free(job->ctx, mesh);
     *mesh = made;
     return BVX_OK;
-}
-
-static bvx_status run_blocks(octree_mesh_job *job, bvx_mesh *mesh)
-{
-    bvx_status status = BVX_OK;
-
-    /* Counted first, so that positions of all blocks have one type. */
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.05, visit_blocks(job)));
-    if (job->room > 0) {
-        if (job->options.position_type == BVX_POSITION_AUTO) job->options.position_type = BVX_F32;
-        BVXI_TRY(BVXI_ZEROS(job->ctx, job->room, "the blocks' surfaces", job->part));
-        status = BVXI_SHARE(job->ctx, 0.05, 0.4, visit_blocks(job));
-    }
-    if (status == BVX_OK) status = BVXI_SHARE(job->ctx, 0.4, 1.0, merge_blocks(job, mesh));
-    for (uint64_t i = job->part_count; i-- > 0;) bvx_mesh_free(job->ctx, &job->part[i]);
-    return status;
 }
 
 static bvx_status run_extract_octree(bvx_context *context, const bvx_octree *tree, int32_t states,
@@ -187,7 +173,11 @@ static bvx_status run_extract_octree(bvx_context *context, const bvx_octree *tre
         job.blocks[a] = (tree->lattice.dims[a] - 1 + (1 << BLOCK_SHIFT) - 1) >> BLOCK_SHIFT;
         if (job.blocks[a] < 1) job.blocks[a] = 1;
     }
-    return run_blocks(&job, mesh);
+    /* Counted first, so that positions of all blocks have one type. */
+    BVXI_TRY(BVXI_SHARE(job.ctx, 0.0, 0.05, visit_blocks(&job)));
+    bvx_status const status = merge_blocks(&job, mesh);
+    for (uint64_t i = job.part_count; i-- > 0;) bvx_mesh_free(job.ctx, &job.part[i]);
+    return status;
 }
 
 bvx_status bvx_extract_octree(bvx_context *context, const bvx_octree *tree, int32_t states,

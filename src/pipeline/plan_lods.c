@@ -58,46 +58,33 @@ static double finest_samples(const lods_plan *p)
     return finest > 1 ? finest : 1;
 }
 
-/* Half of what the limit leaves beside the mesh's snapped copy: the other half is for rows in work and for
- * the levels. A snapped vertex takes 16 bytes (bvxi_snapped); 4 a triangle are an allowance, as the buffers
- * of crossings stop growing. */
-static uint64_t room_for_planned(const bvx_context *ctx, const bvx_mesh_view *mesh)
-{
-    uint64_t const limit = bvxi_memory_limit(ctx);
-    uint64_t const beside = bvx_memory_used(ctx) + 16 * mesh->vertex_count + 4 * mesh->triangle_count;
-    if (limit == 0) return PLAN_MOST_BYTES;
-    uint64_t const room = limit > beside ? (limit - beside) / 2 : 0;
-    return room < PLAN_MOST_BYTES ? room : PLAN_MOST_BYTES;
-}
-
-/* fits: 1 when a solid of this resolution has room. A lattice that cannot be is too large. */
-static bvx_status try_planned(bvx_context *ctx, const lods_plan *p, int32_t resolution, uint64_t room,
-                              int32_t *fits)
-{
-    bvx_lattice_options const o = {.struct_size = sizeof o, .resolution = resolution, .padding = p->padding};
-    bvx_mesh_view const box = {.positions = p->corners, .vertex_count = 2, .position_type = BVX_F64};
-    bvx_lattice lattice;
-    bvx_status const status = bvx_lattice_fit_with(ctx, &box, &o, &lattice);
-    /* The bound is in words, room in bytes. */
-    *fits = status == BVX_OK && bvx_grid_bound(&lattice, NULL) <= room / 8;
-    /* Too large a lattice is an answer here, not an error. */
-    return status == BVX_ERR_RANGE ? BVX_OK : status;
-}
-
 static bvx_status search_planned(bvx_context *ctx, const lods_plan *p, int32_t *resolution, int32_t *limited)
 {
     double const finest = finest_samples(p), wanted = finest * PLAN_VOXELS_A_SAMPLE;
-    uint64_t const room = room_for_planned(ctx, p->mesh);
     int32_t low = finest < PLAN_FINEST_GRID ? (int32_t)finest : PLAN_FINEST_GRID;
     int32_t high = wanted < PLAN_FINEST_GRID ? (int32_t)wanted : PLAN_FINEST_GRID;
+
+    /* Half of what the limit leaves beside the mesh's snapped copy: the other half is for rows in work and for
+     * the levels. A snapped vertex takes 16 bytes (bvxi_snapped); 4 a triangle are an allowance, as the buffers
+     * of crossings stop growing. */
+    uint64_t const limit = bvxi_memory_limit(ctx);
+    uint64_t const beside = bvx_memory_used(ctx) + 16 * p->mesh->vertex_count + 4 * p->mesh->triangle_count;
+    uint64_t const half = limit > beside ? (limit - beside) / 2 : 0;
+    uint64_t const room = limit != 0 && half < PLAN_MOST_BYTES ? half : PLAN_MOST_BYTES;
 
     /* By bisection from what is wanted; limited says that memory decided. low is not tried: one voxel a
      * sample is returned even where it does not fit. */
     *limited = 0;
     for (int32_t next = high; low < high; next = low + (high - low + 1) / 2) {
-        int32_t fits;
-
-        BVXI_TRY(try_planned(ctx, p, next, room, &fits));
+        /* Does a solid of this resolution have room? A lattice that cannot be is too large. */
+        bvx_lattice_options const o = {.struct_size = sizeof o, .resolution = next, .padding = p->padding};
+        bvx_mesh_view const box = {.positions = p->corners, .vertex_count = 2, .position_type = BVX_F64};
+        bvx_lattice lattice;
+        bvx_status const status = bvx_lattice_fit_with(ctx, &box, &o, &lattice);
+        /* The bound is in words, room in bytes. */
+        int const fits = status == BVX_OK && bvx_grid_bound(&lattice, NULL) <= room / 8;
+        /* Too large a lattice is an answer here, not an error. */
+        BVXI_TRY(status == BVX_ERR_RANGE ? BVX_OK : status);
         if (fits) {
             low = next;
         } else {

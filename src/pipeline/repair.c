@@ -21,15 +21,6 @@ static const bvxi_option repair_rows[] = {
     BVXI_CHOICE(bvx_repair_options, thin, BVX_THIN_KEEP, BVX_THIN_SHELL),
 };
 
-static bvx_status flatten_repaired(const bvxi_repair_job *job, bvx_mesh *repaired)
-{
-    bvxi_flat_body const body = {&job->thin, NULL};
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.5, bvxi_flatten(job->ctx, bvxi_repair_name, &body, 1, repaired)));
-    return BVXI_SHARE(job->ctx, 0.5, 1.0,
-                      BVXI_SCOPE(job->ctx, bvxi_round_bars(job->ctx, bvxi_repair_name, &job->inside,
-                                                           &job->body, repaired)));
-}
-
 static bvx_status make_repaired(bvxi_repair_job *job, bvx_mesh *repaired)
 {
     uint64_t voxels;
@@ -55,7 +46,12 @@ static bvx_status make_repaired(bvxi_repair_job *job, bvx_mesh *repaired)
                              : "the mesh encloses no centre; take a higher resolution, or allow shells");
 
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.55, 0.75, BVXI_SCOPE(job->ctx, bvxi_repair_surface(job, repaired))));
-    return BVXI_SHARE(job->ctx, 0.75, 1.0, flatten_repaired(job, repaired));
+    bvxi_flat_body const body = {&job->thin, NULL};
+
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.75, 0.875, bvxi_flatten(job->ctx, bvxi_repair_name, &body, 1, repaired)));
+    return BVXI_SHARE(job->ctx, 0.875, 1.0,
+                      BVXI_SCOPE(job->ctx, bvxi_round_bars(job->ctx, bvxi_repair_name, &job->inside,
+                                                           &job->body, repaired)));
 }
 
 static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)

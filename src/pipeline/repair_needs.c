@@ -6,28 +6,7 @@
 #include "mesh/mesh.h"
 #include "pipeline/repair.h"
 
-static int32_t repair_need(const bvx_certificate *c)
-{
-    if (!c->closed) return BVX_NEEDS_LIDS;
-    if (!c->edge_manifold || !c->vertex_manifold) return BVX_NEEDS_MANIFOLD;
-    if (!c->oriented) return BVX_NEEDS_TURNS;
-    if (c->degenerate + c->duplicates + c->collapsed != 0) return BVX_NEEDS_AREA;
-    return c->volume > 0 ? BVX_NEEDS_NOTHING : BVX_NEEDS_OUTSIDE_IN;
-}
-
 /* ---- Several pieces ---- */
-
-static bvx_status judge_pieces(bvxi_repair_job *job, int *right)
-{
-    bvxi_piece_marks by = {0};
-    bvxi_mesh_piece *pieces = NULL;
-    uint64_t count;
-    by.piece = job->piece;
-    BVXI_TRY(bvxi_mesh_pieces_open(job->ctx, &job->mesh, &by, &job->report.before, &pieces, &count));
-    *right = bvxi_cavities_lie_within(pieces, count);
-    bvxi_drop(job->ctx, pieces);
-    return BVX_OK;
-}
 
 /* Do parity and nonzero fill the same voxels? Then no piece hides another. */
 static bvx_status judge_nesting(bvxi_repair_job *job, int *right)
@@ -46,13 +25,29 @@ bvx_status bvxi_repair_needs(bvxi_repair_job *job)
     int const several = r->before.components > 1;
     int right = 1;
 
-    r->needs = repair_need(&r->before);
+    const bvx_certificate *const c = &r->before;
+    r->needs = !c->closed                                          ? BVX_NEEDS_LIDS
+               : !c->edge_manifold || !c->vertex_manifold          ? BVX_NEEDS_MANIFOLD
+               : !c->oriented                                      ? BVX_NEEDS_TURNS
+               : c->degenerate + c->duplicates + c->collapsed != 0 ? BVX_NEEDS_AREA
+               : c->volume > 0                                     ? BVX_NEEDS_NOTHING
+                                                                   : BVX_NEEDS_OUTSIDE_IN;
     if (r->needs != BVX_NEEDS_NOTHING || (job->options->report == NULL && !job->options->if_needed))
         return BVX_OK;
 
     /* Cheapest first: volumes, then two fills, then crossings, which several pieces may not come to. */
     right = r->turned == 0;
-    if (several && right) BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.1, judge_pieces(job, &right)));
+    if (several && right) {
+        bvxi_piece_marks by = {0};
+        bvxi_mesh_piece *pieces = NULL;
+        uint64_t count;
+
+        by.piece = job->piece;
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.1,
+                            bvxi_mesh_pieces_open(job->ctx, &job->mesh, &by, &r->before, &pieces, &count)));
+        right = bvxi_cavities_lie_within(pieces, count);
+        bvxi_drop(job->ctx, pieces);
+    }
     if (several && right)
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.1, 0.2, BVXI_SCOPE(job->ctx, judge_nesting(job, &right))));
     if (!right) {

@@ -57,22 +57,6 @@ static bvx_status count_overlaps(bvxi_repair_job *job)
     return BVX_OK;
 }
 
-/* In the world, as the frame is not part of a view. */
-static bvx_status measure_distances(bvxi_repair_job *job, const bvx_mesh *repaired, bvx_mesh_view *result)
-{
-    double *world, p[3];
-
-    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, result->vertex_count * 24, "the result's places", &world));
-    for (uint64_t v = 0; v < result->vertex_count; v++) {
-        bvxi_view_position(result, v, p);
-        for (uint64_t a = 0; a < 3; a++) world[3 * v + a] = p[a] + repaired->frame[a];
-    }
-    result->positions = world;
-    result->position_type = BVX_F64;
-    result->position_stride = 0;
-    return bvx_mesh_distance(job->ctx, &job->mesh, result, job->options->samples, 1, &job->report.distance);
-}
-
 #define REPAIR_OFF     0.02 /* of the mesh's own volume, from which on it is warned of */
 #define REPAIR_CHANGED 0.05 /* of an area, or a volume that lines of centres see, the same */
 #define REPAIR_LIDS    0.05 /* of the result's area, the same */
@@ -105,16 +89,6 @@ static bvx_status compare_handles(bvxi_repair_job *job)
     return bvx_mesh_crossings(job->ctx, &job->mesh, &r->crossings, NULL, 0);
 }
 
-/* Parts that cross become one; one that crosses none, or a gap, may be lost. */
-static bvx_status count_bodies(bvxi_repair_job *job)
-{
-    const bvx_repair_report *const r = &job->report;
-    if (!r->before.closed || r->needs == BVX_NEEDS_NOTHING || r->after.components >= r->before.components ||
-        r->shelled_triangles != 0)
-        return BVX_OK;
-    return bvxi_bodies_apart(job->ctx, &job->mesh, &job->facts.bodies);
-}
-
 int bvxi_has_own_size(const bvx_repair_report *r, const bvxi_repair_facts *f)
 {
     return r->before.closed && r->before.oriented && f->overlaps == 0 && r->turned == 0 &&
@@ -138,6 +112,7 @@ static int is_nearly_closed(const bvx_repair_report *r, const bvxi_repair_facts 
 
 bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
 {
+    const bvx_repair_report *const r = &job->report;
     bvx_mesh_view result;
 
     bvx_mesh_view_of(repaired, &result);
@@ -146,8 +121,12 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
     if (job->report.before.boundary_edges + job->report.before.nonmanifold_edges != 0)
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.2, 0.22, find_holes(job)));
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.22, 0.24, compare_handles(job)));
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.24, 0.25, BVXI_SCOPE(job->ctx, count_bodies(job))));
-
+    /* Parts that cross become one; one that crosses none, or a gap, may be lost. */
+    if (r->before.closed && r->needs != BVX_NEEDS_NOTHING && r->after.components < r->before.components &&
+        r->shelled_triangles == 0)
+        BVXI_TRY(
+            BVXI_SHARE(job->ctx, 0.24, 0.25,
+                       BVXI_SCOPE(job->ctx, bvxi_bodies_apart(job->ctx, &job->mesh, &job->facts.bodies))));
     if (has_other_size(&job->report))
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.25, 0.4, BVXI_SCOPE(job->ctx, count_overlaps(job))));
     if (is_nearly_closed(&job->report, &job->facts) && !bvxi_has_own_size(&job->report, &job->facts))
@@ -155,7 +134,21 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
                             bvxi_see_volume(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill,
                                             job->report.after.volume, &job->report.crossing_volume)));
     if (job->options->samples == 0) return BVX_OK;
-    return BVXI_SHARE(job->ctx, 0.4, 1.0, measure_distances(job, repaired, &result));
+
+    /* In the world, as the frame is not part of a view. */
+    double *world, p[3];
+
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, result.vertex_count * 24, "the result's places", &world));
+    for (uint64_t v = 0; v < result.vertex_count; v++) {
+        bvxi_view_position(&result, v, p);
+        for (uint64_t a = 0; a < 3; a++) world[3 * v + a] = p[a] + repaired->frame[a];
+    }
+    result.positions = world;
+    result.position_type = BVX_F64;
+    result.position_stride = 0;
+    return BVXI_SHARE(
+        job->ctx, 0.4, 1.0,
+        bvx_mesh_distance(job->ctx, &job->mesh, &result, job->options->samples, 1, &job->report.distance));
 }
 
 /* ---- Warnings ---- */
@@ -182,15 +175,6 @@ void bvxi_warn_of_lids(bvx_context *ctx, double share, uint64_t holes, const bvx
     w->placed = 1;
     memcpy(w->low, longest->low, sizeof w->low);
     memcpy(w->high, longest->high, sizeof w->high);
-}
-
-/* An open mesh may be the inside of a room: faces that look inward enclose about as much as the result, which is no
- * shell of them. */
-static int encloses_inward(const bvx_repair_report *r, const bvxi_repair_facts *f)
-{
-    double const inward = -r->before.volume, volume = r->after.volume;
-    return r->before.boundary_edges != 0 && f->shelled_area < REPAIR_INWARD * r->before.area &&
-           inward > REPAIR_INWARD * volume && volume >= REPAIR_INWARD * inward;
 }
 
 /* How the volume has changed, once: beyond that of all parts, from the mesh's own, or from what lines of centres
@@ -246,7 +230,12 @@ void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *r, const bvxi_repair_
     if (r->shelled_triangles != 0 && f->shelled_area > REPAIR_SHELLED * r->before.area)
         BVXI_WARN(ctx, BVX_WARN_SHELLS, (double)r->shelled_triangles, f->shelled_area, r->before.area);
     bvxi_warn_of_lids(ctx, share_of_lids(r, f), r->holes, &f->longest_rim);
-    if (encloses_inward(r, f)) BVXI_WARN(ctx, BVX_WARN_TURNED, 0.0, -r->before.volume);
+    /* An open mesh may be the inside of a room: faces that look inward enclose about as much as the result,
+     * which is no shell of them. */
+    double const inward = -r->before.volume, volume = r->after.volume;
+    if (r->before.boundary_edges != 0 && f->shelled_area < REPAIR_INWARD * r->before.area &&
+        inward > REPAIR_INWARD * volume && volume >= REPAIR_INWARD * inward)
+        BVXI_WARN(ctx, BVX_WARN_TURNED, 0.0, -r->before.volume);
     warn_of_size(ctx, r, f, bvxi_advised(2.0 * longest), (double)collapsed);
     r->warnings = bvxi_warned(ctx);
 }

@@ -318,31 +318,6 @@ static bvx_status list_parted(bvxi_repair_job *job, const all_sums *sums)
 
 /* ---- Open pieces that make a body together ---- */
 
-static void sum_joined(const bvxi_repair_job *job, const uint8_t *answer, all_sums *sums)
-{
-    double p[3][3], n[3];
-    piece_sums *piece;
-    /* By the area of what lies on a common body's border. */
-    for (uint64_t i = 0; i < sums->count; i++) sums->piece[i].joined = 0;
-    for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
-        if (answer[t] != BVXI_TRIANGLE_ENCLOSED) continue;
-        double const length = normal_of(job, sums, t, &piece, p, n);
-        piece->joined += 0.5 * length;
-    }
-}
-
-/* The holes of bodies, as one vector: what a joined piece may be the lid of, as that of a pot is. */
-static void sum_open_bodies(const bvxi_repair_job *job, const all_sums *sums, double sum[3])
-{
-    for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
-        double p[3][3], n[3];
-        piece_sums *piece;
-        normal_of(job, sums, t, &piece, p, n);
-        if (!piece->open || is_open_piece(piece) || is_sheet(piece)) continue;
-        for (int a = 0; a < 3; a++) sum[a] += 0.5 * n[a];
-    }
-}
-
 /* The triangles of joined pieces are to be asked again; none where a lid over all of them would be large,
  * also together with the bodies whose holes they may close. Returns how many. */
 static uint64_t ask_joined_pieces(const bvxi_repair_job *job, all_sums *sums, uint8_t *answer)
@@ -363,8 +338,13 @@ static uint64_t ask_joined_pieces(const bvxi_repair_job *job, all_sums *sums, ui
     }
     if (bvxi_vec_length(all) < SHEET_LID * area) return count;
 
-    /* Large by themselves they may still close the holes of bodies, whose vectors are the opposite. */
-    if (count != 0) sum_open_bodies(job, sums, all);
+    /* Large by themselves they may still close the holes of bodies, whose vectors are the opposite, as a lid does
+     * that of a pot. */
+    for (uint64_t t = 0; t < job->mesh.triangle_count && count != 0; t++) {
+        normal_of(job, sums, t, &piece, p, n);
+        if (!piece->open || is_open_piece(piece) || is_sheet(piece)) continue;
+        for (int a = 0; a < 3; a++) all[a] += 0.5 * n[a];
+    }
     if (count != 0 && bvxi_vec_length(all) < SHEET_LID * area) return count;
     for (uint64_t i = 0; i < sums->count; i++) sums->piece[i].joined = 0;
     return 0;
@@ -396,22 +376,21 @@ static bvx_status join_open_pieces(bvxi_repair_job *job, all_sums *sums)
         before = asked;
         if (round > 0) BVXI_TRY(list_parted(job, sums));
         BVXI_TRY(repair_enclosed(job, answer));
-        sum_joined(job, round < SHEET_ROUNDS ? answer : memset(answer, 0, (size_t)bytes), sums);
+        if (round >= SHEET_ROUNDS) memset(answer, 0, (size_t)bytes);
+
+        /* By the area of what lies on a common body's border. */
+        for (uint64_t i = 0; i < sums->count; i++) sums->piece[i].joined = 0;
+        for (uint64_t t = 0; t < bytes; t++) {
+            double p[3][3], n[3];
+            piece_sums *piece;
+            if (answer[t] != BVXI_TRIANGLE_ENCLOSED) continue;
+            double const length = normal_of(job, sums, t, &piece, p, n);
+            piece->joined += 0.5 * length;
+        }
         asked = ask_joined_pieces(job, sums, answer);
     }
     bvxi_drop(job->ctx, answer);
     return BVX_OK;
-}
-
-/* Number the pieces, and open their sums. */
-static bvx_status open_sums(bvxi_repair_job *job, all_sums *sums)
-{
-    memset(sums, 0, sizeof *sums);
-    BVXI_TRY(BVXI_ARRAY(job->ctx, job->given->vertex_count, "the pieces' numbers", sums->number));
-    /* A piece is named after its least vertex. */
-    for (uint64_t v = 0; v < job->given->vertex_count; v++)
-        if (job->piece[v] == v) sums->number[v] = (uint32_t)sums->count++;
-    return BVXI_ZEROS(job->ctx, sums->count, "the pieces' areas", sums->piece);
 }
 
 bvx_status bvxi_repair_part(bvxi_repair_job *job)
@@ -420,7 +399,14 @@ bvx_status bvxi_repair_part(bvxi_repair_job *job)
 
     job->body = job->mesh;
     if (job->options->shell == 0) return BVX_OK;
-    BVXI_TRY(open_sums(job, &sums));
+
+    /* Number the pieces, and open their sums. */
+    memset(&sums, 0, sizeof sums);
+    BVXI_TRY(BVXI_ARRAY(job->ctx, job->given->vertex_count, "the pieces' numbers", sums.number));
+    /* A piece is named after its least vertex. */
+    for (uint64_t v = 0; v < job->given->vertex_count; v++)
+        if (job->piece[v] == v) sums.number[v] = (uint32_t)sums.count++;
+    BVXI_TRY(BVXI_ZEROS(job->ctx, sums.count, "the pieces' areas", sums.piece));
 
     double step[3];
 

@@ -77,24 +77,6 @@ void bvxi_lid_ratios(const void *user, int32_t count, const bvxi_missing_edge *e
     for (int32_t e = 0; e < n; e++) ratio[number[e]] = told[e];
 }
 
-static bvx_status extract_repaired(bvxi_repair_job *job, const bvxi_sparse *v, bvx_mesh *repaired)
-{
-    bvx_field_surface_report report = {0};
-    bvx_field_surface_options o = {
-        .placing = job->options->placing, .sharp_angle = BVXI_SHARP_ANGLE, .report = &report};
-    bvxi_lids const lids = {job->winding, &job->lattice};
-    bvxi_cut_rule rule = {0};
-
-    o.placing.sharp = job->report.sharp ? BVX_SHARP_ALWAYS : BVX_SHARP_NEVER;
-    rule.values = v;
-    rule.mesh = &job->body;
-    rule.missing = bvxi_lid_ratios;
-    rule.missing_user = &lids;
-    BVXI_TRY(bvxi_field_surface(job->ctx, bvxi_repair_name, &job->inside, &rule, &o, repaired));
-    job->facts.sheet_edges = report.lids + report.middle;
-    return BVX_OK;
-}
-
 bvx_status bvxi_repair_surface(bvxi_repair_job *job, bvx_mesh *repaired)
 {
     bvxi_sparse v = {.count = 0};
@@ -109,5 +91,19 @@ bvx_status bvxi_repair_surface(bvxi_repair_job *job, bvx_mesh *repaired)
     if (job->fill != BVX_FILL_PARITY && job->body.triangle_count != 0)
         BVXI_TRY(bvxi_winding_open(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill,
                                    &job->holes, &job->winding));
-    return BVXI_SHARE(job->ctx, 0.5, 1.0, extract_repaired(job, &v, repaired));
+    bvx_field_surface_report report = {0};
+    bvx_field_surface_options o = {
+        .placing = job->options->placing, .sharp_angle = BVXI_SHARP_ANGLE, .report = &report};
+    bvxi_lids const lids = {job->winding, &job->lattice};
+    bvxi_cut_rule rule = {0};
+
+    o.placing.sharp = job->report.sharp ? BVX_SHARP_ALWAYS : BVX_SHARP_NEVER;
+    rule.values = &v;
+    rule.mesh = &job->body;
+    rule.missing = bvxi_lid_ratios;
+    rule.missing_user = &lids;
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.5, 1.0,
+                        bvxi_field_surface(job->ctx, bvxi_repair_name, &job->inside, &rule, &o, repaired)));
+    job->facts.sheet_edges = report.lids + report.middle;
+    return BVX_OK;
 }

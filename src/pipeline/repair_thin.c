@@ -9,43 +9,33 @@ typedef struct repair_walls {
 
 /* ---- What is found ---- */
 
-/* Voxels along the longest axis: as requested, or of the lattice that was given. */
-static int32_t longest_thin_side(const bvxi_repair_job *job)
-{
-    int32_t longest = job->resolution;
-    for (int a = 0; a < 3 && job->options->fit.lattice != NULL; a++)
-        if (a == 0 || job->lattice.dims[a] > longest) longest = job->lattice.dims[a];
-    return longest;
-}
-
-static void tell_walls(repair_walls *t)
-{
-    bvxi_repair_job *const job = t->job;
-    bvx_repair_report *const r = &job->report;
-    bvxi_wall_report found;
-
-    bvxi_walls_report(&t->walls, &found);
-    r->thin_voxels = found.voxels;
-    if (found.voxels == 0) return;
-    memcpy(job->facts.thin_low, found.low, sizeof found.low);
-    memcpy(job->facts.thin_high, found.high, sizeof found.high);
-    r->thin_resolution = bvxi_wall_resolution(longest_thin_side(job), found.wall);
-    r->thin_kept = job->options->thin == BVX_THIN_KEEP;
-}
-
 static bvx_status thicken(repair_walls *t)
 {
     bvxi_repair_job *const job = t->job;
+    bvx_repair_report *const r = &job->report;
     const double *const h = job->lattice.spacing;
+    int32_t longest = job->resolution;
     uint64_t voxels = 0;
+    bvxi_wall_report found;
 
+    BVXI_TRY(bvxi_walls_open(&t->walls));
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.4, bvxi_walls_gather(&t->walls)));
     if (!t->walls.unsummed) BVXI_TRY(bvx_grid_count(job->ctx, &job->inside, &voxels));
-    job->report.crossing_volume = bvxi_volume_by_crossings(&t->walls, (double)voxels * h[0] * h[1] * h[2]);
+    r->crossing_volume = bvxi_volume_by_crossings(&t->walls, (double)voxels * h[0] * h[1] * h[2]);
     if (t->walls.count == 0) return BVX_OK;
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.4, 0.6, bvxi_walls_ask(&t->walls, 1.0)));
-    tell_walls(t);
-    if (!job->report.thin_kept) return BVX_OK;
+    bvxi_walls_report(&t->walls, &found);
+    r->thin_voxels = found.voxels;
+    if (found.voxels == 0) return BVX_OK;
+
+    /* Voxels along the longest axis: as requested, or of the lattice that was given. */
+    for (int a = 0; a < 3 && job->options->fit.lattice != NULL; a++)
+        if (a == 0 || job->lattice.dims[a] > longest) longest = job->lattice.dims[a];
+    memcpy(job->facts.thin_low, found.low, sizeof found.low);
+    memcpy(job->facts.thin_high, found.high, sizeof found.high);
+    r->thin_resolution = bvxi_wall_resolution(longest, found.wall);
+    r->thin_kept = job->options->thin == BVX_THIN_KEEP;
+    if (!r->thin_kept) return BVX_OK;
     return BVXI_SHARE(job->ctx, 0.6, 1.0, bvxi_thicken(&t->walls, &job->inside, &job->thin));
 }
 
@@ -66,8 +56,7 @@ bvx_status bvxi_repair_thicken(bvxi_repair_job *job)
     t.walls.unoriented = job->fill == BVX_FILL_VOTE;
     t.walls.open = job->holes.loops != 0 ? BVXI_WALLS_HOLES : BVXI_WALLS_CLOSED;
 
-    bvx_status status = bvxi_walls_open(&t.walls);
-    if (status == BVX_OK) status = thicken(&t);
+    bvx_status const status = thicken(&t);
     bvxi_walls_close(&t.walls);
     return status;
 }

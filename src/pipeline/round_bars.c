@@ -245,39 +245,22 @@ static void move_bars(bar_job *b)
 static bvx_status aim_bars(bvx_context *ctx, const char *function, const bvx_mesh_view *body, bar_job *b)
 {
     double low[3], high[3];
-    bvx_status status = BVX_OK;
 
     BVXI_TRY(bvxi_view_bounds(ctx, function, body, low, high));
     BVXI_TRY(bvxi_closest_build_unnumbered(bvxi_call_of(ctx, function, "thin", 0.0, 0.3), body, low, high,
                                            bvxi_unit_scale(low, high), &b->closest.tree));
     b->pieces = bvxi_piece_count(b->triangles, BAR_TASK);
-    for (int round = 0; status == BVX_OK && round < BAR_ROUNDS; round++) {
+    for (int round = 0; round < BAR_ROUNDS; round++) {
         double const at = 0.3 + 0.35 * round;
 
-        status = bvxi_for_ranges(ctx, "thin", at, at + 0.1, b->pieces, b->count, look_from_vertices, b);
+        BVXI_TRY(bvxi_for_ranges(ctx, "thin", at, at + 0.1, b->pieces, b->count, look_from_vertices, b));
         for (uint64_t n = 0; round == 0 && n < b->count; n++)
             b->bar[n].still = !(bvxi_vec_dot(b->bar[n].off, b->bar[n].off) < BAR_ON * BAR_ON);
-        if (status == BVX_OK)
-            status = bvxi_for_ranges(ctx, "thin", at + 0.1, at + 0.35, b->pieces, b->triangles,
-                                     look_from_triangles, b);
-        if (status == BVX_OK) move_bars(b);
+        BVXI_TRY(bvxi_for_ranges(ctx, "thin", at + 0.1, at + 0.35, b->pieces, b->triangles,
+                                 look_from_triangles, b));
+        move_bars(b);
     }
-    bvxi_closest_shut(ctx, &b->closest);
-    return status;
-}
-
-/* Those that have moved, numbered anew; place: where to, as the surface has it. */
-static uint64_t list_targets(bar_job *b)
-{
-    const bvx_lattice *const l = &b->inside->lattice;
-    uint64_t count = 0;
-    for (uint64_t n = 0; n < b->count; n++) {
-        const bar_vertex *const v = &b->bar[n];
-        double *const p = b->place + 3 * (uint64_t)v->vertex;
-        b->number[v->vertex] = bvxi_absolute(v->moved) >= BAR_LEAST ? (uint32_t)++count : 0;
-        for (int a = 0; a < 3; a++) p[a] = p[a] * l->spacing[a] + l->origin[a] - b->surface->frame[a];
-    }
-    return count;
+    return BVX_OK;
 }
 
 bvx_status bvxi_round_bars(bvx_context *ctx, const char *function, const bvx_grid *inside,
@@ -287,8 +270,20 @@ bvx_status bvxi_round_bars(bvx_context *ctx, const char *function, const bvx_gri
     if (body->triangle_count == 0) return BVX_OK;
     BVXI_TRY(find_bars(ctx, &b));
     if (b.count == 0) return BVX_OK;
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5, aim_bars(ctx, function, body, &b)));
-    b.count = list_targets(&b);
+    bvx_status const status = BVXI_SHARE(ctx, 0.0, 0.5, aim_bars(ctx, function, body, &b));
+    bvxi_closest_shut(ctx, &b.closest);
+    BVXI_TRY(status);
+
+    /* Those that have moved, numbered anew; place: where to, as the surface has it. */
+    const bvx_lattice *const l = &b.inside->lattice;
+    uint64_t count = 0;
+    for (uint64_t n = 0; n < b.count; n++) {
+        const bar_vertex *const v = &b.bar[n];
+        double *const p = b.place + 3 * (uint64_t)v->vertex;
+        b.number[v->vertex] = bvxi_absolute(v->moved) >= BAR_LEAST ? (uint32_t)++count : 0;
+        for (int a = 0; a < 3; a++) p[a] = p[a] * l->spacing[a] + l->origin[a] - b.surface->frame[a];
+    }
+    b.count = count;
     return BVXI_SHARE(ctx, 0.5, 1.0,
                       bvxi_move_apart(ctx, function, inside, b.number, b.count, b.place, surface));
 }

@@ -124,16 +124,6 @@ static uint64_t crumb_word(const crumb_job *job, int32_t k, int32_t y, int32_t z
     return job->empty ? ~w : w;
 }
 
-/* Voxels of a word with all six neighbours. */
-static uint64_t crumb_cores(const crumb_job *job, int32_t k, int32_t y, int32_t z)
-{
-    uint64_t const w = crumb_word(job, k, y, z);
-    uint64_t const left = w << 1 | crumb_word(job, k - 1, y, z) >> 63;
-    uint64_t const right = w >> 1 | crumb_word(job, k + 1, y, z) << 63;
-    return w & left & right & crumb_word(job, k, y - 1, z) & crumb_word(job, k, y + 1, z) &
-           crumb_word(job, k, y, z - 1) & crumb_word(job, k, y, z + 1);
-}
-
 static void measure_crumb_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
 {
     crumb_job *const job = user;
@@ -147,8 +137,17 @@ static void measure_crumb_run(void *user, uint32_t space, int32_t begin, int32_t
     p->voxels += (uint64_t)(end - begin);
     /* What touches the window's side is no pocket. */
     if (job->empty && bvxi_spaces_at_side(job->inside, begin, end, y, z)) p->outside = 1;
-    for (int32_t k = begin >> 6; k <= (end - 1) >> 6 && !p->core; k++)
-        p->core = (crumb_cores(job, k, y, z) & bvxi_run_mask(begin, end, k)) != 0;
+
+    for (int32_t k = begin >> 6; k <= (end - 1) >> 6 && !p->core; k++) {
+        /* Voxels of a word with all six neighbours. */
+        uint64_t const w = crumb_word(job, k, y, z);
+        uint64_t const left = w << 1 | crumb_word(job, k - 1, y, z) >> 63;
+        uint64_t const right = w >> 1 | crumb_word(job, k + 1, y, z) << 63;
+
+        p->core = ((w & left & right & crumb_word(job, k, y - 1, z) & crumb_word(job, k, y + 1, z) &
+                    crumb_word(job, k, y, z - 1) & crumb_word(job, k, y, z + 1)) &
+                   bvxi_run_mask(begin, end, k)) != 0;
+    }
 }
 
 static void mark_small_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
@@ -159,35 +158,9 @@ static void mark_small_run(void *user, uint32_t space, int32_t begin, int32_t en
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) row[k] |= bvxi_run_mask(begin, end, k);
 }
 
-static void find_small_parts(crumb_job *job)
-{
-    uint64_t total = 0, most;
-
-    bvxi_spaces_each(&job->spaces, measure_crumb_run, job);
-    for (uint64_t n = 0; n < job->spaces.count; n++)
-        if (!job->part[n].outside) total += job->part[n].voxels;
-
-    /* Small is a share of all, but a few voxels at least. */
-    most = (uint64_t)(CRUMB_SHARE * (double)total);
-    if (most < CRUMB_VOXELS) most = CRUMB_VOXELS;
-
-    for (uint64_t n = 0; n < job->spaces.count; n++) {
-        crumb_part *const p = &job->part[n];
-        p->small = !p->outside && !p->core && p->voxels <= most;
-        job->small_parts += p->small;
-    }
-}
-
 /* ---- What the meshes have there ---- */
 
-/* 0: nothing, 1: a voxel of a large part, 2: of a small one. [Units: voxels of the window] */
-static int crumb_at(const crumb_job *job, const double at[3])
-{
-    if (bvxi_grid_at(job->inside, at) == (job->empty != 0)) return 0;
-    return bvxi_grid_at(&job->small, at) ? 2 : 1;
-}
-
-/* The voxel on either side of a triangle's middle that is of a part. */
+/* The voxel on either side of a triangle's middle that is of a part. 0: none, 1: of a large part, 2: of a small one. */
 static int crumb_beside(const crumb_job *job, const double p[3][3])
 {
     static const double depth[4] = {-0.5, 0.5, -1.0, 1.0};
@@ -202,8 +175,7 @@ static int crumb_beside(const crumb_job *job, const double p[3][3])
             at[a] = ((p[0][a] + p[1][a] + p[2][a]) / 3.0 + n[a] / length * depth[d] * h - l->origin[a]) /
                         l->spacing[a] -
                     (double)job->inside->low[a];
-        int const found = crumb_at(job, at);
-        if (found != 0) return found;
+        if (bvxi_grid_at(job->inside, at) != (job->empty != 0)) return bvxi_grid_at(&job->small, at) ? 2 : 1;
     }
     return 0;
 }
@@ -252,28 +224,8 @@ static void count_large(crumb_job *job, int32_t s)
     }
 }
 
-/* The piece of some of a mesh's triangles that is nearest to a part's first voxel; *distance is that of what is
- * known already. */
-static void ask_nearest_piece(const crumb_job *job, int32_t s, const bvx_mesh_view *triangles,
-                              const bvx_closest *closest, crumb_part *p, uint32_t *hint, double *distance)
-{
-    const bvx_lattice *const l = &job->inside->lattice;
-    bvx_closest_point found;
-    double centre[3];
-    uint32_t v[3];
-
-    for (int a = 0; a < 3; a++)
-        centre[a] = l->origin[a] + ((double)(job->inside->low[a] + p->at[a]) + 0.5) * l->spacing[a];
-    bvxi_closest_ask(closest, centre, hint, &found);
-    /* Of two meshes the nearer one decides. */
-    if (!(found.distance < *distance)) return;
-    *distance = found.distance;
-    bvxi_view_triangle(triangles, found.triangle, v);
-    p->source = (uint32_t)s;
-    p->piece = job->source[s].piece[v[0]];
-}
-
-/* Of the small parts whose distance is not known yet to be within reach. */
+/* Of the small parts whose distance is not known yet to be within reach: the piece of some of a mesh's triangles that
+ * is nearest to the first voxel. distance has that of what is known already. */
 static bvx_status find_nearest_pieces(crumb_job *job, int32_t s, const bvx_mesh_view *triangles, double reach,
                                       double *distance)
 {
@@ -286,9 +238,24 @@ static bvx_status find_nearest_pieces(crumb_job *job, int32_t s, const bvx_mesh_
     BVXI_TRY(bvxi_closest_build(bvxi_call_of(job->ctx, job->function, "crumbs", 0.0, 1.0), triangles, low,
                                 high, bvxi_unit_scale(low, high), &closest.tree));
     /* Parts in their order: the hint of one serves the next. */
-    for (uint64_t n = 0; n < job->spaces.count; n++)
-        if (job->part[n].small && !(distance[n] <= reach))
-            ask_nearest_piece(job, s, triangles, &closest, &job->part[n], &hint, &distance[n]);
+    for (uint64_t n = 0; n < job->spaces.count; n++) {
+        const bvx_lattice *const l = &job->inside->lattice;
+        crumb_part *const p = &job->part[n];
+        bvx_closest_point found;
+        double centre[3];
+        uint32_t v[3];
+
+        if (!p->small || distance[n] <= reach) continue;
+        for (int a = 0; a < 3; a++)
+            centre[a] = l->origin[a] + ((double)(job->inside->low[a] + p->at[a]) + 0.5) * l->spacing[a];
+        bvxi_closest_ask(&closest, centre, &hint, &found);
+        /* Of two meshes the nearer one decides. */
+        if (!(found.distance < distance[n])) continue;
+        distance[n] = found.distance;
+        bvxi_view_triangle(triangles, found.triangle, v);
+        p->source = (uint32_t)s;
+        p->piece = job->source[s].piece[v[0]];
+    }
     bvxi_closest_shut(job->ctx, &closest);
     return BVX_OK;
 }
@@ -334,27 +301,6 @@ static bvx_status ask_meshes(crumb_job *job)
 
 /* ---- The answer ---- */
 
-static uint64_t judge_crumbs(crumb_job *job)
-{
-    uint64_t dropped = 0;
-
-    for (uint64_t n = 0; n < job->spaces.count; n++) {
-        const crumb_part *const p = &job->part[n];
-        if (!p->small) continue;
-        crumb_piece *const piece = &job->piece[p->source][p->piece];
-        if (piece->best == 0 || p->voxels > job->part[piece->best - 1].voxels) piece->best = (uint32_t)n + 1;
-    }
-    for (uint64_t n = 0; n < job->spaces.count; n++) {
-        crumb_part *const p = &job->part[n];
-        if (!p->small) continue;
-        const crumb_piece *const piece = &job->piece[p->source][p->piece];
-        /* A piece of something larger, or not its largest part: a crumb. */
-        p->dropped = piece->large > piece->small || piece->best != (uint32_t)n + 1;
-        dropped += p->dropped;
-    }
-    return dropped;
-}
-
 static void flip_crumb_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
 {
     crumb_job *const job = user;
@@ -378,7 +324,20 @@ static bvx_status judge_small_parts(crumb_job *job, uint64_t *dropped)
     bvxi_spaces_each(&job->spaces, mark_small_run, job);
     BVXI_TRY(ask_meshes(job));
     for (int32_t s = 0; s < job->sources; s++) count_large(job, s);
-    *dropped = judge_crumbs(job);
+    for (uint64_t n = 0; n < job->spaces.count; n++) {
+        const crumb_part *const p = &job->part[n];
+        if (!p->small) continue;
+        crumb_piece *const piece = &job->piece[p->source][p->piece];
+        if (piece->best == 0 || p->voxels > job->part[piece->best - 1].voxels) piece->best = (uint32_t)n + 1;
+    }
+    for (uint64_t n = 0; n < job->spaces.count; n++) {
+        crumb_part *const p = &job->part[n];
+        if (!p->small) continue;
+        const crumb_piece *const piece = &job->piece[p->source][p->piece];
+        /* A piece of something larger, or not its largest part: a crumb. */
+        p->dropped = piece->large > piece->small || piece->best != (uint32_t)n + 1;
+        *dropped += p->dropped;
+    }
     /* Only now bits change: all was judged by the solid as it was. */
     if (*dropped != 0) bvxi_spaces_each(&job->spaces, flip_crumb_run, job);
     return BVX_OK;
@@ -397,6 +356,22 @@ bvx_status bvxi_drop_crumbs(bvx_context *ctx, const char *function, bvx_grid *in
     *dropped = 0;
     BVXI_TRY(bvxi_spaces_open(ctx, function, "crumbs", inside, empty, BVXI_CONNECT_6, &job.spaces));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, job.spaces.count * sizeof *job.part, "the parts", &job.part));
-    if (job.spaces.count > 1) find_small_parts(&job);
+    if (job.spaces.count > 1) {
+        uint64_t total = 0, most;
+
+        bvxi_spaces_each(&job.spaces, measure_crumb_run, &job);
+        for (uint64_t n = 0; n < job.spaces.count; n++)
+            if (!job.part[n].outside) total += job.part[n].voxels;
+
+        /* Small is a share of all, but a few voxels at least. */
+        most = (uint64_t)(CRUMB_SHARE * (double)total);
+        if (most < CRUMB_VOXELS) most = CRUMB_VOXELS;
+
+        for (uint64_t n = 0; n < job.spaces.count; n++) {
+            crumb_part *const p = &job.part[n];
+            p->small = !p->outside && !p->core && p->voxels <= most;
+            job.small_parts += p->small;
+        }
+    }
     return job.small_parts != 0 ? judge_small_parts(&job, dropped) : BVX_OK;
 }

@@ -53,16 +53,6 @@ static void set_expanded_children(const expand_job *job, const int32_t v[3], uin
     }
 }
 
-/* 1 when a voxel of a level meets the window. */
-static inline int expand_meets(const expand_job *job, const int32_t v[3], int32_t level)
-{
-    int32_t const up = job->level - level;
-    /* At the voxel's own level: it meets the window when it lies between the window's end voxels there. */
-    for (int a = 0; a < 3; a++)
-        if (v[a] > (job->high[a] - 1) >> up || v[a] < job->low[a] >> up) return 0;
-    return 1;
-}
-
 /* Voxels of the level in an octet; what is split and meets the window is entered. */
 static void expand_octet(const expand_job *job, int32_t level, uint64_t octet, const int32_t v[3])
 {
@@ -82,7 +72,12 @@ static void expand_octet(const expand_job *job, int32_t level, uint64_t octet, c
         next += enter;
         if (((in_states | split) >> p & 1) == 0) continue;
         bvxi_child_voxel(v, p, child);
-        if (!expand_meets(job, child, level + 1)) continue;
+        int32_t const up = job->level - level - 1;
+        int meets = 1;
+        /* At the voxel's own level: it meets the window when it lies between the window's end voxels there. */
+        for (int a = 0; a < 3; a++)
+            meets &= child[a] <= (job->high[a] - 1) >> up && child[a] >= job->low[a] >> up;
+        if (!meets) continue;
         /* Leaves above the level are boxes of it. */
         if (enter) expand_octet(job, level + 1, below, child);
         else set_expanded_box(job, child, level + 1);

@@ -49,17 +49,6 @@ static void end_start_batch(bvxi_surface_tile *tile, start_batch *b)
     b->count = 0;
 }
 
-/* Lists beyond the window are not requested, once voxels are split in it only. */
-static inline int start_misses_window(const bvxi_refine_job *refine, const int32_t low[3],
-                                      const int32_t high[3])
-{
-    int32_t const up = refine->tree->levels - refine->start;
-    if (!refine->windowed || refine->start < refine->outer) return 0;
-    for (int a = 0; a < 3; a++)
-        if (high[a] < refine->low[a] >> up || low[a] > refine->last[a] >> up) return 1;
-    return 0;
-}
-
 static void touch_large_voxels(bvxi_surface_tile *tile, const bvxi_refine_job *refine, uint32_t t,
                                start_batch *batch)
 {
@@ -77,8 +66,11 @@ static void touch_large_voxels(bvxi_surface_tile *tile, const bvxi_refine_job *r
         if (high[a] - low[a] > widest) widest = high[a] - low[a];
     }
 
-    /* Bits are needed everywhere, lists only where voxels will be split. */
-    if (tile->job->task != BVXI_TOUCH_SET && start_misses_window(refine, low, high)) return;
+    /* Bits are needed everywhere, lists only where voxels will be split: of some levels on within the window. */
+    int32_t const up = refine->tree->levels - refine->start;
+    int const all = tile->job->task == BVXI_TOUCH_SET || !refine->windowed || refine->start < refine->outer;
+    for (int a = 0; a < 3 && !all; a++)
+        if (high[a] < refine->low[a] >> up || low[a] > refine->last[a] >> up) return;
 
     /* Long ones by rows; those of at most two voxels along each axis as octants of one cube. */
     if (thick > 1 && widest > 1) {
@@ -136,30 +128,6 @@ static bvx_status touch_start(bvx_context *ctx, start_job *start, int32_t task, 
     return bvxi_each(ctx, "refine", from, to, start->surface.tiles.count, touch_start_tile, start);
 }
 
-/* offset, list and slots of the front; last is scratch for touching. */
-static bvx_status list_triangles(bvx_context *ctx, start_job *start, bvxi_refine_front *front)
-{
-    bvxi_surface_job *const surface = &start->surface;
-
-    BVXI_TRY(BVXI_ZEROS(ctx, front->slots + 1, "the start's list places", front->offset));
-    surface->offset = front->offset;
-
-    /* The last triangle of each voxel, so that one that comes by several rows counts once. */
-    memset(surface->last, 0, (size_t)front->slots * 4);
-
-    /* Counted, then filled: the lists lie one after the other in one array. */
-    BVXI_TRY(touch_start(ctx, start, BVXI_TOUCH_COUNT, 0.6, 0.8));
-    front->pairs = front->offset[front->slots] = bvxi_place_counts(front->offset, front->slots);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, front->pairs * 4, "the start's triangle lists", &front->list));
-    surface->list = front->list;
-    memset(surface->last, 0, (size_t)front->slots * 4);
-    BVXI_TRY(touch_start(ctx, start, BVXI_TOUCH_LIST, 0.8, 0.95));
-    /* filling has moved each to its end */
-    for (uint64_t v = front->slots; v > 0; v--) front->offset[v] = front->offset[v - 1];
-    front->offset[0] = 0;
-    return BVX_OK;
-}
-
 static bvx_status make_start_lists(bvxi_refine_job *job, start_job *start)
 {
     bvxi_surface_job *const surface = &start->surface;
@@ -178,7 +146,24 @@ static bvx_status make_start_lists(bvxi_refine_job *job, start_job *start)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the start's ranks", &prefix));
     job->front.slots = bvxi_rank_build(&surface->rank, job->grids.words[job->start], words, prefix);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 4, "the start's last triangles", &surface->last));
-    BVXI_TRY(list_triangles(ctx, start, &job->front));
+    BVXI_TRY(BVXI_ZEROS(ctx, job->front.slots + 1, "the start's list places", job->front.offset));
+    surface->offset = job->front.offset;
+
+    /* The last triangle of each voxel, so that one that comes by several rows counts once. */
+    memset(surface->last, 0, (size_t)job->front.slots * 4);
+
+    /* Counted, then filled: the lists lie one after the other in one array. */
+    BVXI_TRY(touch_start(ctx, start, BVXI_TOUCH_COUNT, 0.6, 0.8));
+    job->front.pairs = job->front.offset[job->front.slots] = bvxi_place_counts(job->front.offset,
+                                                                               job->front.slots);
+    BVXI_TRY(
+        bvxi_alloc(ctx, BVXI_SCRATCH, job->front.pairs * 4, "the start's triangle lists", &job->front.list));
+    surface->list = job->front.list;
+    memset(surface->last, 0, (size_t)job->front.slots * 4);
+    BVXI_TRY(touch_start(ctx, start, BVXI_TOUCH_LIST, 0.8, 0.95));
+    /* filling has moved each to its end */
+    for (uint64_t v = job->front.slots; v > 0; v--) job->front.offset[v] = job->front.offset[v - 1];
+    job->front.offset[0] = 0;
     bvxi_drop(ctx, surface->last);
     return BVX_OK;
 }

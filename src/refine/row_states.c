@@ -14,20 +14,6 @@ typedef struct row_states_job {
     bvx_grid solid[BVXI_OCTREE_LEVELS + 1]; /* by level from outer on; that of outer is whole */
 } row_states_job;
 
-/* The octets of the last level but one, all eight children at once; solids begin at even voxels. */
-static void decide_last(const row_states_job *job, uint64_t octet, const int32_t v[3])
-{
-    const bvxi_octets *const o = &job->tree->octets[job->tree->levels - 1];
-    const bvx_grid *const g = &job->solid[job->tree->levels];
-    uint64_t const row = (uint64_t)g->words_per_row, slice = row * (uint64_t)g->size[1];
-    int32_t const x = 2 * v[0] - g->low[0], y = 2 * v[1] - g->low[1], z = 2 * v[2] - g->low[2];
-    const uint64_t *const at = g->words + (uint64_t)z * slice + (uint64_t)y * row + (uint64_t)(x >> 6);
-    unsigned const shift = (unsigned)x & 63;
-    uint32_t const inside = (uint32_t)((at[0] >> shift & 3) | (at[row] >> shift & 3) << 2 |
-                                       (at[slice] >> shift & 3) << 4 | (at[slice + row] >> shift & 3) << 6);
-    bvxi_octet_put(o->outside, octet, 255 & ~(inside | bvxi_octet_mask(o->touched, octet)));
-}
-
 static void decide_voxel(const row_states_job *job, const bvxi_octets *o, uint64_t bit, const int32_t v[3],
                          int32_t level)
 {
@@ -44,7 +30,17 @@ static void decide_voxel(const row_states_job *job, const bvxi_octets *o, uint64
     uint64_t const octet = bvxi_octets_rank(o, bit);
     /* The last octets are the most by far: eight voxels with one look. */
     if (level + 1 == job->tree->levels) {
-        decide_last(job, octet, v);
+        /* The octets of the last level but one, all eight children at once; solids begin at even voxels. */
+        const bvxi_octets *const last = &job->tree->octets[job->tree->levels - 1];
+        const bvx_grid *const g = &job->solid[job->tree->levels];
+        uint64_t const row = (uint64_t)g->words_per_row, slice = row * (uint64_t)g->size[1];
+        int32_t const x = 2 * v[0] - g->low[0], y = 2 * v[1] - g->low[1], z = 2 * v[2] - g->low[2];
+        const uint64_t *const at = g->words + (uint64_t)z * slice + (uint64_t)y * row + (uint64_t)(x >> 6);
+        unsigned const shift = (unsigned)x & 63;
+        uint32_t const inside = (uint32_t)((at[0] >> shift & 3) | (at[row] >> shift & 3) << 2 |
+                                           (at[slice] >> shift & 3) << 4 |
+                                           (at[slice + row] >> shift & 3) << 6);
+        bvxi_octet_put(last->outside, octet, 255 & ~(inside | bvxi_octet_mask(last->touched, octet)));
         return;
     }
     for (uint32_t p = 0; p < 8; p++) {
@@ -127,13 +123,11 @@ static bvx_status decide_by_solids(bvxi_refine_job *job, const bvx_mesh_view *ne
     rows->tree = job->tree;
     rows->outer = job->outer;
     bvx_status const status = make_solids(job, nearby, rows);
-    if (status == BVX_OK) {
-        const bvx_octree *const tree = rows->tree;
-        for (int32_t z = 0; z < tree->base[2]; z++)
-            for (int32_t y = 0; y < tree->base[1]; y++)
-                for (int32_t x = 0; x < tree->base[0]; x++)
-                    decide_voxel(rows, &tree->root, bvxi_root_bit(tree, x, y, z), (int32_t[3]){x, y, z}, 0);
-    }
+    for (int32_t z = 0; z < job->tree->base[2] && status == BVX_OK; z++)
+        for (int32_t y = 0; y < job->tree->base[1]; y++)
+            for (int32_t x = 0; x < job->tree->base[0]; x++)
+                decide_voxel(rows, &job->tree->root, bvxi_root_bit(job->tree, x, y, z), (int32_t[3]){x, y, z},
+                             0);
     for (int32_t l = job->tree->levels; l >= job->outer; l--) bvx_grid_free(job->ctx, &rows->solid[l]);
     return status;
 }

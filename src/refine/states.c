@@ -240,15 +240,6 @@ static inline void expose_children(states_job *job, int32_t level, uint64_t octe
     list_octet(job, level, octet, &o->state);
 }
 
-static inline void expose_voxels(states_job *job, uint64_t octet, uint64_t voxels)
-{
-    cube_news *const c = &job->cubes[octet];
-    uint64_t const fresh = voxels & ~(c->touched | c->outside | c->fresh);
-    if (fresh == 0) return;
-    c->fresh |= fresh;
-    list_octet(job, job->bottom, octet, &c->state);
-}
-
 static inline uint64_t octet_below(const states_job *job, int32_t level, uint64_t octet, uint32_t p)
 {
     return bvxi_octets_rank(&job->tree->octets[level], 8 * octet + p);
@@ -299,13 +290,6 @@ static octree_neighbour neighbour_of(const states_job *job, int32_t level, uint6
 
 /* ---- octets ---- */
 
-/* The neighbours within an octet of its children. */
-static inline uint32_t beside_in_octet(uint32_t m)
-{
-    return (m & 0x55) << 1 | (m & 0xaa) >> 1 | (m & 0x33) << 2 | (m & 0xcc) >> 2 | (m & 0x0f) << 4 |
-           (m & 0xf0) >> 4;
-}
-
 /* Children of the octet beyond face d, beside `children` of this one. */
 static void pass_to_octet(states_job *job, int32_t level, uint64_t octet, int d, uint32_t children)
 {
@@ -341,10 +325,12 @@ static void work_on_octet(states_job *job, int32_t level, uint64_t octet)
         if ((o->state >> d & 1) != 0) news |= bvxi_octet_side(d);
     news &= open;
 
-    /* At most seven rounds: the flood of eight voxels in one byte. */
-    for (uint32_t grown = 0; grown != news;) {
-        grown = news;
-        news |= beside_in_octet(news) & open;
+    /* At most seven rounds: the flood of eight voxels in one byte, from each to its neighbours in the octet. */
+    for (uint32_t m = 0; m != news;) {
+        m = news;
+        news |= ((m & 0x55) << 1 | (m & 0xaa) >> 1 | (m & 0x33) << 2 | (m & 0xcc) >> 2 | (m & 0x0f) << 4 |
+                 (m & 0xf0) >> 4) &
+                open;
     }
 
     /* Off the list before anything is passed on: a neighbour may expose more of it and list it again. */
@@ -390,8 +376,15 @@ static void work_on_cube(states_job *job, uint64_t octet)
         uint64_t const side = news & bvxi_cube_side(d);
         if (side == 0) continue;
         octree_neighbour const beyond = neighbour_of(job, job->bottom, octet, d);
-        if (beyond.kind == NEIGHBOUR_OCTET) expose_voxels(job, beyond.octet, bvxi_cube_beyond(side, d));
-        else pass_to_leaf(job, &beyond);
+        if (beyond.kind != NEIGHBOUR_OCTET) {
+            pass_to_leaf(job, &beyond);
+            continue;
+        }
+        cube_news *const next = &job->cubes[beyond.octet];
+        uint64_t const fresh = bvxi_cube_beyond(side, d) & ~(next->touched | next->outside | next->fresh);
+        if (fresh == 0) continue;
+        next->fresh |= fresh;
+        list_octet(job, job->bottom, beyond.octet, &next->state);
     }
 }
 

@@ -143,34 +143,7 @@ static double uv_length(const bvxi_collapse *c, int32_t first)
     return area > 0 && area - area == 0 ? sqrt(c->area / area) : 0;
 }
 
-static void set_channels(bvxi_collapse *c)
-{
-    bvxi_attributes *const s = &c->attributes;
-    const bvx_mesh_view *const m = c->given;
-    double length[4];
-
-    s->uv2_at = m->uvs != NULL ? 2 : 0;
-    s->normal_at = s->uv2_at + (m->uvs2 != NULL ? 2 : 0);
-    s->colour_at = s->normal_at + (m->normals != NULL ? 3 : 0);
-    s->channels = s->colour_at + (m->colours != NULL ? 4 : 0);
-    s->stride = QUADRIC_CHANNELS + 4 * s->channels;
-
-    length[0] = s->uv2_at > 0 ? UV_SHARE * uv_length(c, 0) : 0;
-    length[1] = s->normal_at > s->uv2_at ? UV_SHARE * uv_length(c, s->uv2_at) : 0;
-    length[2] = NORMAL_SHARE;
-    length[3] = COLOUR_SHARE;
-    for (int32_t i = 0; i < s->channels; i++)
-        s->length[i] = length[i < s->uv2_at ? 0 : i < s->normal_at ? 1 : i < s->colour_at ? 2 : 3];
-}
-
 /* ---- Sums ---- */
-
-static void times(const double a[6], const double x[3], double y[3])
-{
-    y[0] = a[0] * x[0] + a[1] * x[1] + a[2] * x[2];
-    y[1] = a[1] * x[0] + a[3] * x[1] + a[4] * x[2];
-    y[2] = a[2] * x[0] + a[4] * x[1] + a[5] * x[2];
-}
 
 /* About a position that lies at an offset. */
 static void move_sums(double *q, int32_t channels, const double offset[3])
@@ -178,7 +151,10 @@ static void move_sums(double *q, int32_t channels, const double offset[3])
     double y[3];
 
     /* g (x + offset) + d has the value d + g offset where it is centred now. */
-    times(q + QUADRIC_A, offset, y);
+    const double *const a = q + QUADRIC_A;
+    y[0] = a[0] * offset[0] + a[1] * offset[1] + a[2] * offset[2];
+    y[1] = a[1] * offset[0] + a[3] * offset[1] + a[4] * offset[2];
+    y[2] = a[2] * offset[0] + a[4] * offset[1] + a[5] * offset[2];
     q[QUADRIC_C] += 2 * bvxi_vec_dot(q + QUADRIC_B, offset) + bvxi_vec_dot(y, offset);
     for (int k = 0; k < 3; k++) q[QUADRIC_B + k] += y[k];
     for (int32_t j = 0; j < channels; j++) {
@@ -260,20 +236,6 @@ void bvxi_attributes_add(const bvxi_collapse *c, int32_t edge, const double offs
 
 /* ---- Triangles ---- */
 
-/* The gradient in a triangle's plane of what has a value at each corner. u, v: sides from the first corner; 0: the
- * triangle has no area. */
-static int gradient_of(const double u[3], const double v[3], const double value[3], double g[3])
-{
-    double const uu = bvxi_vec_dot(u, u), uv = bvxi_vec_dot(u, v), vv = bvxi_vec_dot(v, v);
-    double const rise_u = value[1] - value[0], rise_v = value[2] - value[0], det = uu * vv - uv * uv;
-    double alpha, beta;
-    if (!(det > uu * vv * 1e-12)) return 0;
-    alpha = (rise_u * vv - rise_v * uv) / det;
-    beta = (rise_v * uu - rise_u * uv) / det;
-    for (int k = 0; k < 3; k++) g[k] = alpha * u[k] + beta * v[k];
-    return 1;
-}
-
 /* A channel of a triangle to one of its corners, where it has the value. */
 static void add_channel(double *q, int32_t channel, const double g[3], double value, double weight)
 {
@@ -302,11 +264,16 @@ static void add_to_rows(bvxi_collapse *c, uint64_t t)
     area = bvxi_facet_normal((const double(*)[3])p, n);
     if (!(area > 0)) return;
 
-    for (int32_t channel = 0; channel < s->channels; channel++) {
+    /* Of each channel its gradient in the triangle's plane; none where the sides lie on one line. */
+    double const uu = bvxi_vec_dot(u, u), uv = bvxi_vec_dot(u, v), vv = bvxi_vec_dot(v, v),
+                 det = uu * vv - uv * uv;
+    for (int32_t channel = 0; channel < s->channels && det > uu * vv * 1e-12; channel++) {
         double value[3], g[3];
 
         for (int k = 0; k < 3; k++) value[k] = row_value(c, row[k], channel) * s->length[channel];
-        if (!gradient_of(u, v, value, g)) continue;
+        double const rise_u = value[1] - value[0], rise_v = value[2] - value[0];
+        double const alpha = (rise_u * vv - rise_v * uv) / det, beta = (rise_v * uu - rise_u * uv) / det;
+        for (int k = 0; k < 3; k++) g[k] = alpha * u[k] + beta * v[k];
         for (int k = 0; k < 3; k++)
             add_channel(s->q + (size_t)s->stride * row[k], channel, g, value[k], area);
     }
@@ -327,7 +294,21 @@ bvx_status bvxi_attributes_open(bvxi_collapse *c)
         c->options.given.vertices != BVX_VERTICES_KEPT)
         return BVX_OK;
     BVXI_TRY(find_rows(c));
-    set_channels(c);
+
+    double length[4];
+
+    s->uv2_at = m->uvs != NULL ? 2 : 0;
+    s->normal_at = s->uv2_at + (m->uvs2 != NULL ? 2 : 0);
+    s->colour_at = s->normal_at + (m->normals != NULL ? 3 : 0);
+    s->channels = s->colour_at + (m->colours != NULL ? 4 : 0);
+    s->stride = QUADRIC_CHANNELS + 4 * s->channels;
+
+    length[0] = s->uv2_at > 0 ? UV_SHARE * uv_length(c, 0) : 0;
+    length[1] = s->normal_at > s->uv2_at ? UV_SHARE * uv_length(c, s->uv2_at) : 0;
+    length[2] = NORMAL_SHARE;
+    length[3] = COLOUR_SHARE;
+    for (int32_t i = 0; i < s->channels; i++)
+        s->length[i] = length[i < s->uv2_at ? 0 : i < s->normal_at ? 1 : i < s->colour_at ? 2 : 3];
     BVXI_TRY(BVXI_ZEROS(c->ctx, s->rows * (uint64_t)s->stride, "the quadrics of attributes", s->q));
     for (uint64_t t = 0; t < c->mesh.triangles && s->channels > 0; t++) add_to_rows(c, t);
     return BVX_OK;
@@ -350,13 +331,6 @@ typedef struct rows_along {
     int32_t count;
 } rows_along;
 
-static void add_along(rows_along *a, uint32_t row)
-{
-    for (int32_t i = 0; i < a->count; i++)
-        if (a->row[i] == row) return;
-    if (a->count < COLLAPSE_STAR) a->row[a->count++] = row;
-}
-
 static void move_along(const bvxi_attributes *s, const rows_along *a, const double way[3])
 {
     for (int32_t i = 0; i < a->count; i++) move_sums(s->q + (size_t)s->stride * a->row[i], s->channels, way);
@@ -371,7 +345,9 @@ static void change_row(uint32_t *row, const uint32_t *from, const uint32_t *to, 
         *row = to[k];
         return;
     }
-    add_along(along, *row);
+    for (int32_t i = 0; i < along->count; i++)
+        if (along->row[i] == *row) return;
+    if (along->count < COLLAPSE_STAR) along->row[along->count++] = *row;
 }
 
 void bvxi_attributes_merge(bvxi_collapse *c, int32_t edge, const double offset[3], const double d[3],

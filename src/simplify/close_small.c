@@ -111,27 +111,25 @@ static int32_t ghost_before(const bvxi_corners *m, int32_t ghost)
     return bvxi_corner_opposite(m, ghost + 2) & ~3;
 }
 
-/* A hole of three edges that no other line meets. */
-static void find_hole(loop_work *w, int32_t ghost)
-{
-    const bvxi_corners *const m = &w->c->mesh;
-    const uint8_t *const kind = w->c->kind;
-    const uint32_t *const v = m->triangle[ghost >> 2].vertex;
-    int32_t const before = ghost_before(m, ghost), last = ghost_before(m, before);
-    uint32_t const b = m->triangle[before >> 2].vertex[1];
-    if (before > ghost && last > ghost && ghost_before(m, last) == ghost && kind[v[1]] == VERTEX_LINE &&
-        kind[v[2]] == VERTEX_LINE && kind[b] == VERTEX_LINE)
-        add_small_loop(w, v[1], v[2], b, ghost);
-}
-
 static void find_loops(loop_work *w)
 {
     const bvxi_corners *const m = &w->c->mesh;
     w->count = 0;
     for (uint32_t v = 0; v < m->vertices; v++)
         if (!bvxi_collapse_is_gone(w->c, v) && may_loop(w->c, v)) find_around(w, v);
+
     for (int32_t g = (int32_t)m->triangles; g < (int32_t)(m->triangles + m->ghosts); g++)
-        if (!bvxi_corner_gone(m, 4 * g)) find_hole(w, 4 * g);
+        if (!bvxi_corner_gone(m, 4 * g)) {
+            /* A hole of three edges that no other line meets. */
+            int32_t const ghost = 4 * g;
+            const uint8_t *const kind = w->c->kind;
+            const uint32_t *const v = m->triangle[ghost >> 2].vertex;
+            int32_t const before = ghost_before(m, ghost), last = ghost_before(m, before);
+            uint32_t const b = m->triangle[before >> 2].vertex[1];
+            if (before > ghost && last > ghost && ghost_before(m, last) == ghost &&
+                kind[v[1]] == VERTEX_LINE && kind[v[2]] == VERTEX_LINE && kind[b] == VERTEX_LINE)
+                add_small_loop(w, v[1], v[2], b, ghost);
+        }
 }
 
 /* ---- Changes ---- */
@@ -248,18 +246,6 @@ static int lies_near(const bvxi_collapse *c, uint32_t v, const double *p)
 
 /* ---- Handles ---- */
 
-/* 0: the vertices of the loop cannot be one on this side. */
-static int gather_loop(const bvxi_corners *m, loop_side *side)
-{
-    collapse_star *const star = &side->star;
-    /* Counter-clockwise around all three: from each to the one before it. */
-    star->count = 0;
-    for (int k = 2; k >= 0; k--)
-        if (!bvxi_star_gather_side(m, side->corner[k], side->loop[(k + 2) % 3], 2 * COLLAPSE_STAR, star))
-            return 0;
-    return bvxi_star_close(star);
-}
-
 static void toggle_side(bvxi_corners *m, const loop_side *side)
 {
     for (int k = 0; k < 3; k++) toggle(m, (uint32_t)side->corner[k] >> 2);
@@ -342,8 +328,17 @@ static int cut_handle(loop_work *w, loop_side side[2])
 {
     bvxi_collapse *const c = w->c;
 
-    for (int i = 0; i < 2; i++)
-        if (!gather_loop(&c->mesh, &side[i]) || !place_side(c, &side[i])) return 0;
+    for (int i = 0; i < 2; i++) {
+        collapse_star *const star = &side[i].star;
+
+        /* Counter-clockwise around all three: from each to the one before it. */
+        star->count = 0;
+        for (int k = 2; k >= 0; k--)
+            if (!bvxi_star_gather_side(&c->mesh, side[i].corner[k], side[i].loop[(k + 2) % 3],
+                                       2 * COLLAPSE_STAR, star))
+                return 0;
+        if (!bvxi_star_close(star) || !place_side(c, &side[i])) return 0;
+    }
     for (int i = 0; i < 2; i++) toggle_side(&c->mesh, &side[i]);
     int const crosses = side_crosses(c, &side[0], &side[1]) || side_crosses(c, &side[1], &side[0]);
     for (int i = 0; i < 2; i++) toggle_side(&c->mesh, &side[i]);

@@ -250,30 +250,9 @@ static int judge_elsewhere(const collapse_sweep *s, bvxi_edge_planned *plan, con
     return 0;
 }
 
-/* A refused edge may be safe after its neighbours have gone: it costs four times as much as those that were tried. */
-static void refuse(const collapse_sweep *s, int32_t edge, float cost)
-{
-    bvxi_collapse *const c = s->c;
-    float const more = 4 * (cost > c->reached ? cost : c->reached) + 1e-37f;
-    uint32_t const x = bvxi_corner_vertex_of(&c->mesh, edge);
-    uint32_t const y = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_next(edge));
-    bvxi_edge_put_cost(&c->mesh, edge, more < COLLAPSE_NEVER ? more : COLLAPSE_NEVER);
-    bvxi_edge_find_least(c, x);
-    bvxi_edge_find_least(c, y);
-    c->stale[x] = c->stale[y] = 1;
-}
-
 static int in_range(const collapse_sweep *s, uint64_t range, uint32_t v)
 {
     return v == BVXI_VERTEX_GHOST || v - range * s->size < s->size;
-}
-
-/* 1: all that the collapse touches lies in the range. */
-static int star_in_range(const collapse_sweep *s, uint64_t range, const collapse_star *star)
-{
-    int within = 1;
-    for (int32_t i = 0; i < star->count; i++) within &= in_range(s, range, star->link[i]);
-    return within;
 }
 
 enum { RANGE_ALL = -1 };
@@ -335,8 +314,12 @@ static void try_vertex(const collapse_sweep *s, collapse_range *r, int64_t range
         /* What was refused once may leave needles: thin plates cannot do without. */
         double const cost = (double)c->least[v];
         int const needles = plan.cost * 2 < cost;
+        int within = 1;
 
-        if (range != RANGE_ALL && !star_in_range(s, (uint64_t)range, &r->star)) {
+        /* Does all that the collapse touches lie in the range? */
+        for (int32_t i = 0; i < r->star.count && range != RANGE_ALL; i++)
+            within &= in_range(s, (uint64_t)range, r->star.link[i]);
+        if (!within) {
             s->waiting[(uint64_t)range * s->size + r->waiting++] = v;
             return;
         }
@@ -347,7 +330,12 @@ static void try_vertex(const collapse_sweep *s, collapse_range *r, int64_t range
         }
     }
     r->refused++;
-    refuse(s, edge, c->least[v]);
+    /* A refused edge may be safe after its neighbours have gone: it costs four times as much as those that were tried. */
+    float const more = 4 * (c->least[v] > c->reached ? c->least[v] : c->reached) + 1e-37f;
+    bvxi_edge_put_cost(m, edge, more < COLLAPSE_NEVER ? more : COLLAPSE_NEVER);
+    bvxi_edge_find_least(c, x);
+    bvxi_edge_find_least(c, y);
+    c->stale[x] = c->stale[y] = 1;
 }
 
 /* ---- Sweeps ---- */

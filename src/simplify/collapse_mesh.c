@@ -111,42 +111,6 @@ static bvx_status collapse_edges(bvxi_collapse *c, uint64_t target, int last, do
                : BVX_OK;
 }
 
-/* Cut and fill what is small beside the triangles of a level, and go on to it without. In the last one only where
- * it is needed, so that no triangles are missing. */
-static bvx_status close_small(bvxi_collapse *c, uint64_t target, int last, double at)
-{
-    double const longest = 3 * sqrt(EDGE_SQUARE * c->area / (double)target) / c->scale;
-    uint64_t closed = 1;
-    while (closed != 0 && (!last || c->mesh.left > target)) {
-        BVXI_TRY(BVXI_SCOPE(c->ctx, bvxi_collapse_close_small(c, longest, &closed)));
-        if (closed != 0) BVXI_TRY(collapse_edges(c, target, last, at, at));
-        if (!last) break;
-    }
-    return BVX_OK;
-}
-
-/* What let a piece out goes back, with all that came after order: the level is larger then. */
-static bvx_status keep_enclosed(bvxi_collapse *c, uint32_t order, double at)
-{
-    uint64_t escaped, undone;
-    BVXI_TRY(BVXI_SCOPE(c->ctx, bvxi_collapse_escaped(c, &escaped)));
-    if (escaped == 0) return BVX_OK;
-    memset(c->fresh, 0, (size_t)c->mesh.vertices);
-    bvxi_collapse_undo_since(c, order);
-    BVXI_TRY(bvxi_collapse_judge(c, at, at, &undone));
-    bvxi_collapse_end_careful(c);
-    return BVX_OK;
-}
-
-/* All vertices that settled go back where one of the steps let a piece out. */
-static bvx_status keep_settled(bvxi_collapse *c, uint64_t *escaped)
-{
-    BVXI_TRY(BVXI_SCOPE(c->ctx, bvxi_collapse_escaped(c, escaped)));
-    for (uint32_t v = 0; v < c->mesh.vertices && *escaped != 0; v++)
-        if (!bvxi_collapse_is_gone(c, v)) bvxi_collapse_move_quadric(c, v, c->undo[v].p);
-    return BVX_OK;
-}
-
 /* No edge comes apart after this: what crosses goes back, and has another try where the rest has moved. */
 static bvx_status settle(bvxi_collapse *c, double at)
 {
@@ -159,7 +123,13 @@ static bvx_status settle(bvxi_collapse *c, double at)
         BVXI_TRY(bvxi_collapse_settle(c));
         if (bvxi_any_marked(c->settled, c->mesh.vertices)) BVXI_TRY(bvxi_collapse_judge(c, at, at, &undone));
         bvxi_collapse_end_careful(c);
-        if (c->options.enclosed != NULL) BVXI_TRY(keep_settled(c, &escaped));
+
+        if (c->options.enclosed != NULL) {
+            /* All vertices that settled go back where one of the steps let a piece out. */
+            BVXI_TRY(BVXI_SCOPE(c->ctx, bvxi_collapse_escaped(c, &escaped)));
+            for (uint32_t v = 0; v < c->mesh.vertices && escaped != 0; v++)
+                if (!bvxi_collapse_is_gone(c, v)) bvxi_collapse_move_quadric(c, v, c->undo[v].p);
+        }
     }
     return BVX_OK;
 }
@@ -178,10 +148,29 @@ static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, d
     int const met = c->mesh.left <= target + target % 2;
     BVXI_TRY(bvxi_collapse_judge(c, middle, to, &undone));
     if (undone != 0 && met) BVXI_TRY(collapse_edges(c, target, last, to, to));
-    if (c->options.given.topology != BVX_TOPOLOGY_KEEP) BVXI_TRY(close_small(c, target, last, to));
+
+    if (c->options.given.topology != BVX_TOPOLOGY_KEEP) {
+        /* Cut and fill what is small beside the triangles of a level, and go on to it without. In the last
+         * one only where it is needed, so that no triangles are missing. */
+        double const longest = 3 * sqrt(EDGE_SQUARE * c->area / (double)target) / c->scale;
+        uint64_t closed = 1;
+        while (closed != 0 && (!last || c->mesh.left > target)) {
+            BVXI_TRY(BVXI_SCOPE(c->ctx, bvxi_collapse_close_small(c, longest, &closed)));
+            if (closed != 0) BVXI_TRY(collapse_edges(c, target, last, to, to));
+            if (!last) break;
+        }
+    }
     bvxi_collapse_end_careful(c);
 
-    if (c->options.enclosed != NULL) BVXI_TRY(keep_enclosed(c, order, to));
+    uint64_t escaped = 0;
+    if (c->options.enclosed != NULL) BVXI_TRY(BVXI_SCOPE(c->ctx, bvxi_collapse_escaped(c, &escaped)));
+    if (escaped != 0) {
+        /* What let a piece out goes back, with all that came after order: the level is larger then. */
+        memset(c->fresh, 0, (size_t)c->mesh.vertices);
+        bvxi_collapse_undo_since(c, order);
+        BVXI_TRY(bvxi_collapse_judge(c, to, to, &undone));
+        bvxi_collapse_end_careful(c);
+    }
     return last ? settle(c, to) : BVX_OK;
 }
 
@@ -251,25 +240,6 @@ static void keys_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
     }
 }
 
-static int position_before(const double p[3], const double q[3])
-{
-    return p[2] != q[2] ? p[2] < q[2] : p[1] != q[1] ? p[1] < q[1] : p[0] < q[0];
-}
-
-/* The corners of a triangle in the new order of vertices, the least one first, which keeps the sense; returns which
- * one that was. */
-static int ranked_triangle(const collapse_order *o, uint64_t t, uint32_t to[3])
-{
-    uint32_t v[5]; /* the first two again after the third */
-    if (o->packed != NULL) memcpy(v, o->packed + 3 * t, 12);
-    else bvxi_view_triangle(o->view, t, v);
-    for (int k = 0; k < 3; k++) v[k] = o->rank[v[k]];
-    memcpy(v + 3, v, 8);
-    int const first = ((v[1] < v[0]) & (v[1] < v[2])) + 2 * ((v[2] < v[0]) & (v[2] <= v[1]));
-    memcpy(to, v + first, 12);
-    return first;
-}
-
 /* Triangles that begin with one vertex by the one after it, where a vertex has very many. */
 static bvx_status order_crowd(collapse_order *o, uint64_t begin, uint64_t end)
 {
@@ -288,22 +258,6 @@ static bvx_status order_crowd(collapse_order *o, uint64_t begin, uint64_t end)
     return BVX_OK;
 }
 
-/* The same of few. */
-static void order_bucket(bvxi_corner_triangle *t, uint64_t begin, uint64_t end)
-{
-    for (uint64_t i = begin + 1; i < end; i++) {
-        bvxi_corner_triangle const moving = t[i];
-        uint64_t j = i;
-
-        for (;
-             j > begin && (t[j - 1].vertex[1] > moving.vertex[1] ||
-                           (t[j - 1].vertex[1] == moving.vertex[1] && t[j - 1].vertex[2] > moving.vertex[2]));
-             j--)
-            t[j] = t[j - 1];
-        t[j] = moving;
-    }
-}
-
 /* Each vertex's triangles end where its next one would go, which is where those of the vertex before end. */
 static void buckets_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
@@ -311,7 +265,20 @@ static void buckets_piece(void *user, int32_t piece, uint64_t begin, uint64_t en
     (void)piece;
     for (uint64_t i = begin; i < end; i++) {
         uint64_t const from = i == 0 ? 0 : o->begin[i - 1];
-        if (o->begin[i] - from <= COLLAPSE_BUCKET) order_bucket(o->c->mesh.triangle, from, o->begin[i]);
+        bvxi_corner_triangle *const t = o->c->mesh.triangle;
+
+        if (o->begin[i] - from > COLLAPSE_BUCKET) continue;
+        for (uint64_t k = from + 1; k < o->begin[i]; k++) {
+            bvxi_corner_triangle const moving = t[k];
+            uint64_t j = k;
+
+            for (; j > from &&
+                   (t[j - 1].vertex[1] > moving.vertex[1] ||
+                    (t[j - 1].vertex[1] == moving.vertex[1] && t[j - 1].vertex[2] > moving.vertex[2]));
+                 j--)
+                t[j] = t[j - 1];
+            t[j] = moving;
+        }
     }
 }
 
@@ -320,8 +287,19 @@ static void ranks_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     const collapse_order *const o = user;
     (void)piece;
-    for (uint64_t t = begin; t < end; t++)
-        o->index[t] = (uint32_t)(t << 2) | (uint32_t)ranked_triangle(o, t, o->c->origin + 3 * t);
+
+    for (uint64_t t = begin; t < end; t++) {
+        /* The corners in the new order of vertices, the least one first, which keeps the sense. */
+        uint32_t v[5]; /* the first two again after the third */
+        if (o->packed != NULL) memcpy(v, o->packed + 3 * t, 12);
+        else bvxi_view_triangle(o->view, t, v);
+        for (int k = 0; k < 3; k++) v[k] = o->rank[v[k]];
+        memcpy(v + 3, v, 8);
+        int const first = ((v[1] < v[0]) & (v[1] < v[2])) + 2 * ((v[2] < v[0]) & (v[2] <= v[1]));
+        memcpy(o->c->origin + 3 * t, v + first, 12);
+
+        o->index[t] = (uint32_t)(t << 2) | (uint32_t)first;
+    }
 }
 
 /* Triangles whose first vertex is one from first on go side by side, each vertex's in their order. */
@@ -415,7 +393,7 @@ static bvx_status take_mesh(bvxi_collapse *c, collapse_order *o)
 
             bvxi_view_position(o->view, o->index[j], p);
             bvxi_view_position(o->view, o->index[j - 1], q);
-            if (!position_before(p, q)) break;
+            if (!(p[2] != q[2] ? p[2] < q[2] : p[1] != q[1] ? p[1] < q[1] : p[0] < q[0])) break;
             o->index[j] = o->index[j - 1];
             o->index[j - 1] = swap;
         }
@@ -577,15 +555,6 @@ static void add_upright(bvxi_collapse *c, int32_t corner)
     add_plane(&m->at[v], plane, BORDER_WEIGHT * square * c->scale * c->scale);
 }
 
-/* 1: the triangle at the other side of the edge lies on this one. */
-static int is_folded(const bvxi_corners *m, int32_t corner)
-{
-    uint32_t const own = bvxi_corner_vertex_of(m, corner);
-    uint32_t const other = bvxi_corner_vertex_of(m, bvxi_corner_opposite(m, corner));
-    return own != BVXI_VERTEX_GHOST && other != BVXI_VERTEX_GHOST &&
-           memcmp(m->at[own].p, m->at[other].p, sizeof m->at[own].p) == 0;
-}
-
 /* An edge of a line; count: it is the first of its two sides, so that its ends count it once. */
 static void mark_line(bvxi_collapse *c, int32_t corner, int count)
 {
@@ -611,8 +580,15 @@ static void mark_lines(bvxi_collapse *c)
             mark_line(c, corner, corner < bvxi_corner_opposite(m, corner));
     /* Where a leaf with two sides ends, its planes alone would let the fold shrink. */
     for (int32_t corner = 0; corner < end && c->options.borders == BVXI_BORDERS_CUT;
-         corner += (corner & 3) == 2 ? 2 : 1)
-        if (is_folded(m, corner)) add_upright(c, corner);
+         corner += (corner & 3) == 2 ? 2 : 1) {
+        uint32_t const own = bvxi_corner_vertex_of(m, corner);
+        uint32_t const other = bvxi_corner_vertex_of(m, bvxi_corner_opposite(m, corner));
+
+        /* The triangle at the other side of the edge lies on this one. */
+        if (own != BVXI_VERTEX_GHOST && other != BVXI_VERTEX_GHOST &&
+            memcmp(m->at[own].p, m->at[other].p, sizeof m->at[own].p) == 0)
+            add_upright(c, corner);
+    }
     for (int32_t ghost = end; ghost < end + (int32_t)(4 * m->ghosts); ghost += 4) {
         mark_line(c, bvxi_corner_opposite(m, ghost), 1);
         for (int k = 1; k < 3 && c->options.given.lock_border; k++)
@@ -688,37 +664,6 @@ static bvx_status open_arrays(bvxi_collapse *c)
     return bvxi_collapse_evaluate(c);
 }
 
-static bvx_status open_steps(bvxi_collapse *c, const bvx_mesh_view *mesh)
-{
-    double low[3], high[3], size = 0;
-
-    BVXI_TRY(bvxi_view_bounds(c->ctx, c->function, mesh, low, high));
-    for (int a = 0; a < 3; a++) {
-        c->low[a] = low[a];
-        if (high[a] - low[a] > size) size = high[a] - low[a];
-    }
-
-    if (size > 0 && !(size >= COLLAPSE_NARROWEST && size <= COLLAPSE_WIDEST))
-        return bvxi_fail_for(c->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
-                             "%s: the mesh spans %g; edges collapse between spans of %g and %g: scale it",
-                             c->function, size, COLLAPSE_NARROWEST, COLLAPSE_WIDEST);
-
-    /* The longest side decides: steps are the same along all axes. */
-    c->scale = size > 0 ? 1 / size : 1;
-
-    c->mesh.triangle_room = c->mesh.triangles = mesh->triangle_count;
-    BVXI_TRY(BVXI_ARRAY(c->ctx, c->mesh.triangle_room, "the triangles", c->mesh.triangle));
-
-    /* Ordered before it is connected, so that neighbours are written close to each other. */
-    BVXI_TRY(order_mesh(c, mesh, low, size));
-    BVXI_TRY(bvxi_progress(c->ctx, "collapse", 0.03));
-    BVXI_TRY(bvxi_corners_connect(c->ctx, c->function, &c->mesh, c->options.borders));
-    c->counts.split = c->mesh.split;
-    BVXI_TRY(bvxi_progress(c->ctx, "collapse", 0.07));
-    bvxi_ranges(c->ctx, bvxi_looking_pieces(c->ctx), c->mesh.vertices, quadrics_piece, c);
-    return open_arrays(c);
-}
-
 int bvxi_collapse_needs_sources(const bvx_mesh_view *mesh, const bvxi_collapse_options *options)
 {
     return mesh->uvs != NULL || mesh->uvs2 != NULL || mesh->normals != NULL || mesh->colours != NULL ||
@@ -745,7 +690,33 @@ bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_
     c->sheets = sheets;
     c->source = sheets->source;
     c->fast = bvxi_cpu(ctx) == BVX_CPU_AVX2;
-    BVXI_TRY(open_steps(c, &sheets->view));
+    double low[3], high[3], size = 0;
+
+    BVXI_TRY(bvxi_view_bounds(c->ctx, c->function, &sheets->view, low, high));
+    for (int a = 0; a < 3; a++) {
+        c->low[a] = low[a];
+        if (high[a] - low[a] > size) size = high[a] - low[a];
+    }
+
+    if (size > 0 && !(size >= COLLAPSE_NARROWEST && size <= COLLAPSE_WIDEST))
+        return bvxi_fail_for(c->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                             "%s: the mesh spans %g; edges collapse between spans of %g and %g: scale it",
+                             c->function, size, COLLAPSE_NARROWEST, COLLAPSE_WIDEST);
+
+    /* The longest side decides: steps are the same along all axes. */
+    c->scale = size > 0 ? 1 / size : 1;
+
+    c->mesh.triangle_room = c->mesh.triangles = sheets->view.triangle_count;
+    BVXI_TRY(BVXI_ARRAY(c->ctx, c->mesh.triangle_room, "the triangles", c->mesh.triangle));
+
+    /* Ordered before it is connected, so that neighbours are written close to each other. */
+    BVXI_TRY(order_mesh(c, &sheets->view, low, size));
+    BVXI_TRY(bvxi_progress(c->ctx, "collapse", 0.03));
+    BVXI_TRY(bvxi_corners_connect(c->ctx, c->function, &c->mesh, c->options.borders));
+    c->counts.split = c->mesh.split;
+    BVXI_TRY(bvxi_progress(c->ctx, "collapse", 0.07));
+    bvxi_ranges(c->ctx, bvxi_looking_pieces(c->ctx), c->mesh.vertices, quadrics_piece, c);
+    BVXI_TRY(open_arrays(c));
     *collapse = c;
     return BVX_OK;
 }

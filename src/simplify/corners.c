@@ -259,18 +259,6 @@ static void walk_fans_piece(void *user, int32_t piece, uint64_t begin, uint64_t 
 
 /* ---- Borders ---- */
 
-static bvx_status grow_triangles(bvx_context *ctx, const char *function, bvxi_corners *m)
-{
-    uint64_t const room = m->triangles + m->ghosts;
-    /* Corners are numbers of 31 bits, four a triangle. */
-    if (room > INT32_MAX / 4)
-        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: %u triangles with %u border edges are too many; %u together are possible",
-                             function, m->triangles, m->ghosts, (uint64_t)INT32_MAX / 4);
-    return bvxi_reserve(ctx, &m->triangle, room, &m->triangle_room, sizeof *m->triangle,
-                        "the triangles and their borders");
-}
-
 /* Give every border edge its ghost triangle, whose corner 0 is the ghost. */
 static void put_ghosts(bvxi_corners *m)
 {
@@ -289,14 +277,10 @@ static void put_ghosts(bvxi_corners *m)
         bvxi_corners_join(m, c, ghost);
         ghost += 4;
     }
-}
 
-/* Join ghosts with the next ones of their borders: the next border edge is found around the vertex
- * between. */
-static void join_ghosts(bvxi_corners *m)
-{
-    int32_t const end = (int32_t)(4 * (m->triangles + m->ghosts));
-    for (int32_t ghost = (int32_t)(4 * m->triangles); ghost < end; ghost += 4) {
+    /* Join ghosts with the next ones of their borders: the next border edge is found around the vertex
+     * between. */
+    for (ghost = end; ghost < end + (int32_t)(4 * m->ghosts); ghost += 4) {
         int32_t fan;
         int32_t const next = next_border(m, bvxi_corner_opposite(m, ghost), &fan);
         bvxi_corners_join(m, ghost + 2, bvxi_corner_opposite(m, next) + 1);
@@ -371,9 +355,16 @@ bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_cor
 
     BVXI_TRY(pair_corners(ctx, function, m, &lists, borders));
     if (m->ghosts != 0) {
-        BVXI_TRY(grow_triangles(ctx, function, m));
+        uint64_t const room = m->triangles + m->ghosts;
+        /* Corners are numbers of 31 bits, four a triangle. */
+        if (room > INT32_MAX / 4)
+            return bvxi_fail_for(
+                ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                "%s: %u triangles with %u border edges are too many; %u together are possible", function,
+                m->triangles, m->ghosts, (uint64_t)INT32_MAX / 4);
+        BVXI_TRY(bvxi_reserve(ctx, &m->triangle, room, &m->triangle_room, sizeof *m->triangle,
+                              "the triangles and their borders"));
         put_ghosts(m);
-        join_ghosts(m);
     }
 
     /* 1: the corners of every vertex are one fan, which is walked from any of them. */

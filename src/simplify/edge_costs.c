@@ -141,13 +141,6 @@ int bvxi_edge_plan(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *plan
 #undef BVXI_SIMD_LEVEL
 #endif
 
-/* No more than the type holds, and nothing that compares with nothing. */
-static void put_cost(bvxi_corners *m, int32_t from, double cost)
-{
-    float const rounded = (float)cost;
-    bvxi_edge_put_cost(m, from, rounded < COLLAPSE_NEVER ? rounded : COLLAPSE_NEVER);
-}
-
 #if BVXI_HAVE_AVX2
 #define EDGES_BY(fast, name, ...) ((fast) ? name##_avx2(__VA_ARGS__) : name##_base(__VA_ARGS__))
 #else
@@ -178,7 +171,9 @@ void bvxi_edges_evaluate(bvxi_collapse *c, uint32_t u, const uint32_t *w, const 
                 cost[k] = bvxi_edge_plan(c, bvxi_corner_previous(from[i + k]), &plan)
                               ? plan.cost
                               : (double)COLLAPSE_NEVER;
-            put_cost(m, from[i + k], cost[k]);
+            /* No more than the type holds, and nothing that compares with nothing. */
+            float const rounded = (float)cost[k];
+            bvxi_edge_put_cost(m, from[i + k], rounded < COLLAPSE_NEVER ? rounded : COLLAPSE_NEVER);
         }
     }
 }

@@ -186,22 +186,30 @@ bvx_status bvxi_collapse_mark_leaving(const bvxi_collapse *c, double at, uint8_t
 
 /* ---- Pieces of the mesh ---- */
 
+static bvx_status count_turns(bvx_context *ctx, const bvx_mesh *level, const bvxi_enclosed *e, int64_t *turns)
+{
+    bvx_mesh_view view;
+    bvx_closest *closest = NULL;
+
+    bvx_mesh_view_of(level, &view);
+    BVXI_TRY(bvx_closest_create(ctx, &view, &closest));
+    bvx_status const status = bvx_closest_winding(ctx, closest, e->point, e->pieces, turns);
+    bvx_closest_free(ctx, closest);
+    return status;
+}
+
 bvx_status bvxi_collapse_escaped(bvxi_collapse *c, uint64_t *escaped)
 {
     const bvxi_enclosed *const e = c->options.enclosed;
     bvx_mesh level = {0};
-    bvx_mesh_view view;
-    bvx_closest *closest = NULL;
     int64_t *turns;
 
     *escaped = 0;
     BVXI_TRY(BVXI_ARRAY(c->ctx, e->pieces, "how often the level goes around pieces", turns));
-    bvx_status status = bvxi_collapse_give_plain(c, &level);
-    bvx_mesh_view_of(&level, &view);
-    if (status == BVX_OK) status = bvx_closest_create(c->ctx, &view, &closest);
-    if (status == BVX_OK) status = bvx_closest_winding(c->ctx, closest, e->point, e->pieces, turns);
-    for (uint64_t i = 0; i < e->pieces && status == BVX_OK; i++) *escaped += turns[i] != 1;
-    bvx_closest_free(c->ctx, closest);
+    BVXI_TRY(bvxi_collapse_give_plain(c, &level));
+    bvx_status const status = count_turns(c->ctx, &level, e, turns);
     bvx_mesh_free(c->ctx, &level);
-    return status;
+    BVXI_TRY(status);
+    for (uint64_t i = 0; i < e->pieces; i++) *escaped += turns[i] != 1;
+    return BVX_OK;
 }

@@ -243,22 +243,16 @@ static void origin_piece(void *user, int32_t piece, uint64_t begin, uint64_t end
     o->begin[piece] = n;
 }
 
-/* The triangles, by the vertices of the mesh. */
-static bvx_status list_origin(bvxi_collapse *c, judge_origin *o)
+static bvx_status gather_origin(bvxi_collapse *c, judge_origin *o)
 {
+    uint32_t *from;
+
+    /* The triangles, by the vertices of the mesh. */
     int32_t const pieces = bvxi_piece_count(c->first_triangles, JUDGE_GRAIN);
     bvxi_ranges(c->ctx, pieces, c->first_triangles, origin_piece, o);
     o->tree.triangles = bvxi_place_counts(o->begin, (uint64_t)pieces);
     BVXI_TRY(BVXI_ARRAY(c->ctx, o->tree.triangles, "triangles beside crossings", o->triangle));
     bvxi_ranges(c->ctx, pieces, c->first_triangles, origin_piece, o);
-    return BVX_OK;
-}
-
-static bvx_status gather_origin(bvxi_collapse *c, judge_origin *o)
-{
-    uint32_t *from;
-
-    BVXI_TRY(list_origin(c, o));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, o->tree.triangles * 12, "vertices beside crossings", &from));
     for (uint64_t i = 0; i < 3 * o->tree.triangles; i++) {
         uint32_t *const v = &o->triangle[i / 3][i % 3], *const small = &o->small[*v];
@@ -492,19 +486,6 @@ static bvx_status undo_pairs(judge_found *list, uint64_t *undone)
     return list->status;
 }
 
-static bvx_status list_leaving(judge_found *list, double at)
-{
-    const bvxi_collapse *const c = list->c;
-    uint8_t *leaves;
-    BVXI_TRY(bvxi_collapse_mark_leaving(c, at, &leaves));
-    for (uint64_t t = 0; t < c->mesh.triangles; t++) {
-        list->triangle = (uint32_t)t;
-        if (leaves[t]) add_pair(list, (uint32_t)t);
-    }
-    bvxi_drop(c->ctx, leaves);
-    return BVX_OK;
-}
-
 bvx_status bvxi_collapse_judge(bvxi_collapse *c, double from, double to, uint64_t *undone)
 {
     judge_found list = {.c = c, .settled = bvxi_any_marked(c->settled, c->mesh.vertices)};
@@ -520,7 +501,16 @@ bvx_status bvxi_collapse_judge(bvxi_collapse *c, double from, double to, uint64_
         list.triangle = c->pairs[2 * i];
         if (is_fresh_pair(c, c->pairs + 2 * i)) add_pair(&list, c->pairs[2 * i + 1]);
     }
-    if (c->options.enclosed != NULL) BVXI_TRY(list_leaving(&list, to));
+    if (c->options.enclosed != NULL) {
+        uint8_t *leaves;
+
+        BVXI_TRY(bvxi_collapse_mark_leaving(c, to, &leaves));
+        for (uint64_t t = 0; t < c->mesh.triangles; t++) {
+            list.triangle = (uint32_t)t;
+            if (leaves[t]) add_pair(&list, (uint32_t)t);
+        }
+        bvxi_drop(c->ctx, leaves);
+    }
     memset(c->fresh, 0, (size_t)c->mesh.vertices);
     BVXI_TRY(list.status);
     while (list.count != 0) {

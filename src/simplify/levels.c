@@ -103,17 +103,16 @@ static bvx_status certify_level(bvx_context *ctx, const bvxi_level_chain *c, bvx
     int const beyond = c->targets.errors != NULL, seams = collapse->attributes.row != NULL;
     bvx_mesh plain = {0};
     bvx_mesh_view view;
-    bvx_status status = BVX_OK;
 
     bvx_mesh_view_of(level, &view);
-    if (beyond) status = BVXI_SHARE(ctx, 0.0, 0.8, bvx_mesh_crossings(ctx, &view, &r->crossings, NULL, 0));
-    else status = BVXI_SHARE(ctx, 0.0, 0.8, bvxi_collapse_crossings(collapse, &r->crossings));
-    if (status == BVX_OK && !beyond && seams) {
-        status = bvxi_collapse_give_plain(collapse, &plain);
+    if (beyond) BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.8, bvx_mesh_crossings(ctx, &view, &r->crossings, NULL, 0)));
+    else BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.8, bvxi_collapse_crossings(collapse, &r->crossings)));
+    if (!beyond && seams) {
+        BVXI_TRY(bvxi_collapse_give_plain(collapse, &plain));
         bvx_mesh_view_of(&plain, &view);
     }
-    if (status == BVX_OK)
-        status = BVXI_SHARE(ctx, 0.8, 1.0, bvx_mesh_check(ctx, &view, beyond && seams, &r->certificate));
+    bvx_status const status = BVXI_SHARE(ctx, 0.8, 1.0,
+                                         bvx_mesh_check(ctx, &view, beyond && seams, &r->certificate));
     bvx_mesh_free(ctx, &plain);
     return status;
 }
@@ -149,15 +148,6 @@ static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
 }
 
 /* ---- Levels ---- */
-
-static bvx_status make_by_count(bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse, int *met)
-{
-    uint64_t const wanted = target_of(c, i), target = wanted < c->halve_from ? wanted : c->halve_from;
-    BVXI_TRY(bvxi_collapse_to(collapse, target, 0.0, 1.0));
-    *met = collapse->mesh.left <= wanted;
-    c->closed = collapse->closed;
-    return bvxi_collapse_give(collapse, &c->levels[i]);
-}
 
 /* The share of the error of level i that a distance takes up: 1 or less keeps it. */
 static double error_share(const bvxi_level_chain *c, uint64_t i, const bvx_distance_report *d)
@@ -213,16 +203,6 @@ static bvx_status copy_into(bvx_context *ctx, const bvxi_level_chain *c, const b
     return copy_array(ctx, mesh->materials, level->triangle_capacity * 4, &level->materials);
 }
 
-/* Hand a mesh over to a level: as it is, or into arrays of the caller's. */
-static bvx_status hand_over(bvx_context *ctx, const bvxi_level_chain *c, bvx_mesh *made, bvx_mesh *level)
-{
-    if (level->owned == 1) bvx_mesh_free(ctx, level);
-    if (level->positions != NULL || level->triangles != NULL) return copy_into(ctx, c, made, level);
-    *level = *made;
-    memset(made, 0, sizeof *made);
-    return BVX_OK;
-}
-
 /* The last mesh on the way down that keeps the error of level i. Where none does: the level before, which a
  * step too far has left behind, or of the first level the mesh as it is. Errors grow about as triangles become
  * fewer, so the level is far while its share of the triangles is small. */
@@ -272,12 +252,25 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
     return BVX_OK;
 }
 
+/* Hand the mesh that was found over to a level: as it is, or into arrays of the caller's. */
+static bvx_status hand_over(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
+                            bvx_mesh *made, int *met)
+{
+    bvx_mesh *const level = &c->levels[i];
+
+    BVXI_TRY(find_by_error(ctx, c, i, collapse, made, met));
+    if (level->owned == 1) bvx_mesh_free(ctx, level);
+    if (level->positions != NULL || level->triangles != NULL) return copy_into(ctx, c, made, level);
+    *level = *made;
+    memset(made, 0, sizeof *made);
+    return BVX_OK;
+}
+
 static bvx_status make_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
                                 int *met)
 {
     bvx_mesh found = {0};
-    bvx_status status = find_by_error(ctx, c, i, collapse, &found, met);
-    if (status == BVX_OK) status = hand_over(ctx, c, &found, &c->levels[i]);
+    bvx_status const status = hand_over(ctx, c, i, collapse, &found, met);
     bvx_mesh_free(ctx, &found);
     return status;
 }
@@ -288,9 +281,15 @@ static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, 
     double const made = c->reports == NULL ? 1.0 : c->targets.samples == 0 ? 0.9 : 0.7;
     int met = 0;
 
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, made,
-                        c->targets.errors != NULL ? make_by_error(ctx, c, i, collapse, &met)
-                                                  : make_by_count(c, i, collapse, &met)));
+    if (c->targets.errors != NULL) {
+        BVXI_TRY(BVXI_SHARE(ctx, 0.0, made, make_by_error(ctx, c, i, collapse, &met)));
+    } else {
+        uint64_t const wanted = target_of(c, i), target = wanted < c->halve_from ? wanted : c->halve_from;
+        BVXI_TRY(BVXI_SHARE(ctx, 0.0, made, bvxi_collapse_to(collapse, target, 0.0, 1.0)));
+        met = collapse->mesh.left <= wanted;
+        c->closed = collapse->closed;
+        BVXI_TRY(bvxi_collapse_give(collapse, &c->levels[i]));
+    }
     /* By count the collapse went as far as it could; by error it had nothing to take back. */
     if (c->targets.strict && !met) {
         if (c->targets.errors != NULL)

@@ -82,44 +82,44 @@ static uint32_t look_near(const bvxi_collapse *c, uint32_t u, const double p[3],
     return best;
 }
 
-static void ask_triangle(const bvxi_collapse *c, uint64_t t, settle_asked *a)
-{
-    const uint32_t *const v = c->origin + 3 * t;
-    uint32_t u = BVXI_VERTEX_NONE, next = bvxi_collapse_now(c, v[t % 3]);
-    settle_near near = {.square = 0};
-    double p[3][3], middle[3], own[3], square;
-
-    for (int k = 0; k < 3; k++) bvxi_view_position(c->view, c->first_source[v[k]], p[k]);
-    for (int k = 0; k < 3; k++) middle[k] = (p[0][k] + p[1][k] + p[2][k]) / 3;
-    a->triangle = -1;
-    for (int i = 0; i < SETTLE_LOOKS && next != u; i++) {
-        u = next;
-        next = look_near(c, u, middle, a, &near);
-    }
-    bvxi_area_normal(p[0], p[1], p[2], own);
-    bvxi_area_normal(near.corner[0], near.corner[1], near.corner[2], a->n);
-    square = bvxi_vec_dot(a->n, a->n);
-
-    /* A triangle without an area, or that faces the other way, asks for nothing. */
-    if (!(square > 0) || !(bvxi_vec_dot(own, a->n) > 0)) a->triangle = -1;
-    a->way = 0;
-    for (int k = 0; k < 3 && a->triangle >= 0; k++) {
-        double part[3];
-
-        bvxi_area_normal(near.q, near.corner[(k + 1) % 3], near.corner[(k + 2) % 3], part);
-        a->share[k] = bvxi_vec_length(own) * bvxi_vec_dot(part, a->n) / square;
-        if (!(a->share[k] > 0)) a->share[k] = 0;
-        a->n[k] /= sqrt(square);
-        a->way += a->n[k] * (middle[k] - near.q[k]);
-    }
-}
-
 static void settle_piece(void *user, int32_t piece)
 {
     const settle_level *const l = user;
     uint64_t begin, end;
     bvxi_piece(l->count, bvxi_piece_count(l->count, SETTLE_GRAIN), piece, &begin, &end);
-    for (uint64_t i = begin; i < end; i++) ask_triangle(l->c, (l->first + i) * l->step, &l->asked[i]);
+    for (uint64_t i = begin; i < end; i++) {
+        const bvxi_collapse *const c = l->c;
+        settle_asked *const a = &l->asked[i];
+        uint64_t const t = (l->first + i) * l->step;
+        const uint32_t *const v = c->origin + 3 * t;
+        uint32_t u = BVXI_VERTEX_NONE, next = bvxi_collapse_now(c, v[t % 3]);
+        settle_near near = {.square = 0};
+        double p[3][3], middle[3], own[3], square;
+
+        for (int k = 0; k < 3; k++) bvxi_view_position(c->view, c->first_source[v[k]], p[k]);
+        for (int k = 0; k < 3; k++) middle[k] = (p[0][k] + p[1][k] + p[2][k]) / 3;
+        a->triangle = -1;
+        for (int look = 0; look < SETTLE_LOOKS && next != u; look++) {
+            u = next;
+            next = look_near(c, u, middle, a, &near);
+        }
+        bvxi_area_normal(p[0], p[1], p[2], own);
+        bvxi_area_normal(near.corner[0], near.corner[1], near.corner[2], a->n);
+        square = bvxi_vec_dot(a->n, a->n);
+
+        /* A triangle without an area, or that faces the other way, asks for nothing. */
+        if (!(square > 0) || !(bvxi_vec_dot(own, a->n) > 0)) a->triangle = -1;
+        a->way = 0;
+        for (int k = 0; k < 3 && a->triangle >= 0; k++) {
+            double part[3];
+
+            bvxi_area_normal(near.q, near.corner[(k + 1) % 3], near.corner[(k + 2) % 3], part);
+            a->share[k] = bvxi_vec_length(own) * bvxi_vec_dot(part, a->n) / square;
+            if (!(a->share[k] > 0)) a->share[k] = 0;
+            a->n[k] /= sqrt(square);
+            a->way += a->n[k] * (middle[k] - near.q[k]);
+        }
+    }
 }
 
 static void move_vertex(bvxi_collapse *c, uint32_t v, const double p[3])

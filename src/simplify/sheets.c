@@ -103,40 +103,6 @@ static void weld_triangles(void *user, int32_t piece, uint64_t begin, uint64_t e
     s->dropped[piece] = (uint8_t)dropped;
 }
 
-static bvx_status weld(sheet_work *w, const bvx_mesh_view *mesh, int sources)
-{
-    uint64_t const bytes = mesh->triangle_count * (sources ? 24 : 12);
-    int32_t const pieces = bvxi_piece_count(mesh->triangle_count, SHEET_GRAIN);
-    sheet_weld s = {.mesh = mesh};
-    uint64_t different, kept = mesh->triangle_count;
-    int dropped = 0;
-
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, bytes, "the welded triangles", &w->corner));
-    if (sources) w->source = w->corner + 3 * mesh->triangle_count;
-    BVXI_TRY(BVXI_ARRAY(w->ctx, mesh->vertex_count, "the vertices' positions", s.representative));
-    BVXI_TRY(bvxi_weld(w->ctx, mesh, s.representative, &different));
-    s.corner = w->corner;
-    s.source = w->source;
-    bvxi_ranges(w->ctx, pieces, mesh->triangle_count, weld_triangles, &s);
-    bvxi_drop(w->ctx, s.representative);
-    for (int32_t i = 0; i < pieces; i++) dropped |= s.dropped[i];
-    if (dropped) kept = drop_where(w, mesh->triangle_count, NULL);
-    w->report->collapsed = mesh->triangle_count - kept;
-    w->triangles = kept;
-
-    /* The view keeps the mesh's own positions, by other indices. */
-    w->view->indices = w->corner;
-    w->view->index_type = BVX_U32;
-    w->view->index_stride = 0;
-
-    /* Attributes are those of the mesh's vertices, corners and triangles, which have other numbers here. */
-    w->view->normals = NULL;
-    w->view->uvs = w->view->uvs2 = NULL;
-    w->view->uv_indices = NULL;
-    w->view->materials = NULL;
-    return BVX_OK;
-}
-
 /* ---- Edges ---- */
 
 /* Half-edges from begin on that belong to one edge. */
@@ -263,14 +229,6 @@ static int join_sheets(uint32_t *link, uint32_t s, uint32_t t, uint32_t differ)
     return 1;
 }
 
-static double triangle_area(const sheet_work *w, uint64_t t)
-{
-    double p[3][3], n[3];
-    for (int k = 0; k < 3; k++) bvxi_view_position(w->view, w->corner[3 * t + (uint64_t)k], p[k]);
-    bvxi_order_corners(p);
-    return bvxi_facet_normal((const double(*)[3])p, n);
-}
-
 /* The vertex opposite to a half-edge. */
 static uint32_t apex_of(const sheet_work *w, uint32_t half)
 {
@@ -301,8 +259,11 @@ static bvx_status turn_patches(sheet_work *w)
     for (uint64_t t = 0; t < w->triangles && w->disputed != 0; t++) {
         uint32_t differs;
         patch_area *const a = &area[bvxi_link_root(w->link, (uint32_t)t, &differs)];
+        double p[3][3], n[3];
 
-        *(differs ? &a->other : &a->same) += triangle_area(w, t);
+        for (int k = 0; k < 3; k++) bvxi_view_position(w->view, w->corner[3 * t + (uint64_t)k], p[k]);
+        bvxi_order_corners(p);
+        *(differs ? &a->other : &a->same) += bvxi_facet_normal((const double(*)[3])p, n);
         /* What was found of a patch before it was joined to another one holds for both. */
         if (a != &area[t]) a->torn += area[t].torn;
     }
@@ -323,13 +284,6 @@ static bvx_status turn_patches(sheet_work *w)
     }
     bvxi_drop(w->ctx, area);
     return w->report->turned != 0 ? list_edges(w) : BVX_OK;
-}
-
-static bvx_status orient(sheet_work *w)
-{
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->triangles * 4, "the triangles' patches", &w->link));
-    for (uint32_t t = 0; t < w->triangles; t++) w->link[t] = t << 1;
-    return w->crowded + w->disputed != 0 ? turn_patches(w) : BVX_OK;
 }
 
 /* ---- Edges of three triangles and more ---- */
@@ -606,7 +560,35 @@ bvx_status bvxi_sheets_open(bvx_context *ctx, const bvx_mesh_view *mesh, int sou
 {
     sheet_work w = {.ctx = ctx, .view = &sheets->view, .report = report};
     sheets->view = *mesh;
-    BVXI_TRY(weld(&w, mesh, sources));
+    uint64_t const bytes = mesh->triangle_count * (sources ? 24 : 12);
+    int32_t const pieces = bvxi_piece_count(mesh->triangle_count, SHEET_GRAIN);
+    sheet_weld s = {.mesh = mesh};
+    uint64_t different, kept = mesh->triangle_count;
+    int dropped = 0;
+
+    BVXI_TRY(bvxi_alloc(w.ctx, BVXI_SCRATCH, bytes, "the welded triangles", &w.corner));
+    if (sources) w.source = w.corner + 3 * mesh->triangle_count;
+    BVXI_TRY(BVXI_ARRAY(w.ctx, mesh->vertex_count, "the vertices' positions", s.representative));
+    BVXI_TRY(bvxi_weld(w.ctx, mesh, s.representative, &different));
+    s.corner = w.corner;
+    s.source = w.source;
+    bvxi_ranges(w.ctx, pieces, mesh->triangle_count, weld_triangles, &s);
+    bvxi_drop(w.ctx, s.representative);
+    for (int32_t i = 0; i < pieces; i++) dropped |= s.dropped[i];
+    if (dropped) kept = drop_where(&w, mesh->triangle_count, NULL);
+    w.report->collapsed = mesh->triangle_count - kept;
+    w.triangles = kept;
+
+    /* The view keeps the mesh's own positions, by other indices. */
+    w.view->indices = w.corner;
+    w.view->index_type = BVX_U32;
+    w.view->index_stride = 0;
+
+    /* Attributes are those of the mesh's vertices, corners and triangles, which have other numbers here. */
+    w.view->normals = NULL;
+    w.view->uvs = w.view->uvs2 = NULL;
+    w.view->uv_indices = NULL;
+    w.view->materials = NULL;
     sheets->corner = w.corner;
     sheets->source = w.source;
     sheets->view.triangle_count = report->triangles = w.triangles;
@@ -626,7 +608,9 @@ bvx_status bvxi_sheets_part(bvx_context *ctx, bvxi_sheets *sheets, bvxi_sheets_r
     w.half = (uint32_t *)(void *)(w.keys + 3 * w.triangles);
     BVXI_TRY(list_edges(&w));
     if (w.crowded + w.disputed != 0) BVXI_TRY(drop_sheet_copies(&w));
-    BVXI_TRY(orient(&w));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w.triangles * 4, "the triangles' patches", &w.link));
+    for (uint32_t t = 0; t < w.triangles; t++) w.link[t] = t << 1;
+    if (w.crowded + w.disputed != 0) BVXI_TRY(turn_patches(&w));
     BVXI_TRY(pair_and_split(&w, sheets));
     bvxi_drop(ctx, w.keys);
 

@@ -377,11 +377,6 @@ static bvx_status thin_junction_lines(complex_round *r, uint64_t target)
 
 /* ---- Sheets ---- */
 
-static int same_label_sheet(const complex_round *r, uint32_t c, uint32_t d)
-{
-    return memcmp(r->from->sides + c / 3 * 2, r->from->sides + d / 3 * 2, 8) == 0;
-}
-
 /* A vertex of lines is one of each sheet around it: view becomes the mesh of all sheets. */
 static bvx_status part_label_sheets(complex_round *r, bvx_mesh_view *view)
 {
@@ -397,7 +392,9 @@ static bvx_status part_label_sheets(complex_round *r, bvx_mesh_view *view)
     for (uint64_t v = 0; v < r->from->mesh.vertex_count; v++) EACH_CORNER(r, v, c)
         {
             uint32_t d = alive_from(r, r->first[v]);
-            while (d != c && r->kind[v] != 0 && !same_label_sheet(r, c, d)) d = alive_from(r, r->next[d]);
+            while (d != c && r->kind[v] != 0 &&
+                   memcmp(r->from->sides + c / 3 * 2, r->from->sides + d / 3 * 2, 8) != 0)
+                d = alive_from(r, r->next[d]);
             number[c] = d == c ? count : number[d];
             if (d != c) continue;
             r->source[count] = (uint32_t)v;
@@ -452,28 +449,6 @@ static bvx_status join_label_sheets(complex_round *r, const bvxi_collapse *c, co
     return BVX_OK;
 }
 
-static bvx_status collapse_sheets(complex_round *r, uint64_t target, complex_parts *to)
-{
-    bvxi_collapse_options options = {
-        .even = BVXI_EVEN, .borders = BVXI_BORDERS_KEPT, .sheets = 1, .box = r->from->box};
-    bvxi_sheets sheets = {.corner = NULL};
-    bvxi_collapse *c;
-
-    options.given.position_type = r->from->mesh.position_type;
-    options.given.lock_border = 1;
-    BVXI_TRY(part_label_sheets(r, &sheets.view));
-    if (r->from->box != NULL) {
-        uint64_t const count = sheets.view.vertex_count;
-        uint8_t *locked;
-        BVXI_TRY(bvxi_alloc(r->ctx, BVXI_SCRATCH, count, "the seams", &locked));
-        for (uint64_t i = 0; i < count; i++) locked[i] = r->from->junctions[r->source[i]] & BVX_ON_SEAM;
-        options.given.locked = locked;
-    }
-    BVXI_TRY(bvxi_collapse_open(r->ctx, r->function, &sheets.view, &sheets, &options, &c));
-    BVXI_TRY(bvxi_collapse_to(c, target, 0.2, 1.0));
-    return join_label_sheets(r, c, to);
-}
-
 /* ---- Rounds ---- */
 
 static bvx_status run_complex_round(bvx_context *ctx, const char *function, const complex_parts *from,
@@ -499,7 +474,24 @@ static bvx_status run_complex_round(bvx_context *ctx, const char *function, cons
     r.busy = r.fresh + vertices;
     r.met = r.busy + vertices;
     BVXI_TRY(thin_junction_lines(&r, target));
-    return collapse_sheets(&r, target, to);
+    bvxi_collapse_options options = {
+        .even = BVXI_EVEN, .borders = BVXI_BORDERS_KEPT, .sheets = 1, .box = r.from->box};
+    bvxi_sheets sheets = {.corner = NULL};
+    bvxi_collapse *c;
+
+    options.given.position_type = r.from->mesh.position_type;
+    options.given.lock_border = 1;
+    BVXI_TRY(part_label_sheets(&r, &sheets.view));
+    if (r.from->box != NULL) {
+        uint64_t const count = sheets.view.vertex_count;
+        uint8_t *locked;
+        BVXI_TRY(bvxi_alloc(r.ctx, BVXI_SCRATCH, count, "the seams", &locked));
+        for (uint64_t i = 0; i < count; i++) locked[i] = r.from->junctions[r.source[i]] & BVX_ON_SEAM;
+        options.given.locked = locked;
+    }
+    BVXI_TRY(bvxi_collapse_open(r.ctx, r.function, &sheets.view, &sheets, &options, &c));
+    BVXI_TRY(bvxi_collapse_to(c, target, 0.2, 1.0));
+    return join_label_sheets(&r, c, to);
 }
 
 /* 1: each body has two triangles at each of its edges. Label none is no body. */

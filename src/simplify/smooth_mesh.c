@@ -79,22 +79,6 @@ static int turns_sharply(const mesh_filter *w, const uint32_t half[2])
     return turn > w->options->sharp_angle * (BVXI_PI / 180.0);
 }
 
-/* What edges say of their ends. */
-static void judge_smooth_edges(mesh_filter *w)
-{
-    for (uint64_t i = 0, end; i < w->edges; i = end) {
-        for (end = i + 1; end < w->edges && w->key[end] == w->key[i];) end++;
-        int const sharp = end - i == 2 && w->options->sharp_angle > 0.0 && turns_sharply(w, w->half + i);
-        int const holds = sharp || (end - i == 1 && w->options->hold_border);
-        uint32_t const v[2] = {(uint32_t)(w->key[i] >> 32), (uint32_t)w->key[i]};
-        for (int k = 0; k < 2; k++) {
-            uint8_t *const lines = &w->lines[v[k]];
-            if (holds) *lines = 4;
-            else if (end - i != 2 && *lines < 3) ++*lines;
-        }
-    }
-}
-
 /* Count or fill, in the order of edges: vertices on two lines have the neighbours along these. */
 static void add_neighbours(mesh_filter *w, uint64_t *next)
 {
@@ -132,7 +116,19 @@ static bvx_status find_neighbours(bvx_context *ctx, mesh_filter *w)
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, vertices, "the lines at vertices", &w->lines));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (vertices + 2) * 8, "where neighbours begin", &w->first));
-    judge_smooth_edges(w);
+
+    /* Which edges hold their ends, and how many lines meet at a vertex. */
+    for (uint64_t i = 0, end; i < w->edges; i = end) {
+        for (end = i + 1; end < w->edges && w->key[end] == w->key[i];) end++;
+        int const sharp = end - i == 2 && w->options->sharp_angle > 0.0 && turns_sharply(w, w->half + i);
+        int const holds = sharp || (end - i == 1 && w->options->hold_border);
+        uint32_t const v[2] = {(uint32_t)(w->key[i] >> 32), (uint32_t)w->key[i]};
+        for (int k = 0; k < 2; k++) {
+            uint8_t *const lines = &w->lines[v[k]];
+            if (holds) *lines = 4;
+            else if (end - i != 2 && *lines < 3) ++*lines;
+        }
+    }
 
     /* Counted at v + 2, summed up, and filled from v + 1 on, which is then where they end. */
     add_neighbours(w, w->first + 2);
@@ -349,21 +345,6 @@ static double volume_of(const mesh_filter *w, const double *at)
     return sum / 6.0 / w->scale / w->scale / w->scale;
 }
 
-static void fill_report(const mesh_filter *w, bvx_smooth_report *report)
-{
-    memset(report, 0, sizeof *report);
-    report->volume_before = volume_of(w, w->given);
-    report->volume_after = volume_of(w, w->at);
-    for (uint64_t v = 0; v < w->view->vertex_count; v++) {
-        if (w->place[v] != v) continue;
-        double const move = is_held(w, v) ? 0.0 : bvxi_vec_distance2(w->given + 3 * v, w->at + 3 * v);
-        if (move > report->largest_move) report->largest_move = move;
-        report->held += (uint64_t)is_held(w, v);
-        report->undone += w->options->no_crossings && (w->lines[v] & ~STRUCK) != 0;
-    }
-    report->largest_move = sqrt(report->largest_move) / w->scale;
-}
-
 static bvx_status open_positions(bvx_context *ctx, mesh_filter *w)
 {
     uint64_t const bytes = w->view->vertex_count * 24;
@@ -410,7 +391,20 @@ static bvx_status run_mesh_smooth(bvx_context *ctx, const bvx_mesh_view *mesh,
         if (is_held(&w, v)) memcpy(w.at + 3 * v, w.given + 3 * v, 24);
     put_smoothed(&w, positions);
     if (o.no_crossings) BVXI_TRY(BVXI_SHARE(ctx, 0.5, 1.0, undo_crossings(ctx, &w, positions)));
-    if (o.report != NULL) fill_report(&w, o.report);
+    if (o.report == NULL) return BVX_OK;
+
+    bvx_smooth_report *const report = o.report;
+    memset(report, 0, sizeof *report);
+    report->volume_before = volume_of(&w, w.given);
+    report->volume_after = volume_of(&w, w.at);
+    for (uint64_t v = 0; v < mesh->vertex_count; v++) {
+        if (w.place[v] != v) continue;
+        double const move = is_held(&w, v) ? 0.0 : bvxi_vec_distance2(w.given + 3 * v, w.at + 3 * v);
+        if (move > report->largest_move) report->largest_move = move;
+        report->held += (uint64_t)is_held(&w, v);
+        report->undone += o.no_crossings && (w.lines[v] & ~STRUCK) != 0;
+    }
+    report->largest_move = sqrt(report->largest_move) / w.scale;
     return BVX_OK;
 }
 

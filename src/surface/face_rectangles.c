@@ -227,16 +227,11 @@ static void emit_rectangles(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-static bvx_status emit_merged(bvx_context *ctx, face_merge *m, bvx_mesh *mesh)
+static bvx_status emit_merged(bvx_context *ctx, face_merge *m)
 {
-    int const mine = mesh->positions == NULL;
-    BVXI_TRY(bvxi_faces_open_mesh(ctx, m->f, mesh));
-    bvx_status status = bvxi_for_ranges(ctx, "faces", 0.6, 0.8, m->f->pieces, m->f->row_count,
-                                        emit_corner_rows, m);
-    if (status == BVX_OK)
-        status = BVXI_SHARE(ctx, 0.8, 1.0,
-                            bvxi_for(ctx, "faces", m->f->face_count, RECTANGLE_GRAIN, emit_rectangles, m));
-    return bvxi_mesh_made(ctx, status, mine, mesh);
+    BVXI_TRY(bvxi_for_ranges(ctx, "faces", 0.6, 0.8, m->f->pieces, m->f->row_count, emit_corner_rows, m));
+    return BVXI_SHARE(ctx, 0.8, 1.0,
+                      bvxi_for(ctx, "faces", m->f->face_count, RECTANGLE_GRAIN, emit_rectangles, m));
 }
 
 bvx_status bvxi_faces_merge(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
@@ -275,5 +270,8 @@ bvx_status bvxi_faces_merge(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
 
     m.f->vertex_count = bvxi_rank_build(&m.rank, m.corners, words, m.prefix);
     BVXI_TRY(bvxi_faces_check_counts(ctx, m.f));
-    return bvxi_scratch_end(ctx, mark, mesh != NULL ? emit_merged(ctx, &m, mesh) : BVX_OK);
+    if (mesh == NULL) return bvxi_scratch_end(ctx, mark, BVX_OK);
+    int const mine = mesh->positions == NULL;
+    BVXI_TRY(bvxi_faces_open_mesh(ctx, m.f, mesh));
+    return bvxi_scratch_end(ctx, mark, bvxi_mesh_made(ctx, emit_merged(ctx, &m), mine, mesh));
 }

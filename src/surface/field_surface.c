@@ -18,18 +18,6 @@ static const bvxi_option field_surface_rows[] = {
     BVXI_REAL(bvx_field_surface_options, offset, -BVXI_FINITE, BVXI_FINITE),
 };
 
-/* Doubles, where they are taken, must distinguish neighbouring positions. */
-static bvx_status check_doubles(bvx_context *ctx, const char *function, const bvx_grid *grid,
-                                const bvx_field_surface_options *o)
-{
-    static const double local_origin[3] = {0, 0, 0};
-    const double *const origin = o->placing.local_frame ? local_origin : grid->lattice.origin;
-    /* Floats need no such check: they round, and the surface stays closed. */
-    if (o->placing.position_type == BVX_F32) return BVX_OK;
-    if (o->placing.position_type == BVX_POSITION_AUTO && bvxi_fits_f32(grid, origin)) return BVX_OK;
-    return bvxi_check_f64(ctx, function, grid, origin);
-}
-
 /* Voxels in place of the field's own stand on the same window. */
 static bvx_status check_changed(bvx_context *ctx, const char *function, const bvx_field *f,
                                 const bvx_field_surface_options *o)
@@ -64,7 +52,14 @@ static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_
                              "%s: the field has no inside; measure it with a sign", function);
     BVXI_TRY(bvxi_grid_check(ctx, function, &f->inside));
     BVXI_TRY(check_changed(ctx, function, f, o));
-    BVXI_TRY(check_doubles(ctx, function, &f->inside, o));
+
+    /* Doubles, where they are taken, must distinguish neighbouring positions; floats round, and the surface stays
+     * closed. */
+    static const double local_origin[3] = {0, 0, 0};
+    const double *const origin = o->placing.local_frame ? local_origin : f->inside.lattice.origin;
+    if (o->placing.position_type != BVX_F32 &&
+        (o->placing.position_type != BVX_POSITION_AUTO || !bvxi_fits_f32(&f->inside, origin)))
+        BVXI_TRY(bvxi_check_f64(ctx, function, &f->inside, origin));
     /* Middles need no value of the field. */
     if (o->placing.interpolation == BVX_EDGE_MIDDLE && o->placing.sharp == BVX_SHARP_NEVER) return BVX_OK;
     BVXI_TRY(bvxi_grid_check(ctx, function, &f->band));

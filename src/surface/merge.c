@@ -61,6 +61,8 @@ static bvx_status check_parts(bvx_context *ctx, merge_work *w)
 static bvx_status sort_keys(bvx_context *ctx, merge_work *w, int triangles)
 {
     uint64_t n = 0;
+
+    BVXI_TRY(bvxi_progress(ctx, "merge", triangles ? 0.5 : 0.0));
     /* Keys of all parts, one after the other; their place names part and number. */
     for (uint64_t p = 0; p < w->part_count; p++) {
         const bvx_mesh *const m = &w->parts[p];
@@ -95,28 +97,9 @@ static void start_parts(const merge_work *w, int triangles, uint64_t *start)
     }
 }
 
-static void merge_vertices(const merge_work *w, const uint64_t *start, bvx_mesh *whole)
-{
-    size_t const bytes = whole->position_type == BVX_F32 ? 12 : 24;
-    uint64_t n = 0;
-
-    for (uint64_t i = 0; i < w->vertices; i++) {
-        uint64_t const place = w->order[i];
-        /* The first of equal keys gives the position: they are the same in all parts. */
-        if (i == 0 || w->keys[i] != w->keys[i - 1]) {
-            uint64_t const p = part_of(start, w->part_count, place);
-            memcpy((unsigned char *)whole->positions + n * bytes,
-                   (const unsigned char *)w->parts[p].positions + (place - start[p]) * bytes, bytes);
-            whole->vertex_keys[n++] = w->keys[i];
-        }
-        w->renumber[place] = (uint32_t)(n - 1);
-    }
-}
-
 static bvx_status merge_parts(bvx_context *ctx, merge_work *w, uint64_t *start, uint64_t *vertex_start,
                               bvx_mesh *whole)
 {
-    BVXI_TRY(bvxi_progress(ctx, "merge", 0.0));
     /* All keys together say how many vertices there are, before any is made. */
     BVXI_TRY(sort_keys(ctx, w, 0));
     uint64_t different = w->vertices != 0;
@@ -124,9 +107,21 @@ static bvx_status merge_parts(bvx_context *ctx, merge_work *w, uint64_t *start, 
     start_parts(w, 0, vertex_start);
     BVXI_TRY(bvxi_mesh_open(ctx, merge_name, w->parts[0].position_type, 1, different, w->triangles, whole));
     memcpy(whole->frame, w->parts[0].frame, sizeof whole->frame);
-    merge_vertices(w, vertex_start, whole);
-    bvx_status status = bvxi_progress(ctx, "merge", 0.5);
-    if (status == BVX_OK) status = sort_keys(ctx, w, 1);
+    size_t const bytes = whole->position_type == BVX_F32 ? 12 : 24;
+    uint64_t n = 0;
+
+    for (uint64_t i = 0; i < w->vertices; i++) {
+        uint64_t const place = w->order[i];
+        /* The first of equal keys gives the position: they are the same in all parts. */
+        if (i == 0 || w->keys[i] != w->keys[i - 1]) {
+            uint64_t const p = part_of(vertex_start, w->part_count, place);
+            memcpy((unsigned char *)whole->positions + n * bytes,
+                   (const unsigned char *)w->parts[p].positions + (place - vertex_start[p]) * bytes, bytes);
+            whole->vertex_keys[n++] = w->keys[i];
+        }
+        w->renumber[place] = (uint32_t)(n - 1);
+    }
+    bvx_status const status = sort_keys(ctx, w, 1);
     if (status != BVX_OK) {
         bvx_mesh_free(ctx, whole);
         return status;

@@ -38,14 +38,6 @@ void bvxi_sheet_close(bvx_context *ctx, bvxi_sheet *sheet)
     memset(sheet, 0, sizeof *sheet);
 }
 
-static void join_nodes(const bvxi_sheet_node *a, const bvxi_sheet_node *b, bvxi_sheet_node *both)
-{
-    memset(both, 0, sizeof *both);
-    for (int i = 0; i < 3; i++) both->normal[i] = a->normal[i] + b->normal[i];
-    both->area = a->area + b->area;
-    both->radius = bvxi_sheet_join_balls(a->centre, a->radius, b->centre, b->radius, both->centre);
-}
-
 /* Groups from small to large: a group's halves come after it on the walk, so their list is read backwards. */
 static bvx_status group_loops(bvx_context *ctx, bvxi_sheet *s)
 {
@@ -79,8 +71,14 @@ static bvx_status group_loops(bvx_context *ctx, bvxi_sheet *s)
     /* Backwards: both halves of a group stand after it, so they are done. */
     while (count-- > 0) {
         uint64_t const m = range[2 * count] + (range[2 * count + 1] - range[2 * count]) / 2;
-        join_nodes(bvxi_sheet_group(s, range[2 * count], m), bvxi_sheet_group(s, m, range[2 * count + 1]),
-                   &s->group[m]);
+        const bvxi_sheet_node *const a = bvxi_sheet_group(s, range[2 * count], m);
+        const bvxi_sheet_node *const b = bvxi_sheet_group(s, m, range[2 * count + 1]);
+        bvxi_sheet_node *const both = &s->group[m];
+
+        memset(both, 0, sizeof *both);
+        for (int k = 0; k < 3; k++) both->normal[k] = a->normal[k] + b->normal[k];
+        both->area = a->area + b->area;
+        both->radius = bvxi_sheet_join_balls(a->centre, a->radius, b->centre, b->radius, both->centre);
     }
     return BVX_OK;
 }
