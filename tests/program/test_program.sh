@@ -704,12 +704,12 @@ program, knot, seed = sys.argv[1], sys.argv[2], int(sys.argv[3])
 random.seed(seed)
 names = ['x_0.ply', 'x_1.ply', 'x.npy', 'x.png']
 jobs = [
-    ['lod', knot, '-o', 'stop/x_%d.ply', '--levels', '300,100', '--resolution', '900', '--samples', '100000'],
-    ['lod', knot, '-o', 'stop/x_%d.ply', '--triangles', '60000,9000', '--collapse', '3'],
+    ['lod', knot, '-o', 'stop/x_%d.ply', '--levels', '200,100', '--resolution', '600', '--samples', '100000'],
+    ['lod', knot, '-o', 'stop/x_%d.ply', '--triangles', '30000,9000', '--collapse', '3'],
     ['lod', knot, '-o', 'stop/x_%d.ply', '--triangles', '16000,400', '--resolution', '250'],
     ['simplify', knot, '-o', 'stop/x_%d.ply', '--error', '0.05%,0.2%'],
-    ['voxelize', knot, '-o', 'stop/x.npy', '--resolution', '700'],
-    ['render', knot, '-o', 'stop/x.png', '--size', '2000x2000'],
+    ['voxelize', knot, '-o', 'stop/x.npy', '--resolution', '500'],
+    ['render', knot, '-o', 'stop/x.png', '--size', '1500x1500'],
     ['info', 'big.obj'],
     ['info', 'pipe.ply'],
     ['lod', 'pipe.ply', '-o', 'stop/x_%d.ply', '--levels', '9,5'],
