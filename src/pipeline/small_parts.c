@@ -55,7 +55,7 @@ bvx_status bvxi_repair_clean(bvxi_repair_job *job)
 {
     const bvx_repair_options *const o = job->options;
     bvx_repair_report *const r = &job->report;
-    bvxi_crumb_source source = {&job->mesh, job->piece, 1};
+    bvxi_crumb_source source = {.mesh = &job->mesh, .piece = job->piece, .known = 1};
     uint64_t crumbs[2] = {0, 0};
 
     for (int32_t empty = 0; empty < 2 && !o->parts.keep_crumbs; empty++)
@@ -309,7 +309,8 @@ static bvx_status ask_meshes(crumb_job *job)
         bvx_mesh_view near;
         uint32_t *corner;
 
-        BVXI_TRY(bvxi_triangles_near(job->ctx, job->source[s].mesh, &job->small, reach, 0, &near, &corner));
+        BVXI_TRY(bvxi_triangles_near(job->ctx, job->source[s].mesh, job->source[s].cells, &job->small, reach,
+                                     0, &near, &corner));
         BVXI_TRY(find_nearest_pieces(job, s, &near, -1.0, distance));
         for (uint64_t t = 0; t < near.triangle_count; t++) {
             double p[3][3];
