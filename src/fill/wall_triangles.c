@@ -106,14 +106,14 @@ static inline int are_blocks_beside(uint32_t a, uint32_t b, uint32_t c)
 }
 
 /* Two blocks along each axis are a cell; the one after all is that of triangles that are larger. */
-static inline uint32_t cell_index(const bvxi_near_cells *c, int32_t x, int32_t y, int32_t z)
+static inline uint32_t near_cell_index(const bvxi_near_cells *c, int32_t x, int32_t y, int32_t z)
 {
     return (uint32_t)((z * (c->size[1] / 2 + 1) + y) * (c->size[0] / 2 + 1) + x);
 }
 
-static inline uint32_t last_cell(const bvxi_near_cells *c)
+static inline uint32_t last_near_cell(const bvxi_near_cells *c)
 {
-    return cell_index(c, 0, 0, c->size[2] / 2 + 1);
+    return near_cell_index(c, 0, 0, c->size[2] / 2 + 1);
 }
 
 /* By their first corner's block. Nearly all triangles lie in one, or in that and blocks beside it. */
@@ -130,9 +130,9 @@ static void place_piece_in_cells(void *user, uint64_t begin, uint64_t end)
         else bvxi_view_triangle(t->mesh, n, c);
         uint32_t const b = block_of[c[0]];
         int const small = are_blocks_beside(b, block_of[c[1]], block_of[c[2]]);
-        t->cells->cell_of[n] = small ? cell_index(t->cells, wall_block_index(b, 0) / 2,
-                                                  wall_block_index(b, 1) / 2, wall_block_index(b, 2) / 2)
-                                     : last_cell(t->cells);
+        t->cells->cell_of[n] = small ? near_cell_index(t->cells, wall_block_index(b, 0) / 2,
+                                                       wall_block_index(b, 1) / 2, wall_block_index(b, 2) / 2)
+                                     : last_near_cell(t->cells);
     }
 }
 
@@ -211,11 +211,11 @@ static void mark_around(near_job *t, uint64_t bit, double radius, int many)
     }
     for (int32_t z = from[2]; z <= to[2]; z++)
         for (int32_t y = from[1]; y <= to[1]; y++)
-            bvxi_set_run(t->beside, (int32_t)cell_index(t->cells, from[0], y, z),
-                         (int32_t)cell_index(t->cells, to[0], y, z) + 1);
+            bvxi_set_run(t->beside, (int32_t)near_cell_index(t->cells, from[0], y, z),
+                         (int32_t)near_cell_index(t->cells, to[0], y, z) + 1);
 }
 
-static inline int is_marked(const near_job *t, int32_t x, int32_t y, int32_t z)
+static inline int is_near_block(const near_job *t, int32_t x, int32_t y, int32_t z)
 {
     return (int)(t->blocks[block_word(t, x, y, z)] >> (x & 63) & 1);
 }
@@ -228,8 +228,8 @@ static int is_in_marked_block(const near_job *t, const uint32_t c[3])
 
     /* Most triangles lie in one block. */
     for (int k = 0; k < 3; k++)
-        if (is_marked(t, wall_block_index(corner[k], 0), wall_block_index(corner[k], 1),
-                      wall_block_index(corner[k], 2)))
+        if (is_near_block(t, wall_block_index(corner[k], 0), wall_block_index(corner[k], 1),
+                          wall_block_index(corner[k], 2)))
             return 1;
     if (corner[0] == corner[1] && corner[0] == corner[2]) return 0;
     for (int a = 0; a < 3; a++) {
@@ -245,7 +245,7 @@ static int is_in_marked_block(const near_job *t, const uint32_t c[3])
     for (int32_t z = from[2]; z <= to[2]; z++)
         for (int32_t y = from[1]; y <= to[1]; y++)
             for (int32_t x = from[0]; x <= to[0]; x++)
-                if (is_marked(t, x, y, z)) return 1;
+                if (is_near_block(t, x, y, z)) return 1;
     return 0;
 }
 
@@ -291,10 +291,10 @@ bvx_status bvxi_triangles_near(bvx_context *ctx, const bvx_mesh_view *mesh, cons
     else BVXI_TRY(bvxi_near_cells_open(ctx, mesh, places, &cells));
     job.block_words = (size_t)cells.size[0] / 64 + 1;
     words = (uint64_t)job.block_words * (uint64_t)cells.size[1] * (uint64_t)cells.size[2];
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (words + last_cell(&cells) / 64 + 1) * 8,
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (words + last_near_cell(&cells) / 64 + 1) * 8,
                              "the blocks of thin places", &job.blocks));
     job.beside = job.blocks + words;
-    bvxi_set_run(job.beside, (int32_t)last_cell(&cells), (int32_t)last_cell(&cells) + 1);
+    bvxi_set_run(job.beside, (int32_t)last_near_cell(&cells), (int32_t)last_near_cell(&cells) + 1);
     for (uint64_t i = 0; i < bvxi_grid_words(places); i++)
         for (uint64_t bits = places->words[i]; bits != 0; bits &= bits - 1) /* a little more for rounding */
             mark_around(&job, i * 64 + (uint64_t)bvxi_lowest(bits), 1.01 * reach, count++ > NEAR_MANY_PLACES);
