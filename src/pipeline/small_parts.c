@@ -400,7 +400,7 @@ static bvx_status look_at_pieces(crumb_job *job, int around, uint64_t *open)
         job->before[s] = 0;
         if (around) BVXI_TRY(know_around(job, s));
         else BVXI_TRY(bvxi_know_pieces(job->ctx, &job->source[s]));
-        memset(job->piece[s], 0, job->source[s].mesh->vertex_count * sizeof *job->piece[s]);
+        memset(job->piece[s], 0, (size_t)job->source[s].mesh->vertex_count * sizeof *job->piece[s]);
     }
     BVXI_TRY(ask_meshes(job, around, &far));
     *open = around ? far : 0;
