@@ -170,9 +170,19 @@ static int is_nothing_behind(const bvxi_walls *t, const double p[3], const doubl
     return 1;
 }
 
+/* The nearest point to p; unsure: another triangle, too far from the centre for this search, may be nearer. */
+static void ask_near(const bvxi_walls *t, const double centre[3], const double p[3], uint32_t *hint,
+                     bvx_closest_point *near, bvxi_wall *found)
+{
+    double const d[3] = {p[0] - centre[0], p[1] - centre[1], p[2] - centre[2]};
+
+    bvxi_closest_ask(&t->closest, p, hint, near);
+    found->unsure |= !(sqrt(bvxi_vec_dot(d, d)) + near->distance <= t->covered);
+}
+
 /* The wall behind the point of the mesh next to a centre, seen along out. */
-static void look_behind(const bvxi_walls *t, const bvx_closest_point *front, const double out[3],
-                        const double front_normal[3], uint32_t *hint, bvxi_wall *found,
+static void look_behind(const bvxi_walls *t, const double centre[3], const bvx_closest_point *front,
+                        const double out[3], const double front_normal[3], uint32_t *hint, bvxi_wall *found,
                         bvx_closest_point *back)
 {
     double behind[3], back_normal[3], facing, through, apart, square = 0, deep = 0;
@@ -184,7 +194,7 @@ static void look_behind(const bvxi_walls *t, const bvx_closest_point *front, con
     if (t->open == BVXI_WALLS_HOLES && bvxi_vec_dot(out, front_normal) < 0) return;
 
     /* What is nearest to a point BVXI_WALL_DEPTH deep, seen from the front. */
-    bvxi_closest_ask(&t->closest, behind, hint, back);
+    ask_near(t, centre, behind, hint, back, found);
     unit_normal(t, back->triangle, back_normal);
     for (int a = 0; a < 3; a++) {
         double const d = front->position[a] - back->position[a];
@@ -219,13 +229,13 @@ static void look_behind(const bvxi_walls *t, const bvx_closest_point *front, con
 static int look_beside(const bvxi_walls *t, const double centre[3], const double normal[3], uint32_t hint[2],
                        bvxi_wall *found)
 {
-    for (int step = 1; step <= WALL_STEPS_OUT; step++) {
+    for (int step = 1; step <= WALL_STEPS_OUT && !found->unsure; step++) {
         bvxi_wall beside = *found;
         bvx_closest_point front, back;
         double from[3], way[3], n[3], off = 0;
 
         for (int a = 0; a < 3; a++) from[a] = centre[a] + normal[a] * (WALL_STEP * step) * t->unit;
-        bvxi_closest_ask(&t->closest, from, &hint[0], &front);
+        ask_near(t, centre, from, &hint[0], &front, found);
         unit_normal(t, front.triangle, n);
         /* The body's face again, or one that goes on from it; further out there may be another. */
         if (bvxi_absolute(bvxi_vec_dot(n, normal)) > WALL_STANDING) continue;
@@ -235,13 +245,13 @@ static int look_beside(const bvxi_walls *t, const double centre[3], const double
             way[a] = front.distance > 1e-6 * t->unit ? (from[a] - front.position[a]) / front.distance : n[a];
         }
         off = bvxi_absolute(off) / t->unit;
-        look_behind(t, &front, way, n, &hint[1], &beside, &back);
+        look_behind(t, centre, &front, way, n, &hint[1], &beside, &back);
+        found->unsure |= beside.unsure;
         if (beside.wall == BVXI_NO_WALL || beside.sheet || off >= t->limit) continue;
         /* Even ones: what is rough has places like these without a wall. */
         unit_normal(t, back.triangle, way);
         if (bvxi_absolute(bvxi_vec_dot(n, way)) < WALL_EVEN) continue;
         *found = beside;
-        found->triangle = front.triangle;
         found->distance = (float)off;
         return 1;
     }
@@ -258,10 +268,9 @@ static void ask_thin_centre(const bvxi_walls *t, uint64_t bit, uint32_t hint[2],
     bvxi_bit_centre(g, bit, at);
     for (int a = 0; a < 3; a++)
         centre[a] = g->lattice.origin[a] + ((double)(g->low[a] + at[a]) + 0.5) * g->lattice.spacing[a];
-    bvxi_closest_ask(&t->closest, centre, &hint[0], &front);
     found->wall = BVXI_NO_WALL;
-    found->sheet = 0;
-    found->triangle = front.triangle;
+    found->sheet = found->unsure = 0;
+    ask_near(t, centre, centre, &hint[0], &front, found);
     found->distance = (float)(front.distance / t->unit);
     /* Too far from the mesh to be a place that it lost. */
     if (!(front.distance < t->limit * t->unit)) return;
@@ -270,7 +279,7 @@ static void ask_thin_centre(const bvxi_walls *t, uint64_t bit, uint32_t hint[2],
     /* On the surface the way is that of the normal. */
     for (int a = 0; a < 3; a++)
         out[a] = front.distance > 1e-6 * t->unit ? (centre[a] - front.position[a]) / front.distance : n[a];
-    look_behind(t, &front, out, n, &hint[1], found, &back);
+    look_behind(t, centre, &front, out, n, &hint[1], found, &back);
 
     /* Not of bodies with holes: through one the other side of the same face would be one that stands on it. */
     if (!t->parts || t->open != BVXI_WALLS_CLOSED || found->wall != BVXI_NO_WALL) return;
@@ -286,15 +295,48 @@ static void ask_piece(void *user, uint64_t begin, uint64_t end)
     const bvxi_walls *const t = user;
     uint32_t hint[2] = {0, 0};
     /* Hints go from place to place: neighbours have near triangles. */
-    for (uint64_t n = begin; n < end; n++) ask_thin_centre(t, t->at[n], hint, &t->point[n]);
+    for (uint64_t n = begin; n < end; n++)
+        if (t->point[n].unsure) ask_thin_centre(t, t->at[n], hint, &t->point[n]);
+}
+
+/* Those that are unsure, among the triangles of a search for covered about each. */
+static bvx_status ask_unsure(bvxi_walls *t, double covered)
+{
+    uint64_t const pieces = t->count / WALL_GRAIN + 1;
+
+    t->covered = covered;
+    t->pieces = pieces < WALL_PIECES ? (int32_t)pieces : WALL_PIECES;
+    return bvxi_for_ranges(t->ctx, "thin", 0.0, 1.0, t->pieces, t->count, ask_piece, t);
 }
 
 bvx_status bvxi_walls_ask(bvxi_walls *t, double limit)
 {
-    uint64_t const pieces = t->count / WALL_GRAIN + 1;
+    uint64_t unsure = t->count;
+
     t->limit = limit;
-    t->pieces = pieces < WALL_PIECES ? (int32_t)pieces : WALL_PIECES;
-    return bvxi_for_ranges(t->ctx, "thin", 0.0, 1.0, t->pieces, t->count, ask_piece, t);
+    for (uint64_t n = 0; n < t->count; n++)
+        t->point[n] = (bvxi_wall){.wall = BVXI_NO_WALL, .distance = BVXI_NO_WALL, .unsure = 1};
+    if (t->corner != NULL) return ask_unsure(t, HUGE_VAL);
+
+    /* Few triangles are so close that nearly all are sure. Those that are not are the only places of a second look. */
+    for (int step = 0; step < 2 && unsure != 0; step++) {
+        int const all = step == 1 || !t->parts || t->open != BVXI_WALLS_CLOSED;
+        double const reach = step == 0 ? BVXI_WALL_REACH : BVXI_WALL_REACH + BVXI_WALL_BESIDE;
+
+        BVXI_TRY(BVXI_SHARE(t->ctx, 0.5 * step, 0.5 * step, bvxi_walls_near(t, reach)));
+        if (t->near.triangle_count != 0)
+            BVXI_TRY(BVXI_SHARE(t->ctx, 0.5 * step, 0.5 + 0.5 * step,
+                                ask_unsure(t, all ? HUGE_VAL : reach * t->unit)));
+        bvxi_walls_forget(t);
+        for (uint64_t n = 0; n < t->count; n++) {
+            uint64_t const bit = UINT64_C(1) << (t->at[n] & 63);
+            if (t->point[n].unsure || (t->places.words[t->at[n] / 64] & bit) == 0) continue;
+            t->places.words[t->at[n] / 64] &= ~bit;
+            unsure--;
+        }
+    }
+    for (uint64_t n = 0; n < t->count; n++) t->places.words[t->at[n] / 64] |= UINT64_C(1) << (t->at[n] & 63);
+    return BVX_OK;
 }
 
 /* ---- What is found ---- */
@@ -381,12 +423,9 @@ void bvxi_walls_close(bvxi_walls *t)
 bvx_status bvxi_walls_gather(bvxi_walls *t)
 {
     /* Places first; most bodies have none, and nothing is searched. */
-    BVXI_TRY(BVXI_SHARE(t->ctx, 0.0, 0.4, bvxi_walls_mark(t)));
+    BVXI_TRY(bvxi_walls_mark(t));
     BVXI_TRY(bvxi_walls_list(t));
     if (t->count == 0) return BVX_OK;
-
-    BVXI_TRY(BVXI_SHARE(t->ctx, 0.4, 1.0, bvxi_walls_near(t)));
-    if (t->near.triangle_count == 0) bvxi_walls_drop(t);
 
     /* Only beside holes does it matter which way faces look. */
     if (t->open != BVXI_WALLS_HOLES) return BVX_OK;

@@ -13,6 +13,12 @@
  * wall is at least as near as its front [Units: largest spacings] */
 #define BVXI_WALL_DEPTH 0.75
 
+/* How far from a place the search for walls needs triangles: those of the nearest point within one spacing, then of the
+ * nearest to a point BVXI_WALL_DEPTH behind it, at most BVXI_WALL_DEPTH further. More for walls that stand on other
+ * parts, and for centres around the places: the root of 3, rounded up [Units: largest spacings] */
+#define BVXI_WALL_REACH  (1.0 + 2 * BVXI_WALL_DEPTH)
+#define BVXI_WALL_BESIDE 1.8
+
 /* Whether the body has holes. HOLES: faces may be seen from behind through them, and sheets are no walls;
  * NO_SHEETS: only the latter. */
 enum { BVXI_WALLS_CLOSED = 0, BVXI_WALLS_HOLES = 1, BVXI_WALLS_NO_SHEETS = 2 };
@@ -21,28 +27,36 @@ enum { BVXI_WALLS_CLOSED = 0, BVXI_WALLS_HOLES = 1, BVXI_WALLS_NO_SHEETS = 2 };
 typedef struct bvxi_wall {
     /* BVXI_NO_WALL, or how thick the nearest wall is; 0: a sheet [Units: largest spacings] */
     float wall;
-    float distance;    /* to it */
-    uint32_t triangle; /* of those nearby */
+    float distance; /* to it */
     int32_t sheet;
+    int32_t unsure; /* 1: not asked yet, or the search had too few triangles */
 } bvxi_wall;
+
+/* A mesh's triangles by cells of a window, for many looks at what is near. */
+typedef struct bvxi_near_cells {
+    int32_t block, size[3]; /* voxels along a block's edge, blocks along each axis */
+    uint32_t *block_of;     /* of each vertex, cut to the window: x, y, z [Size: vertices] */
+    uint32_t *cell_of;      /* of each triangle [Size: triangles] */
+} bvxi_near_cells;
 
 /* A search for them. The first ten are the caller's, the rest 0 before the first call. */
 typedef struct bvxi_walls {
     bvx_context *ctx;
     const char *function;
-    const bvx_mesh_view *mesh; /* of the body */
-    const bvx_grid *solid;     /* what it fills; may change between calls */
-    int32_t unoriented;        /* 1: normals may look to either side */
-    int32_t open;              /* BVXI_WALLS_... */
-    int32_t beside;            /* 1: centres around the places are looked at too */
-    int32_t parts;             /* 1: walls may stand on faces of other parts, which go on in them */
-    int32_t unsummed;          /* 1: beyond is not wanted */
+    const bvx_mesh_view *mesh;    /* of the body */
+    const bvx_grid *solid;        /* what it fills; may change between calls */
+    int32_t unoriented;           /* 1: normals may look to either side */
+    int32_t open;                 /* BVXI_WALLS_... */
+    int32_t parts;                /* 1: walls may stand on faces of other parts, which go on in them */
+    int32_t unsummed;             /* 1: beyond is not wanted */
+    const bvxi_near_cells *cells; /* the mesh's, or NULL */
 
     double unit;      /* the largest spacing */
     double beyond[3]; /* of bvxi_lost_surface [Units: voxels] */
 
     /* walls further from the centre than this are not looked at [Units: largest spacings] */
     double limit;
+    double covered;   /* about each place, by the triangles of the search [Units: world] */
     bvx_grid places;  /* scratch words: centres in question */
     uint64_t bytes;   /* of these */
     uint64_t *at;     /* their bits [Size: count] */
@@ -67,23 +81,25 @@ typedef struct bvxi_wall_report {
 bvx_status bvxi_walls_open(bvxi_walls *t);
 void bvxi_walls_close(bvxi_walls *t);
 
+/* Put the triangles of a checked mesh into cells, scratch. */
+bvx_status bvxi_near_cells_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *window,
+                                bvxi_near_cells *cells);
+void bvxi_near_cells_close(bvx_context *ctx, bvxi_near_cells *cells);
+
 /* The triangles of a mesh that may lie within reach of the set centres of places, in their order: all that do, and
- * some more. with_area: 1 leaves out those without. near is a view of *corner, scratch of the caller's to drop
- * [Size: triangles * 3]. reach: [Units: world] */
-bvx_status bvxi_triangles_near(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *places,
-                               double reach, int32_t with_area, bvx_mesh_view *near, uint32_t **corner);
+ * some more. cells: the mesh's, of that window, or NULL. with_area: 1 leaves out those without. near is a view of *corner,
+ * scratch of the caller's to drop [Size: triangles * 3]. reach: [Units: world] */
+bvx_status bvxi_triangles_near(bvx_context *ctx, const bvx_mesh_view *mesh, const bvxi_near_cells *cells,
+                               const bvx_grid *places, double reach, int32_t with_area, bvx_mesh_view *near,
+                               uint32_t **corner);
 
-/* The triangles of a mesh that a search among those around the places needs, as bvxi_triangles_near gives them. */
-bvx_status bvxi_walls_around(const bvxi_walls *t, const bvx_mesh_view *mesh, bvx_mesh_view *near,
-                             uint32_t **corner);
-
-/* Mark the places where the lattice may lose the surface; list them; take the
- * triangles around them and make a search of these (near has none where there
- * are none); look at all that are listed. bvxi_walls_gather is all but the last (count is 0
+/* Mark the places where the lattice may lose the surface; list them; take the triangles that lie within reach of them
+ * [Units: largest spacings] and make a search of these (near has none where there are none); look at all that are
+ * listed, by that search, or where there is none by one of its own. bvxi_walls_gather is the first two (count is 0
  * where there is nothing to ask). */
 bvx_status bvxi_walls_mark(bvxi_walls *t);
 bvx_status bvxi_walls_list(bvxi_walls *t);
-bvx_status bvxi_walls_near(bvxi_walls *t);
+bvx_status bvxi_walls_near(bvxi_walls *t, double reach);
 bvx_status bvxi_walls_ask(bvxi_walls *t, double limit);
 bvx_status bvxi_walls_gather(bvxi_walls *t);
 /* Forget the list; the triangles around the places. */

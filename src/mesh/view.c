@@ -265,7 +265,8 @@ void bvxi_view_used_bounds(const bvx_mesh_view *v, double low[3], double high[3]
 {
     double p[3][3];
 
-    if (bounds_packed(v, low, high)) return;
+    /* Of a few triangles over many vertices only these are looked at. */
+    if (v->vertex_count / 3 <= v->triangle_count && bounds_packed(v, low, high)) return;
     /* The first corner's vertex starts both bounds; there is a triangle, as the caller has checked. */
     for (uint64_t t = 0; t < v->triangle_count; t++) {
         bvxi_view_corners(v, t, p);

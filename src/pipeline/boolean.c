@@ -136,6 +136,7 @@ static const char boolean_name[] = "bvx_boolean";
 typedef struct boolean_body {
     const bvx_mesh_view *mesh;
     bvx_solid_report *report;
+    bvxi_near_cells cells;
     bvx_grid solid;
     bvxi_thin thin;
     bvxi_sparse values; /* in doubles; triangles where edges are sharp */
@@ -229,6 +230,7 @@ static bvx_status keep_thin_walls(boolean_job *job, int32_t i)
     /* The walls' search goes by the mesh and the solid as they are. */
     bvxi_walls_of_solid(job->ctx, boolean_name, b->mesh, &b->solid, r, &walls);
     walls.parts = keep;
+    walls.cells = &b->cells;
     walls.unsummed = job->options->report == NULL;
     BVXI_TRY(bvxi_walls_open(&walls));
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.5, 0.7, bvxi_walls_gather(&walls)));
@@ -416,7 +418,8 @@ static bvx_status measure_nearby(boolean_job *job, boolean_body *b, int *all)
     bvx_status status = BVX_OK;
 
     *all = 0;
-    BVXI_TRY(bvxi_triangles_near(job->ctx, b->mesh, &b->values.where, reach, 0, &near, &corner));
+    BVXI_TRY(bvxi_triangles_near(job->ctx, b->mesh, &b->cells, &b->values.where, reach, 0, &near, &corner));
+    bvxi_near_cells_close(job->ctx, &b->cells);
     if (near.triangle_count != 0 && near.triangle_count <= b->mesh->triangle_count / 2) {
         *all = 1;
         status = bvxi_measure_ends(job->ctx, boolean_name, &near, 0, &b->values);
@@ -447,6 +450,7 @@ static bvx_status measure_body(boolean_job *job, boolean_body *b)
     /* A body that does not bound the result anywhere needs no search tree. */
     if (b->values.count == 0) return BVX_OK;
     if (partly) BVXI_TRY(BVXI_SHARE(ctx, 0.05, 0.5, measure_nearby(job, b, &measured)));
+    else bvxi_near_cells_close(ctx, &b->cells);
     if (!measured)
         BVXI_TRY(BVXI_SHARE(ctx, partly ? 0.5 : 0.05, 1.0,
                             bvxi_measure_ends(ctx, boolean_name, b->mesh, 0, &b->values)));
@@ -525,6 +529,12 @@ static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
     job->grid_bytes = words * 8;
     for (int32_t i = 0; i < 2; i++) BVXI_TRY(open_boolean_grid(job, "a mesh's solid", &job->body[i].solid));
     BVXI_TRY(open_boolean_grid(job, "the result's solid", &job->inside));
+    for (int32_t i = 0; i < 2; i++) {
+        BVXI_TRY(
+            BVXI_SHARE(job->ctx, 0.0, 0.0,
+                       bvxi_near_cells_open(job->ctx, job->body[i].mesh, &job->inside, &job->body[i].cells)));
+        job->source[i].cells = &job->body[i].cells;
+    }
 
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.5, fill_boolean(job)));
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.5, 0.55, drop_boolean_parts(job)));

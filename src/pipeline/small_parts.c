@@ -55,7 +55,7 @@ bvx_status bvxi_repair_clean(bvxi_repair_job *job)
 {
     const bvx_repair_options *const o = job->options;
     bvx_repair_report *const r = &job->report;
-    bvxi_crumb_source source = {&job->mesh, job->piece, 1};
+    bvxi_crumb_source source = {.mesh = &job->mesh, .piece = job->piece, .known = 1};
     uint64_t crumbs[2] = {0, 0};
 
     for (int32_t empty = 0; empty < 2 && !o->parts.keep_crumbs; empty++)
@@ -83,7 +83,8 @@ bvx_status bvxi_repair_clean(bvxi_repair_job *job)
 
 /* What a crumb has at most: so many voxels, or this share of all. */
 enum { CRUMB_VOXELS = 64 };
-#define CRUMB_SHARE 1e-3
+#define CRUMB_SHARE  1e-3
+#define CRUMB_AROUND 20.0 /* of a mesh is looked at first [Units: largest spacings] */
 
 /* What is known of a piece, by its least vertex. */
 typedef struct crumb_piece {
@@ -111,7 +112,9 @@ typedef struct crumb_job {
     uint64_t small_parts;
     bvx_grid small; /* voxels of small parts */
     uint64_t grid_bytes;
-    crumb_piece *piece[BVXI_CRUMB_SOURCES]; /* [Size: the mesh's vertices] */
+    crumb_piece *piece[BVXI_CRUMB_SOURCES];   /* [Size: the mesh's vertices] */
+    bvx_mesh_view around[BVXI_CRUMB_SOURCES]; /* the triangles whose pieces are known: near ones, or all */
+    uint64_t before[BVXI_CRUMB_SOURCES];      /* triangles before small parts */
 } crumb_job;
 
 /* ---- Parts ---- */
@@ -197,17 +200,37 @@ bvx_status bvxi_know_pieces(bvx_context *ctx, bvxi_crumb_source *source)
     return BVX_OK;
 }
 
-/* Count the triangles before voxels of large parts, of each piece that parts are nearest to, until they are more than
- * those before small ones. */
-static void count_large(crumb_job *job, int32_t s)
+/* Pieces of the triangles around small parts alone: each is of one piece of the mesh, which may have more. */
+static bvx_status know_around(crumb_job *job, int32_t s)
 {
-    const bvx_mesh_view *const mesh = job->source[s].mesh;
+    double const reach = CRUMB_AROUND * bvxi_largest_spacing(&job->inside->lattice);
+    bvxi_crumb_source *const source = &job->source[s];
+    uint32_t *const piece = source->piece, *corner;
+
+    BVXI_TRY(bvxi_triangles_near(job->ctx, source->mesh, source->cells, &job->small, reach, 0,
+                                 &job->around[s], &corner));
+    uint64_t const count = 3 * job->around[s].triangle_count;
+    for (uint64_t i = 0; i < count; i++) piece[corner[i]] = corner[i];
+    for (uint64_t i = 1; i < count; i++)
+        if (i % 3 != 0) bvxi_join(piece, corner[i - 1], corner[i]);
+    for (uint64_t i = 0; i < count; i++) piece[corner[i]] = bvxi_root(piece, corner[i]);
+    return BVX_OK;
+}
+
+/* Count the triangles before voxels of large parts, of each piece that parts are nearest to, until they are more than
+ * those before small ones. Returns how many pieces are not decided. */
+static uint64_t count_large(crumb_job *job, int32_t s, int around)
+{
+    const bvx_mesh_view *const mesh = &job->around[s];
+    /* Triangles before small parts of all other pieces, which may be one with these beyond what is known. */
+    uint64_t other = around ? job->before[s] : 0;
     uint64_t open = 0; /* pieces that are not decided */
 
     for (uint64_t n = 0; n < job->spaces.count; n++) {
         const crumb_part *const p = &job->part[n];
         if (!p->small || p->source != (uint32_t)s || job->piece[s][p->piece].asked) continue;
         job->piece[s][p->piece].asked = 1;
+        if (around) other -= job->piece[s][p->piece].small;
         open++;
     }
     for (uint64_t t = 0; t < mesh->triangle_count && open != 0; t++) {
@@ -217,11 +240,12 @@ static void count_large(crumb_job *job, int32_t s)
         bvxi_view_triangle(mesh, t, v);
         /* By the piece of the first corner, as all three are of one. */
         crumb_piece *const piece = &job->piece[s][job->source[s].piece[v[0]]];
-        if (!piece->asked || piece->large > piece->small) continue;
+        if (!piece->asked || piece->large > piece->small + other) continue;
         for (int k = 0; k < 3; k++) bvxi_view_position(mesh, v[k], p[k]);
         piece->large += crumb_beside(job, (const double(*)[3])p) == 1;
-        open -= piece->large > piece->small;
+        open -= piece->large > piece->small + other;
     }
+    return open;
 }
 
 /* Of the small parts whose distance is not known yet to be within reach: the piece of some of a mesh's triangles that
@@ -260,11 +284,11 @@ static bvx_status find_nearest_pieces(crumb_job *job, int32_t s, const bvx_mesh_
     return BVX_OK;
 }
 
-static bvx_status ask_meshes(crumb_job *job)
+/* *far: how many parts are not within reach of what is around them; with pieces of that only they are not asked. */
+static bvx_status ask_meshes(crumb_job *job, int around, uint64_t *far)
 {
     double const reach = 2.0 * bvxi_largest_spacing(&job->inside->lattice);
     double *distance;
-    uint64_t far = 0;
 
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->spaces.count * 8, "the parts' distances", &distance));
     for (uint64_t n = 0; n < job->spaces.count; n++) distance[n] = HUGE_VAL;
@@ -276,14 +300,17 @@ static bvx_status ask_meshes(crumb_job *job)
         bvx_mesh_view near;
         uint32_t *corner;
 
-        BVXI_TRY(bvxi_triangles_near(job->ctx, job->source[s].mesh, &job->small, reach, 0, &near, &corner));
+        BVXI_TRY(bvxi_triangles_near(job->ctx, job->source[s].mesh, job->source[s].cells, &job->small, reach,
+                                     0, &near, &corner));
         BVXI_TRY(find_nearest_pieces(job, s, &near, -1.0, distance));
         for (uint64_t t = 0; t < near.triangle_count; t++) {
             double p[3][3];
 
             for (int k = 0; k < 3; k++) bvxi_view_position(&near, corner[3 * t + (uint64_t)k], p[k]);
-            job->piece[s][job->source[s].piece[corner[3 * t]]].small += crumb_beside(
-                                                                            job, (const double(*)[3])p) == 2;
+            crumb_piece *const piece = &job->piece[s][job->source[s].piece[corner[3 * t]]];
+            uint32_t const small = crumb_beside(job, (const double(*)[3])p) == 2;
+            piece->small += small;
+            job->before[s] += small;
         }
         bvxi_drop(job->ctx, corner);
     }
@@ -291,9 +318,9 @@ static bvx_status ask_meshes(crumb_job *job)
     for (uint64_t n = 0; n < job->spaces.count; n++) {
         int const is_far = job->part[n].small && !(distance[n] <= reach);
         if (is_far) distance[n] = HUGE_VAL;
-        far += (uint64_t)is_far;
+        *far += (uint64_t)is_far;
     }
-    for (int32_t s = 0; s < job->sources && far != 0; s++)
+    for (int32_t s = 0; s < job->sources && *far != 0 && !around; s++)
         BVXI_TRY(find_nearest_pieces(job, s, job->source[s].mesh, reach, distance));
     bvxi_drop(job->ctx, distance);
     return BVX_OK;
@@ -309,21 +336,41 @@ static void flip_crumb_run(void *user, uint32_t space, int32_t begin, int32_t en
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) row[k] ^= bvxi_run_mask(begin, end, k);
 }
 
+/* By what is around small parts, or by whole pieces. *open: how many parts or pieces are not decided. */
+static bvx_status look_at_pieces(crumb_job *job, int around, uint64_t *open)
+{
+    uint64_t far = 0;
+
+    for (int32_t s = 0; s < job->sources; s++) {
+        job->around[s] = *job->source[s].mesh;
+        job->before[s] = 0;
+        if (around) BVXI_TRY(know_around(job, s));
+        else BVXI_TRY(bvxi_know_pieces(job->ctx, &job->source[s]));
+        memset(job->piece[s], 0, (size_t)job->source[s].mesh->vertex_count * sizeof *job->piece[s]);
+    }
+    BVXI_TRY(ask_meshes(job, around, &far));
+    *open = around ? far : 0;
+    for (int32_t s = 0; s < job->sources && (!around || far == 0); s++) *open += count_large(job, s, around);
+    return BVX_OK;
+}
+
 static bvx_status judge_small_parts(crumb_job *job, uint64_t *dropped)
 {
+    uint64_t open = 1;
+
     /* A grid of the small parts alone, by which triangles are judged. */
     job->small = *job->inside;
     job->small.words = NULL;
     job->grid_bytes = (uint64_t)bvxi_grid_rows(job->inside) * (uint64_t)job->inside->words_per_row * 8;
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->grid_bytes, "the small parts", &job->small.words));
-    for (int32_t s = 0; s < job->sources; s++) BVXI_TRY(bvxi_know_pieces(job->ctx, &job->source[s]));
     for (int32_t s = 0; s < job->sources; s++)
-        BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH,
-                                 job->source[s].mesh->vertex_count * sizeof *job->piece[s],
-                                 "the meshes' pieces", &job->piece[s]));
+        BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->source[s].mesh->vertex_count * sizeof *job->piece[s],
+                            "the meshes' pieces", &job->piece[s]));
     bvxi_spaces_each(&job->spaces, mark_small_run, job);
-    BVXI_TRY(ask_meshes(job));
-    for (int32_t s = 0; s < job->sources; s++) count_large(job, s);
+    /* Nearly all small parts are beside something larger, which shows at once: all are crumbs then. */
+    if (!job->source[0].known && job->source[0].cells != NULL)
+        BVXI_TRY(BVXI_SCOPE(job->ctx, look_at_pieces(job, 1, &open)));
+    if (open != 0) BVXI_TRY(look_at_pieces(job, 0, &open));
     for (uint64_t n = 0; n < job->spaces.count; n++) {
         const crumb_part *const p = &job->part[n];
         if (!p->small) continue;

@@ -3,6 +3,7 @@
 #ifndef BVXI_STEPS_H
 #define BVXI_STEPS_H
 
+#include "fill/thin_walls.h"
 #include "surface/field_surface.h"
 #include "winding/holes.h"
 
@@ -56,6 +57,7 @@ typedef struct bvxi_crumb_source {
     const bvx_mesh_view *mesh;
     uint32_t *piece; /* [Size: mesh->vertex_count]; the caller's, or scratch where it has none */
     int32_t known;
+    const bvxi_near_cells *cells; /* the mesh's, or NULL */
 } bvxi_crumb_source;
 
 /* Fill a source's pieces where they are not known: vertices count as one where they are equal. */

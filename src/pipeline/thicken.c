@@ -147,8 +147,8 @@ static bvx_status mend_all(thin_job *t, uint64_t *near, int *mended)
 
     t->walls->unsummed = 1; /* of the solid as it was beyond is known */
     /* What a centre of near may lose is half a voxel off it: no other triangle can mark it. */
-    BVXI_TRY(
-        bvxi_triangles_near(t->walls->ctx, mesh, &t->walls->places, t->walls->unit, 0, &beside, &corner));
+    BVXI_TRY(bvxi_triangles_near(t->walls->ctx, mesh, t->walls->cells, &t->walls->places, t->walls->unit, 0,
+                                 &beside, &corner));
     if (beside.triangle_count != 0) t->walls->mesh = &beside;
     *mended = 0;
     for (int round = 0; more && round < THIN_MENDS; round++) {
@@ -164,18 +164,16 @@ static bvx_status mend_all(thin_job *t, uint64_t *near, int *mended)
 /* The walls of the list of seeds. */
 static bvx_status widen(thin_job *t)
 {
+    double const reach = BVXI_WALL_REACH + BVXI_WALL_BESIDE;
     uint64_t *near;
     int mended = 0;
 
     /* From here on only what lies around the walls matters; most places had none. A search for walls that stand on
-     * other parts reaches as far as the centres around the places need it to. */
-    if (t->walls->parts) {
-        BVXI_TRY(bvxi_walls_around(t->walls, &t->walls->near, &t->thin->mesh, &t->thin->corner));
-    } else {
-        bvxi_walls_forget(t->walls);
-        t->walls->beside = 1;
-        BVXI_TRY(bvxi_walls_near(t->walls));
-    }
+     * other parts reaches further still. */
+    BVXI_TRY(bvxi_walls_near(t->walls, t->walls->parts ? reach + BVXI_WALL_BESIDE : reach));
+    if (t->walls->parts)
+        BVXI_TRY(bvxi_triangles_near(t->walls->ctx, &t->walls->near, NULL, &t->walls->places,
+                                     reach * t->walls->unit, 1, &t->thin->mesh, &t->thin->corner));
     widen_places(t);
     BVXI_TRY(bvxi_walls_list(t->walls));
     BVXI_TRY(BVXI_SHARE(t->walls->ctx, 0.0, 0.4, bvxi_walls_ask(t->walls, THIN_BESIDE)));
