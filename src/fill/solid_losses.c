@@ -45,11 +45,9 @@ BVXI_VECTOR_INLINE void sum_packed_losses(const loss_job *job, uint64_t begin, u
         if (end - t < LOSS_LANES) memset(f, 0, sizeof f);
         for (uint64_t i = 0; i < LOSS_LANES && t + i < end; i++)
             for (int k = 0; k < 3; k++) {
-                float p[3];
                 uint32_t c;
                 memcpy(&c, corners + (size_t)(t + i) * 12 + 4 * k, sizeof c);
-                memcpy(p, places + (size_t)c * 12, sizeof p);
-                for (int a = 0; a < 3; a++) f[k][a][i] = p[a];
+                for (int a = 0; a < 3; a++) memcpy(&f[k][a][i], places + (size_t)c * 12 + 4 * a, 4);
             }
         for (int i = 0; i < LOSS_LANES; i++) {
             double const ax = (double)f[0][0][i], ay = (double)f[0][1][i], az = (double)f[0][2][i];

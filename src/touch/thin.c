@@ -251,13 +251,13 @@ BVXI_VECTOR_INLINE void place_first_blocks(const line_axis *s, uint32_t n)
                       v = least_v[i] < low_v ? low_v : least_v[i];
         int32_t const last_u = most_u[i] > high_u ? high_u : most_u[i];
         int32_t const last_v = most_v[i] > high_v ? high_v : most_v[i];
-        int32_t const along_u = u < last_u ? 3 : u == last_u ? 1 : 0;
-        int32_t const along_v = v < last_v ? 5 : v == last_v ? 1 : 0;
-        int32_t const more = ((most_u[i] - least_u[i] > 1) | (most_v[i] - least_v[i] > 1)) != 0 ? THIN_MORE
-                                                                                                : 0;
+        /* Sums and products: of choices a compiler makes branches and stores by mask. */
+        int32_t const some_u = u <= last_u, some_v = v <= last_v;
+        int32_t const more = (most_u[i] - least_u[i] > 1) | (most_v[i] - least_v[i] > 1);
         l->u[i] = u;
         l->v[i] = v;
-        l->lines[i] = along_u * along_v != 0 ? along_u * along_v | more : 0;
+        l->lines[i] = (some_u + 2 * (u < last_u)) * (some_v + 4 * (v < last_v)) +
+                      some_u * some_v * more * THIN_MORE;
     }
     for (int c = 0; c < 3; c++) {
         const int32_t *BVXI_RESTRICT const pu = s->b->p[c][s->u], *BVXI_RESTRICT const pv = s->b->p[c][s->v];
