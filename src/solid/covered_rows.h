@@ -115,6 +115,12 @@ BVXI_VECTOR_INLINE void bvxi_judge_edge(double e, double dy, double dz, double t
     for (int c = 0; c < 4; c++) least[c] = at[c] < least[c] ? at[c] : least[c];
 }
 
+/* The centres of a block that are inside, by their bits, and how many. */
+static const uint16_t bvxi_inside_centres[16][4] = {
+    {0}, {0},    {1},    {0, 1},    {2},    {0, 2},    {1, 2},    {0, 1, 2},
+    {3}, {0, 3}, {1, 3}, {0, 1, 3}, {2, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
+static const uint8_t bvxi_inside_count[16] = {0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
+
 /* What the double division needs of a triangle. */
 typedef struct bvxi_divider {
     double ny, nz, inverse; /* of the normal; 1 / n_x */

@@ -151,12 +151,6 @@ BVXI_COLD static int cross_exactly(const bvxi_solid_job *job, const uint32_t *co
     return 1;
 }
 
-/* The centres of a block that are inside, by the bits that judge_blocks sets, and how many. */
-static const uint16_t inside_centres[16][4] = {{0},    {0},       {1},       {0, 1},      {2},    {0, 2},
-                                               {1, 2}, {0, 1, 2}, {3},       {0, 3},      {1, 3}, {0, 1, 3},
-                                               {2, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
-static const uint8_t inside_count[16] = {0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
-
 /* Judge the blocks from one on and write the crossings of centres inside; the buffer has room for all. */
 BVXI_VECTOR_INLINE void flush_blocks(const bvxi_solid_job *job, bvxi_cross_batch *b, uint32_t from)
 {
@@ -170,8 +164,9 @@ BVXI_VECTOR_INLINE void flush_blocks(const bvxi_solid_job *job, bvxi_cross_batch
     /* Again without a branch: the hits are listed first, so that only they pay for a division. */
     for (uint32_t i = from; i < b->count; i++) {
         uint32_t const inside = (b->spread[i] < CROSS_SMALL ? (uint32_t)b->inside[i] : 15u) & b->centres[i];
-        for (uint32_t c = 0; c < 4; c++) b->hit[hits + c] = (uint16_t)(4 * i + inside_centres[inside][c]);
-        hits += inside_count[inside];
+        for (uint32_t c = 0; c < 4; c++)
+            b->hit[hits + c] = (uint16_t)(4 * i + bvxi_inside_centres[inside][c]);
+        hits += bvxi_inside_count[inside];
     }
     for (uint32_t n = 0; n < hits; n++) {
         uint32_t const i = b->hit[n] >> 2, j = b->hit[n] & 1, k = b->hit[n] >> 1 & 1;
