@@ -129,22 +129,16 @@ static bvx_status sum_mesh(bvx_context *ctx, const bvx_mesh_view *mesh, int flat
 static int is_in_window(const bvx_mesh_view *mesh, const bvx_grid *g)
 {
     double low[3], high[3];
+    uint32_t at[6];
+    int in = bvxi_view_outer_bounds(mesh, low, high, at);
 
     /* A hair beyond, as vertices may lie on the window's sides. */
-    for (int a = 0; a < 3; a++) {
-        low[a] = g->lattice.origin[a] + (double)g->low[a] * g->lattice.spacing[a];
-        high[a] = low[a] + ((double)g->size[a] + 1e-6) * g->lattice.spacing[a];
-        low[a] -= 1e-6 * g->lattice.spacing[a];
+    for (int a = 0; a < 3 && in; a++) {
+        double const spacing = g->lattice.spacing[a],
+                     from = g->lattice.origin[a] + (double)g->low[a] * spacing;
+        in = low[a] >= from - 1e-6 * spacing && high[a] <= from + ((double)g->size[a] + 1e-6) * spacing;
     }
-    for (uint64_t v = 0; v < mesh->vertex_count; v++) {
-        double p[3];
-        int in = 1;
-
-        bvxi_view_position(mesh, v, p);
-        for (int a = 0; a < 3; a++) in &= (p[a] >= low[a]) & (p[a] <= high[a]);
-        if (!in) return 0;
-    }
-    return 1;
+    return in;
 }
 
 /* What the mesh encloses; 0 where the solid does not hold all of it, or next to nothing is enclosed. */

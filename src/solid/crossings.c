@@ -90,36 +90,19 @@ BVXI_VECTOR_INLINE void measure_boxes(bvxi_cross_batch *b, uint32_t kept)
     }
 }
 
-/* Which of each block's centres lie inside, where the three signs are that of the area; a projection without
- * area has signs that differ, or cells that agree. All where doubles cannot decide. */
+/* Which of each block's centres lie inside; a projection without area has signs that differ, or cells that agree. All
+ * where doubles cannot decide. */
 BVXI_VECTOR_INLINE void judge_blocks(bvxi_cross_batch *b, uint32_t from, double step)
 {
     uint32_t const n = from + ((b->count - from + 7u) & ~7u);
 
+    for (uint32_t i = from; i < n; i++)
+        b->inside[i] = bvxi_judge_block((double)b->y[0][i], (double)b->z[0][i], (double)b->y[1][i],
+                                        (double)b->z[1][i], (double)b->y[2][i], (double)b->z[2][i], step,
+                                        &b->area[i]);
     for (uint32_t i = from; i < n; i++) {
-        double const ay = (double)b->y[0][i], by = (double)b->y[1][i], cy = (double)b->y[2][i];
-        double const az = (double)b->z[0][i], bz = (double)b->z[1][i], cz = (double)b->z[2][i];
-
-        /* Each edge function from both of its ends: triangles that share an edge compute it from the same
-         * numbers, so they agree on its sign. */
-        double const bc = by * cz - cy * bz, ca = cy * az - ay * cz, ab = ay * bz - by * az;
-        double const area = bc + ca + ab, turn = area < 0 ? -1.0 : 1.0;
-        double least[4] = {1.0, 1.0, 1.0, 1.0};
-
-        bvxi_judge_edge(bc, cy - by, cz - bz, turn, step, least);
-        bvxi_judge_edge(ca, ay - cy, az - cz, turn, step, least);
-        bvxi_judge_edge(ab, by - ay, bz - az, turn, step, least);
-        b->area[i] = area;
-        b->inside[i] = (least[0] > 0 ? (int64_t)1 : 0) | (least[1] > 0 ? 2 : 0) | (least[2] > 0 ? 4 : 0) |
-                       (least[3] > 0 ? 8 : 0);
-    }
-    for (uint32_t i = from; i < n; i++) {
-        int32_t const ay = b->y[0][i];
-        int32_t const by = b->y[1][i];
-        int32_t const cy = b->y[2][i];
-        int32_t const az = b->z[0][i];
-        int32_t const bz = b->z[1][i];
-        int32_t const cz = b->z[2][i];
+        int32_t const ay = b->y[0][i], by = b->y[1][i], cy = b->y[2][i];
+        int32_t const az = b->z[0][i], bz = b->z[1][i], cz = b->z[2][i];
         b->spread[i] = (ay < 0 ? ~ay : ay) | (by < 0 ? ~by : by) | (cy < 0 ? ~cy : cy) | (az < 0 ? ~az : az) |
                        (bz < 0 ? ~bz : bz) | (cz < 0 ? ~cz : cz);
     }

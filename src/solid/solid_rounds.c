@@ -5,8 +5,8 @@
  * depend on rounds or threads. */
 #include "solid/solid.h"
 
-/* Bit i becomes the parity of the toggles at 0..i. Returns the parity of them all. summed, a constant: the steps of
- * the row's runs are added to *sum, up where one begins, down where it ends. */
+/* Bit i becomes the parity of the toggles at 0..i. Returns the parity of them all. summed: the steps of the
+ * row's runs are added to *sum, up where one begins, down where it ends. */
 static inline uint32_t close_row(uint64_t *words, int32_t n, uint64_t row, int summed, uint64_t *sum)
 {
     uint64_t carry = 0;
@@ -16,9 +16,10 @@ static inline uint32_t close_row(uint64_t *words, int32_t n, uint64_t row, int s
 
         /* Most words of a row hold no crossing: they are all inside or all outside. */
         if (w == 0) {
-            if (carry != 0) words[k] = carry;
-            else
-                while (n - k > 4 && (words[k + 1] | words[k + 2] | words[k + 3] | words[k + 4]) == 0) k += 4;
+            words[k] = carry;
+            while (carry == 0 && n - k > 4 &&
+                   (words[k + 1] | words[k + 2] | words[k + 3] | words[k + 4]) == 0)
+                k += 4;
             continue;
         }
 
@@ -46,8 +47,7 @@ static void close_tile(bvxi_solid_job *job, int32_t tile)
         for (int32_t j = r.j0; j < r.j1; j++) {
             uint64_t *const words = bvxi_block_words(job, j, k);
             uint64_t const row = bvxi_block_row(job, j, k), in_window = bvxi_window_row(job, j, k);
-            uint32_t const odd = (job->summed ? close_row(words, g->words_per_row, in_window, 1, &sum)
-                                              : close_row(words, g->words_per_row, in_window, 0, NULL)) ^
+            uint32_t const odd = close_row(words, g->words_per_row, in_window, job->summed, &sum) ^
                                  job->beyond[row];
 
             /* A run that is open at the end of the window would set bits past the row. */
@@ -64,8 +64,7 @@ static void close_tile(bvxi_solid_job *job, int32_t tile)
 typedef struct row_places {
     uint64_t *words; /* of the block's first row */
     size_t row, slice;
-    uint64_t first, rows; /* number of the block's first row in the window, rows of a slice */
-    int32_t low, size;    /* of the window along a row */
+    int32_t low, size; /* of the window along a row */
 } row_places;
 
 /* sum: of the steps of crossings (BVXI_TOGGLE_SUMMED), else it is left alone. */
@@ -84,7 +83,7 @@ static inline void take_crossing(bvxi_solid_job *job, const row_places *p, uint3
             p->words[(size_t)k * p->slice + (size_t)j * p->row + (size_t)(bit >> 6)] ^= UINT64_C(1)
                                                                                         << (bit & 63);
             if (mode == BVXI_TOGGLE_SUMMED) {
-                uint64_t const step = bvxi_step_sum(p->first + (uint64_t)k * p->rows + (uint64_t)j, bit);
+                uint64_t const step = bvxi_step_sum(bvxi_window_row(job, j, k), bit);
                 *sum += (code & 1) != 0 ? 0 - step : step;
             }
         } else {
@@ -123,12 +122,7 @@ static void take_tile(void *user, int32_t tile)
     bvxi_rows const rows = bvxi_tiles_rows(&job->tiles, tile);
     const bvx_grid *const g = job->grid;
     size_t const row = (size_t)g->words_per_row;
-    row_places const places = {bvxi_block_words(job, 0, 0),
-                               row,
-                               row * (size_t)g->size[1],
-                               bvxi_window_row(job, 0, 0),
-                               (uint64_t)g->size[1],
-                               g->low[0],
+    row_places const places = {bvxi_block_words(job, 0, 0), row, row * (size_t)g->size[1], g->low[0],
                                g->size[0]};
     int const toggles = job->mode == BVXI_TOGGLE || job->mode == BVXI_TOGGLE_SUMMED;
     tile_sink sink = {job, places, tile, 0};

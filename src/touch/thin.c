@@ -37,11 +37,8 @@ typedef struct thin_lines {
 /* The triangle's extent along coordinate a. */
 static double thin_extent(const bvxi_triangle *t, int a)
 {
-    /* Without a branch for each order: minimum and maximum of pairs, then of both. */
-    int32_t const p = t->p[0][a], q = t->p[1][a], r = t->p[2][a];
-    int32_t const least = p < q ? (p < r ? p : r) : (q < r ? q : r);
-    int32_t const most = p > q ? (p > r ? p : r) : (q > r ? q : r);
-    return (double)most - (double)least;
+    return (double)bvxi_most_of_three(t->p[0][a], t->p[1][a], t->p[2][a]) -
+           (double)bvxi_least_of_three(t->p[0][a], t->p[1][a], t->p[2][a]);
 }
 
 /* The last centre of a line before it crosses the triangle; -1: that is before the first of the window. Where
@@ -275,7 +272,6 @@ BVXI_VECTOR_INLINE void place_more_blocks(const line_axis *s, uint32_t n)
     const bvxi_touch_batch *const b = s->b;
     int const u = s->u, v = s->v;
     int32_t const f = s->tile->job->fraction_bits;
-
     uint32_t large = 0;
 
     for (uint32_t i = 0; i < n; i++) {
@@ -314,19 +310,12 @@ BVXI_VECTOR_INLINE void judge_line_blocks(line_blocks *l, double step)
     /* Whole vectors; what is past the end is computed and never read. */
     uint32_t const n = (l->count + 7u) & ~7u;
 
-    for (uint32_t i = 0; i < n; i++) {
-        double const au = (double)l->p[0][0][i], bu = (double)l->p[1][0][i], cu = (double)l->p[2][0][i];
-        double const av = (double)l->p[0][1][i], bv = (double)l->p[1][1][i], cv = (double)l->p[2][1][i];
-        double const bc = bu * cv - cu * bv, ca = cu * av - au * cv, ab = au * bv - bu * av;
-        double const turn = bc + ca + ab < 0 ? -1.0 : 1.0;
-        double least[4] = {1.0, 1.0, 1.0, 1.0};
+    double area;
 
-        bvxi_judge_edge(bc, cu - bu, cv - bv, turn, step, least);
-        bvxi_judge_edge(ca, au - cu, av - cv, turn, step, least);
-        bvxi_judge_edge(ab, bu - au, bv - av, turn, step, least);
-        l->inside[i] = (least[0] > 0 ? (int64_t)1 : 0) | (least[1] > 0 ? 2 : 0) | (least[2] > 0 ? 4 : 0) |
-                       (least[3] > 0 ? 8 : 0);
-    }
+    for (uint32_t i = 0; i < n; i++)
+        l->inside[i] = bvxi_judge_block((double)l->p[0][0][i], (double)l->p[0][1][i], (double)l->p[1][0][i],
+                                        (double)l->p[1][1][i], (double)l->p[2][0][i], (double)l->p[2][1][i],
+                                        step, &area);
 }
 
 /* The least corner by the coordinates' order: of the first two, then of all. One number has the first two. */
@@ -417,7 +406,6 @@ BVXI_VECTOR_INLINE void take_hits(const line_axis *s)
     int32_t const last = job->size[axis] - 1, low = s->low[axis], high = s->high[axis];
     size_t const row = (size_t)job->grid->words_per_row * 64;
     size_t const bits[3] = {1, row, row * (size_t)job->size[1]};
-    size_t const along = bits[axis], along_u = bits[s->u], along_v = bits[s->v];
     /* Half a voxel on, the last centre before is the voxel that holds the crossing: as in mark_thin_lines. */
     double const step = (double)(1 << job->fraction_bits), shift = job->solid != NULL ? 0.0 : 0.5 * step;
     const uint64_t *const solid = job->solid != NULL ? job->solid->words : NULL;
@@ -441,11 +429,11 @@ BVXI_VECTOR_INLINE void take_hits(const line_axis *s)
             if (BVXI_LIKELY(settled) && w >= low && w <= high)
                 bvxi_touch_voxel(s->tile->job, voxel[0], voxel[1], voxel[2], s->b->triangle[l->triangle[i]]);
         } else {
-            /* Products: half of all count, as chance will have it. The first bit stands for those that are none. */
+            /* Products: half of all count, as chance will have it. */
             settled &= (w >= 0) & (w < last);
             size_t const is = (size_t)settled,
-                         at = is * ((size_t)w * along + (size_t)u * along_u + (size_t)v * along_v);
-            size_t const next = at + is * along;
+                         at = is * ((size_t)w * bits[axis] + (size_t)u * bits[s->u] + (size_t)v * bits[s->v]);
+            size_t const next = at + is * bits[axis];
             int const below = (int)(solid[at >> 6] >> (at & 63) & 1);
             int const above = (int)(solid[next >> 6] >> (next & 63) & 1);
             int32_t const holder = w + (h->beyond[n] >= 0);
