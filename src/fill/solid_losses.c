@@ -45,11 +45,9 @@ BVXI_VECTOR_INLINE void sum_packed_losses(const loss_job *job, uint64_t begin, u
         if (end - t < LOSS_LANES) memset(f, 0, sizeof f);
         for (uint64_t i = 0; i < LOSS_LANES && t + i < end; i++)
             for (int k = 0; k < 3; k++) {
-                float p[3];
                 uint32_t c;
                 memcpy(&c, corners + (size_t)(t + i) * 12 + 4 * k, sizeof c);
-                memcpy(p, places + (size_t)c * 12, sizeof p);
-                for (int a = 0; a < 3; a++) f[k][a][i] = p[a];
+                for (int a = 0; a < 3; a++) memcpy(&f[k][a][i], places + (size_t)c * 12 + 4 * a, 4);
             }
         for (int i = 0; i < LOSS_LANES; i++) {
             double const ax = (double)f[0][0][i], ay = (double)f[0][1][i], az = (double)f[0][2][i];
@@ -131,22 +129,16 @@ static bvx_status sum_mesh(bvx_context *ctx, const bvx_mesh_view *mesh, int flat
 static int is_in_window(const bvx_mesh_view *mesh, const bvx_grid *g)
 {
     double low[3], high[3];
+    uint32_t at[6];
+    int in = bvxi_view_outer_bounds(mesh, low, high, at);
 
     /* A hair beyond, as vertices may lie on the window's sides. */
-    for (int a = 0; a < 3; a++) {
-        low[a] = g->lattice.origin[a] + (double)g->low[a] * g->lattice.spacing[a];
-        high[a] = low[a] + ((double)g->size[a] + 1e-6) * g->lattice.spacing[a];
-        low[a] -= 1e-6 * g->lattice.spacing[a];
+    for (int a = 0; a < 3 && in; a++) {
+        double const spacing = g->lattice.spacing[a],
+                     from = g->lattice.origin[a] + (double)g->low[a] * spacing;
+        in = low[a] >= from - 1e-6 * spacing && high[a] <= from + ((double)g->size[a] + 1e-6) * spacing;
     }
-    for (uint64_t v = 0; v < mesh->vertex_count; v++) {
-        double p[3];
-        int in = 1;
-
-        bvxi_view_position(mesh, v, p);
-        for (int a = 0; a < 3; a++) in &= (p[a] >= low[a]) & (p[a] <= high[a]);
-        if (!in) return 0;
-    }
-    return 1;
+    return in;
 }
 
 /* What the mesh encloses; 0 where the solid does not hold all of it, or next to nothing is enclosed. */

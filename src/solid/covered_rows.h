@@ -115,6 +115,30 @@ BVXI_VECTOR_INLINE void bvxi_judge_edge(double e, double dy, double dz, double t
     for (int c = 0; c < 4; c++) least[c] = at[c] < least[c] ? at[c] : least[c];
 }
 
+/* Bits of the four centres of a block that lie inside a triangle, where the three signs are that of the area; corners
+ * are relative to the first. Each edge function comes from both of its ends: triangles that share an edge compute it
+ * from the same numbers, so they agree on its sign. *area: twice, positive when counter-clockwise. */
+BVXI_VECTOR_INLINE int64_t bvxi_judge_block(double ay, double az, double by, double bz, double cy, double cz,
+                                            double step, double *area)
+{
+    double const bc = by * cz - cy * bz, ca = cy * az - ay * cz, ab = ay * bz - by * az;
+    double const sum = bc + ca + ab, turn = sum < 0 ? -1.0 : 1.0;
+    double least[4] = {1.0, 1.0, 1.0, 1.0};
+
+    bvxi_judge_edge(bc, cy - by, cz - bz, turn, step, least);
+    bvxi_judge_edge(ca, ay - cy, az - cz, turn, step, least);
+    bvxi_judge_edge(ab, by - ay, bz - az, turn, step, least);
+    *area = sum;
+    return (least[0] > 0 ? (int64_t)1 : 0) | (least[1] > 0 ? 2 : 0) | (least[2] > 0 ? 4 : 0) |
+           (least[3] > 0 ? 8 : 0);
+}
+
+/* The centres of a block that are inside, by their bits, and how many. */
+static const uint16_t bvxi_inside_centres[16][4] = {
+    {0}, {0},    {1},    {0, 1},    {2},    {0, 2},    {1, 2},    {0, 1, 2},
+    {3}, {0, 3}, {1, 3}, {0, 1, 3}, {2, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
+static const uint8_t bvxi_inside_count[16] = {0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
+
 /* What the double division needs of a triangle. */
 typedef struct bvxi_divider {
     double ny, nz, inverse; /* of the normal; 1 / n_x */

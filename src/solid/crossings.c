@@ -58,9 +58,9 @@ BVXI_VECTOR_INLINE uint32_t keep_covering(const uint32_t *BVXI_RESTRICT cell,
         /* Written in any case and counted only where it covers a row: a branch here would be guessed wrongly
          * half of the time. */
         b->kept[count] = (uint16_t)i;
-        b->cell[0][count] = (int32_t)ca;
-        b->cell[1][count] = (int32_t)cb;
-        b->cell[2][count] = (int32_t)cc;
+        b->x[0][count] = (int32_t)ca;
+        b->x[1][count] = (int32_t)cb;
+        b->x[2][count] = (int32_t)cc;
         count += (uint32_t)((differ & 0xffff) != 0) & (uint32_t)(differ > 0xffff);
     }
     return count;
@@ -73,10 +73,10 @@ BVXI_VECTOR_INLINE void measure_boxes(bvxi_cross_batch *b, uint32_t kept)
     uint32_t const n = (kept + 7u) & ~7u;
 
     for (uint32_t i = 0; i < n; i++) {
-        int32_t const ya = b->cell[0][i] & 0xffff, yb = b->cell[1][i] & 0xffff, yc = b->cell[2][i] & 0xffff;
-        int32_t const za = (int32_t)((uint32_t)b->cell[0][i] >> 16);
-        int32_t const zb = (int32_t)((uint32_t)b->cell[1][i] >> 16);
-        int32_t const zc = (int32_t)((uint32_t)b->cell[2][i] >> 16);
+        int32_t const ya = b->x[0][i] & 0xffff, yb = b->x[1][i] & 0xffff, yc = b->x[2][i] & 0xffff;
+        int32_t const za = (int32_t)((uint32_t)b->x[0][i] >> 16);
+        int32_t const zb = (int32_t)((uint32_t)b->x[1][i] >> 16);
+        int32_t const zc = (int32_t)((uint32_t)b->x[2][i] >> 16);
         int32_t const y_low = ya < yb ? ya : yb;
         int32_t const y_high = ya < yb ? yb : ya;
         int32_t const z_low = za < zb ? za : zb;
@@ -90,36 +90,19 @@ BVXI_VECTOR_INLINE void measure_boxes(bvxi_cross_batch *b, uint32_t kept)
     }
 }
 
-/* Which of each block's centres lie inside, where the three signs are that of the area; a projection without
- * area has signs that differ, or cells that agree. All where doubles cannot decide. */
-BVXI_VECTOR_INLINE void judge_blocks(bvxi_cross_batch *b, double step)
+/* Which of each block's centres lie inside; a projection without area has signs that differ, or cells that agree. All
+ * where doubles cannot decide. */
+BVXI_VECTOR_INLINE void judge_blocks(bvxi_cross_batch *b, uint32_t from, double step)
 {
-    uint32_t const n = (b->count + 7u) & ~7u;
+    uint32_t const n = from + ((b->count - from + 7u) & ~7u);
 
-    for (uint32_t i = 0; i < n; i++) {
-        double const ay = (double)b->y[0][i], by = (double)b->y[1][i], cy = (double)b->y[2][i];
-        double const az = (double)b->z[0][i], bz = (double)b->z[1][i], cz = (double)b->z[2][i];
-
-        /* Each edge function from both of its ends: triangles that share an edge compute it from the same
-         * numbers, so they agree on its sign. */
-        double const bc = by * cz - cy * bz, ca = cy * az - ay * cz, ab = ay * bz - by * az;
-        double const area = bc + ca + ab, turn = area < 0 ? -1.0 : 1.0;
-        double least[4] = {1.0, 1.0, 1.0, 1.0};
-
-        bvxi_judge_edge(bc, cy - by, cz - bz, turn, step, least);
-        bvxi_judge_edge(ca, ay - cy, az - cz, turn, step, least);
-        bvxi_judge_edge(ab, by - ay, bz - az, turn, step, least);
-        b->area[i] = area;
-        b->inside[i] = (least[0] > 0 ? (int64_t)1 : 0) | (least[1] > 0 ? 2 : 0) | (least[2] > 0 ? 4 : 0) |
-                       (least[3] > 0 ? 8 : 0);
-    }
-    for (uint32_t i = 0; i < n; i++) {
-        int32_t const ay = b->y[0][i];
-        int32_t const by = b->y[1][i];
-        int32_t const cy = b->y[2][i];
-        int32_t const az = b->z[0][i];
-        int32_t const bz = b->z[1][i];
-        int32_t const cz = b->z[2][i];
+    for (uint32_t i = from; i < n; i++)
+        b->inside[i] = bvxi_judge_block((double)b->y[0][i], (double)b->z[0][i], (double)b->y[1][i],
+                                        (double)b->z[1][i], (double)b->y[2][i], (double)b->z[2][i], step,
+                                        &b->area[i]);
+    for (uint32_t i = from; i < n; i++) {
+        int32_t const ay = b->y[0][i], by = b->y[1][i], cy = b->y[2][i];
+        int32_t const az = b->z[0][i], bz = b->z[1][i], cz = b->z[2][i];
         b->spread[i] = (ay < 0 ? ~ay : ay) | (by < 0 ? ~by : by) | (cy < 0 ? ~cy : cy) | (az < 0 ? ~az : az) |
                        (bz < 0 ? ~bz : bz) | (cz < 0 ? ~cz : cz);
     }
@@ -151,39 +134,31 @@ BVXI_COLD static int cross_exactly(const bvxi_solid_job *job, const uint32_t *co
     return 1;
 }
 
-/* The centres of a block that are inside, by the bits that judge_blocks sets, and how many. */
-static const uint16_t inside_centres[16][4] = {{0},    {0},       {1},       {0, 1},      {2},    {0, 2},
-                                               {1, 2}, {0, 1, 2}, {3},       {0, 3},      {1, 3}, {0, 1, 3},
-                                               {2, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
-static const uint8_t inside_count[16] = {0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
-
-/* Judge the blocks and write the crossings of centres inside; the buffer has room for all. */
-BVXI_VECTOR_INLINE void flush_blocks(const bvxi_solid_job *job, bvxi_cross_batch *b)
+/* Judge the blocks from one on and write the crossings of centres inside; the buffer has room for all. */
+BVXI_VECTOR_INLINE void flush_blocks(const bvxi_solid_job *job, bvxi_cross_batch *b, uint32_t from)
 {
-    const int32_t *const xyz = job->snapped.xyz;
     int32_t const f = job->fraction_bits, step = 1 << f, half = step >> 1;
     double const scale = 1.0 / (double)step, near_centre = scale / 262144.0;
     bvxi_crossing *out = b->found + b->found_count;
     uint32_t hits = 0;
 
-    judge_blocks(b, (double)step);
+    judge_blocks(b, from, (double)step);
 
     /* Again without a branch: the hits are listed first, so that only they pay for a division. */
-    for (uint32_t i = 0; i < b->count; i++) {
+    for (uint32_t i = from; i < b->count; i++) {
         uint32_t const inside = (b->spread[i] < CROSS_SMALL ? (uint32_t)b->inside[i] : 15u) & b->centres[i];
-        for (uint32_t c = 0; c < 4; c++) b->hit[hits + c] = (uint16_t)(4 * i + inside_centres[inside][c]);
-        hits += inside_count[inside];
+        for (uint32_t c = 0; c < 4; c++)
+            b->hit[hits + c] = (uint16_t)(4 * i + bvxi_inside_centres[inside][c]);
+        hits += bvxi_inside_count[inside];
     }
     for (uint32_t n = 0; n < hits; n++) {
         uint32_t const i = b->hit[n] >> 2, j = b->hit[n] & 1, k = b->hit[n] >> 1 & 1;
-        uint32_t const row = b->row[i] + (k << 16 | j);
-        const uint32_t *const corner = b->corner + 3 * (size_t)b->triangle[i];
-        int32_t const ax = xyz[3 * (size_t)corner[0]], y = j != 0 ? step : 0, z = k != 0 ? step : 0;
+        uint32_t const row = b->row[i] + (k << 16 | j), m = b->triangle[i];
+        int32_t const ax = b->x[0][m], y = j != 0 ? step : 0, z = k != 0 ? step : 0;
         double const ay = (double)(b->y[0][i] - y), az = (double)(b->z[0][i] - z);
         double const by = (double)(b->y[1][i] - y), bz = (double)(b->z[1][i] - z);
         double const cy = (double)(b->y[2][i] - y), cz = (double)(b->z[2][i] - z);
-        double const bx = (double)(xyz[3 * (size_t)corner[1]] - ax);
-        double const cx = (double)(xyz[3 * (size_t)corner[2]] - ax);
+        double const bx = (double)(b->x[1][m] - ax), cx = (double)(b->x[2][m] - ax);
         double const q = (bx * (cy * az - ay * cz) + cx * (ay * bz - by * az)) / b->area[i];
         double const v = (q + (double)(ax - half)) * scale;
         int32_t down, code;
@@ -199,40 +174,55 @@ BVXI_VECTOR_INLINE void flush_blocks(const bvxi_solid_job *job, bvxi_cross_batch
                 continue;
             }
         }
-        if (cross_exactly(job, corner, row, &code)) {
+        if (cross_exactly(job, b->corner + 3 * (size_t)b->kept[m], row, &code)) {
             out->code = code;
             out++;
         }
     }
     b->found_count = (uint32_t)(out - b->found);
-    b->count = 0;
 }
 
-/* Up to two by two centres of kept triangle m's box, from its row (j, k) on. */
-BVXI_VECTOR_INLINE void push_block(const bvxi_solid_job *job, bvxi_cross_batch *b, uint32_t m, int32_t j,
-                                   int32_t k)
+/* The first two by two centres of each kept triangle's box, none where there are many. Corners relative to the centre, so that products of a
+ * voxel-sized triangle stay small enough to be exact in doubles. */
+BVXI_VECTOR_INLINE void place_blocks(const bvxi_solid_job *job, bvxi_cross_batch *b, uint32_t kept)
 {
     const int32_t *const xyz = job->snapped.xyz;
-    const uint32_t *const c = b->corner + 3 * (size_t)b->kept[m];
-    const int32_t *const pa = xyz + 3 * (size_t)c[0];
-    const int32_t *const pb = xyz + 3 * (size_t)c[1];
-    const int32_t *const pc = xyz + 3 * (size_t)c[2];
-    int32_t const f = job->fraction_bits, half = 1 << (f - 1), row_j = b->j0[m] + j, row_k = b->k0[m] + k;
-    int32_t const y = (job->block.y0 + row_j) * (1 << f) + half;
-    int32_t const z = (job->block.z0 + row_k) * (1 << f) + half;
+    int32_t const f = job->fraction_bits, half = 1 << (f - 1), y0 = job->block.y0, z0 = job->block.z0;
+
+    for (uint32_t m = 0; m < kept; m++)
+        for (int c = 0; c < 3; c++) {
+            const int32_t *const p = xyz + 3 * (size_t)b->corner[3 * (size_t)b->kept[m] + (size_t)c];
+            b->x[c][m] = p[0];
+            b->y[c][m] = p[1];
+            b->z[c][m] = p[2];
+        }
+    for (int c = 0; c < 3; c++)
+        for (uint32_t m = 0; m < kept; m++) {
+            b->y[c][m] -= (y0 + b->j0[m]) * (1 << f) + half;
+            b->z[c][m] -= (z0 + b->k0[m]) * (1 << f) + half;
+        }
+    for (uint32_t m = 0; m < kept; m++) {
+        b->row[m] = (uint32_t)b->k0[m] << 16 | (uint32_t)b->j0[m];
+        uint32_t const all = (uint32_t)b->tall[m] * (uint32_t)b->deep[m]; /* below 2^32 */
+        b->centres[m] = (uint8_t)((b->tall[m] > 1 ? 3 : 1) * (b->deep[m] > 1 ? 5 : 1) *
+                                  (all <= BVXI_CROSS_FEW));
+        b->triangle[m] = (uint16_t)m;
+    }
+    b->count = kept;
+}
+
+/* Further centres of kept triangle m's box, (j, k) rows from its first on. */
+BVXI_VECTOR_INLINE void push_block(bvxi_cross_batch *b, uint32_t m, int32_t j, int32_t k, int32_t step)
+{
     uint32_t const n = b->count++;
 
-    /* Relative to the centre, so that products of a voxel-sized triangle stay small enough to be exact in
-     * doubles. */
-    b->y[0][n] = pa[1] - y;
-    b->z[0][n] = pa[2] - z;
-    b->y[1][n] = pb[1] - y;
-    b->z[1][n] = pb[2] - z;
-    b->y[2][n] = pc[1] - y;
-    b->z[2][n] = pc[2] - z;
-    b->row[n] = (uint32_t)row_k << 16 | (uint32_t)row_j;
+    for (int c = 0; c < 3; c++) {
+        b->y[c][n] = b->y[c][m] - j * step;
+        b->z[c][n] = b->z[c][m] - k * step;
+    }
+    b->row[n] = b->row[m] + ((uint32_t)k << 16 | (uint32_t)j);
     b->centres[n] = (uint8_t)((b->tall[m] - j > 1 ? 3 : 1) * (b->deep[m] - k > 1 ? 5 : 1));
-    b->triangle[n] = b->kept[m];
+    b->triangle[n] = (uint16_t)m;
 }
 
 static void take_found(void *sink, uint32_t row, int32_t code)
@@ -260,20 +250,27 @@ BVXI_VECTOR_INLINE void cross_triangles(const bvxi_solid_job *job, bvxi_chunk *c
                                         uint64_t first, uint32_t n)
 {
     uint32_t const kept = keep_covering(job->snapped.cell, b, n);
+    uint32_t from = 0;
 
     measure_boxes(b, kept);
+    place_blocks(job, b, kept);
     for (uint32_t m = 0; m < kept; m++) {
+        if (BVXI_LIKELY(b->tall[m] <= 2) && BVXI_LIKELY(b->deep[m] <= 2)) continue;
         int64_t const centres = (int64_t)b->tall[m] * b->deep[m];
         if (BVXI_UNLIKELY(centres > BVXI_CROSS_FEW)) {
             cross_many(job, chunk, b, (uint32_t)(first + b->kept[m]), centres);
             continue;
         }
         /* Most triangles of a scan have one block; a needle of few centres has at most one for each two. */
-        if (b->count + BVXI_CROSS_FEW / 2 > BVXI_CROSS_BATCH) flush_blocks(job, b);
+        if (b->count + BVXI_CROSS_FEW / 2 > BVXI_CROSS_BATCH - 8) {
+            flush_blocks(job, b, from);
+            b->count = from = kept;
+        }
         for (int32_t k = 0; k < b->deep[m]; k += 2)
-            for (int32_t j = 0; j < b->tall[m]; j += 2) push_block(job, b, m, j, k);
+            for (int32_t j = k == 0 ? 2 : 0; j < b->tall[m]; j += 2)
+                push_block(b, m, j, k, 1 << job->fraction_bits);
     }
-    flush_blocks(job, b);
+    flush_blocks(job, b, from);
 }
 
 /* The tile of a row. */

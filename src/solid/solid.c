@@ -10,7 +10,7 @@
  * Guarantee: exact, and the same bits for any order of triangles, threads and windows. */
 #include "solid/solid.h"
 
-enum { CHUNK_GRAIN = 4096 };
+enum { CHUNK_GRAIN = 4096, CHUNK_GRID = 1 << 22 /* [Units: words] */ };
 
 static bvx_status fill_parity_rows(bvx_context *ctx, bvxi_solid_job *job)
 {
@@ -108,9 +108,12 @@ bvx_status bvxi_solid_open(bvx_context *ctx, const char *function, const bvx_mes
     /* Chunks are pieces of the mesh, whatever the threads are. */
     job->chunks = bvxi_piece_count(triangles, CHUNK_GRAIN);
     if (job->chunks > BVXI_SOLID_CHUNKS) job->chunks = BVXI_SOLID_CHUNKS;
-    /* A small mesh takes a few rounds more, in a quarter of the memory. */
-    job->buffer = triangles < CHUNK_GRAIN ? BVXI_SOLID_BUFFER / 4 : BVXI_SOLID_BUFFER;
-    job->at_once = triangles < CHUNK_GRAIN ? BVXI_CROSS_BATCH / 4 : BVXI_CROSS_BATCH;
+    /* A small mesh takes a few rounds more, in a quarter of the memory; beside a large grid that is little, and each
+     * round visits all of it. */
+    job->buffer = triangles < CHUNK_GRAIN                      ? BVXI_SOLID_BUFFER / 4
+                  : bvx_grid_bound(lattice, NULL) < CHUNK_GRID ? BVXI_SOLID_BUFFER
+                                                               : 2 * BVXI_SOLID_BUFFER;
+    job->at_once = triangles < CHUNK_GRAIN ? BVXI_CROSS_BATCH / 4 : BVXI_CROSS_BATCH - BVXI_CROSS_LEFT;
 
     uint64_t const chunks = (uint64_t)job->chunks, bytes = job->buffer * sizeof *found;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH,

@@ -82,17 +82,18 @@ struct bvxi_solid_job {
 /* What the tiles do with a crossing: job->mode. */
 enum { BVXI_TOGGLE = 0, BVXI_COUNT_LIST = 1, BVXI_FILL_LIST = 2, BVXI_HIGHEST = 3, BVXI_TOGGLE_SUMMED = 4 };
 
-/* A worker's batch of pairs of a triangle and two by two centres of its box (crossings.c). */
-enum { BVXI_CROSS_BATCH = 256, BVXI_CROSS_FEW = 16, BVXI_CROSS_MANY = 2048 };
+/* A worker's batch of pairs of a triangle and two by two centres of its box (crossings.c); triangles leave it some. */
+enum { BVXI_CROSS_BATCH = 256, BVXI_CROSS_LEFT = 16, BVXI_CROSS_FEW = 16, BVXI_CROSS_MANY = 2048 };
 
 typedef struct bvxi_cross_batch {
     uint32_t corner[3 * BVXI_CROSS_BATCH]; /* of the batch's triangles */
-    uint16_t kept[BVXI_CROSS_BATCH];       /* triangles that cover, and their three cells */
-    int32_t cell[3][BVXI_CROSS_BATCH];
+    uint16_t kept[BVXI_CROSS_BATCH];       /* triangles that cover */
+    int32_t x[3][BVXI_CROSS_BATCH];        /* of their corners; at first their cells */
     /* their boxes */
     int32_t j0[BVXI_CROSS_BATCH], k0[BVXI_CROSS_BATCH], tall[BVXI_CROSS_BATCH], deep[BVXI_CROSS_BATCH];
 
-    /* pairs: triangle within corner, row of the first centre, corners relative to it */
+    /* pairs: one for each kept triangle, then further ones: kept triangle, row of the first centre, corners relative
+     * to it */
     uint16_t triangle[BVXI_CROSS_BATCH];
     uint32_t row[BVXI_CROSS_BATCH];
     int32_t y[3][BVXI_CROSS_BATCH], z[3][BVXI_CROSS_BATCH];

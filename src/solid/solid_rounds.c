@@ -5,8 +5,9 @@
  * depend on rounds or threads. */
 #include "solid/solid.h"
 
-/* Bit i becomes the parity of the toggles at 0..i. Returns the parity of them all. */
-static uint32_t close_row(uint64_t *words, int32_t n)
+/* Bit i becomes the parity of the toggles at 0..i. Returns the parity of them all. summed: the steps of the
+ * row's runs are added to *sum, up where one begins, down where it ends. */
+static inline uint32_t close_row(uint64_t *words, int32_t n, uint64_t row, int summed, uint64_t *sum)
 {
     uint64_t carry = 0;
 
@@ -16,31 +17,21 @@ static uint32_t close_row(uint64_t *words, int32_t n)
         /* Most words of a row hold no crossing: they are all inside or all outside. */
         if (w == 0) {
             words[k] = carry;
+            while (carry == 0 && n - k > 4 &&
+                   (words[k + 1] | words[k + 2] | words[k + 3] | words[k + 4]) == 0)
+                k += 4;
             continue;
         }
 
         /* The carry is all ones after an odd number of toggles, so it turns a whole word at once. */
-        words[k] = bvxi_prefix_parity(w) ^ carry;
-        carry = 0 - (words[k] >> 63);
-    }
-    return (uint32_t)(carry & 1);
-}
-
-/* The same, adding the steps of the row's runs to *sum: up where one begins, down where it ends. */
-static uint32_t close_row_summed(uint64_t *words, int32_t n, uint64_t row, uint64_t *sum)
-{
-    uint64_t carry = 0;
-
-    for (int32_t k = 0; k < n; k++) {
-        uint64_t const w = words[k];
-        words[k] = w == 0 ? carry : bvxi_prefix_parity(w) ^ carry;
-        /* Up where a run begins, down where it ends. */
-        for (uint64_t left = w; left != 0; left &= left - 1) {
+        uint64_t const in = bvxi_prefix_parity(w) ^ carry;
+        words[k] = in;
+        for (uint64_t left = summed ? w : 0; left != 0; left &= left - 1) {
             int32_t const bit = bvxi_lowest(left);
             uint64_t const step = bvxi_step_sum(row, k * BVXI_WORD_BITS + bit);
-            *sum += (words[k] >> bit & 1) != 0 ? step : 0 - step;
+            *sum += (in >> bit & 1) != 0 ? step : 0 - step;
         }
-        carry = 0 - (words[k] >> 63);
+        carry = 0 - (in >> 63);
     }
     return (uint32_t)(carry & 1);
 }
@@ -55,16 +46,14 @@ static void close_tile(bvxi_solid_job *job, int32_t tile)
     for (int32_t k = r.k0; k < r.k1; k++) {
         for (int32_t j = r.j0; j < r.j1; j++) {
             uint64_t *const words = bvxi_block_words(job, j, k);
-            uint64_t const row = bvxi_block_row(job, j, k);
-            uint32_t const odd = (job->summed ? close_row_summed(words, g->words_per_row,
-                                                                 bvxi_window_row(job, j, k), &sum)
-                                              : close_row(words, g->words_per_row)) ^
+            uint64_t const row = bvxi_block_row(job, j, k), in_window = bvxi_window_row(job, j, k);
+            uint32_t const odd = close_row(words, g->words_per_row, in_window, job->summed, &sum) ^
                                  job->beyond[row];
 
             /* A run that is open at the end of the window would set bits past the row. */
             words[g->words_per_row - 1] &= tail;
             job->beyond[row] = (uint8_t)odd; /* from here on: rows that do not balance */
-            if (job->odd_rows != NULL) job->odd_rows[bvxi_window_row(job, j, k)] = (uint8_t)odd;
+            if (job->odd_rows != NULL) job->odd_rows[in_window] = (uint8_t)odd;
             job->unbalanced[tile] += odd;
         }
     }

@@ -50,14 +50,13 @@ static uint64_t used_own_corners(const bvxi_faces *f, const face_voxels *v, int3
 static inline uint64_t used_corners(const bvxi_faces *f, const face_voxels *v, int32_t w)
 {
     uint64_t any = 0, all = ~UINT64_C(0);
-    if (f->own != f->grid) return used_own_corners(f, v, w);
-    /* A corner is used where its eight voxels are not alike. */
+    /* A corner is used where its eight voxels are not alike; of some voxels' faces only at such ones. */
     for (int32_t n = 0; n < 4; n++) {
         uint64_t before, here = bvxi_face_word(f, v->row[n], w, &before);
         any |= here | before;
         all &= here & before;
     }
-    return any & ~all;
+    return f->own == f->grid || (any & ~all) == 0 ? any & ~all : used_own_corners(f, v, w);
 }
 
 /* Faces whose low corner is bit i of word w, by axis; behind: the positive sides are set. */
@@ -101,6 +100,7 @@ static void count_face_piece(void *user, uint64_t begin, uint64_t end)
         for (int32_t w = 0; w < f->words; w++) {
             uint64_t const used = used_corners(f, &v, w);
             uint64_t face[3], behind;
+            if (f->used != NULL) f->used[row] = used;
             if (used == 0) continue;
             corners += bvxi_popcount(used);
             faces_of_word(f, &v, j, k, w, face, &behind);
@@ -166,17 +166,19 @@ static void emit_face_piece(void *user, uint64_t begin, uint64_t end)
         double const y = bvxi_corner_along(f, 1, j), z = bvxi_corner_along(f, 2, k);
         for (int32_t n = 0; n < 4; n++) {
             uint64_t const at = row + (uint64_t)(n & 1) + (n >> 1 != 0 ? (uint64_t)f->grid->size[1] + 1 : 0);
-            if (j > 0 && last + 1 == row && (n & 1) == 0) c.voxels[n] = c.voxels[n + 1];
+            if (f->used != NULL) c.used[n] = at < f->row_count ? f->used[at] : 0;
+            else if (j > 0 && last + 1 == row && (n & 1) == 0) c.voxels[n] = c.voxels[n + 1];
             else c.voxels[n] = voxels_about(f, j + (n & 1), k + (n >> 1));
             /* beyond the last rows there are no faces to ask */
             c.first[n] = at < f->row_count ? f->rows[at].vertex : 0;
         }
+        if (f->used != NULL) c.voxels[0] = voxels_about(f, j, k);
         last = row;
         for (int32_t w = 0; w < f->words; w++) {
             uint64_t face[3], behind, any;
 
             /* The used corners of all four rows, so that a corner's number is a popcount away. */
-            for (int32_t n = 0; n < 4; n++) c.used[n] = used_corners(f, &c.voxels[n], w);
+            for (int32_t n = 0; n < 4 && f->used == NULL; n++) c.used[n] = used_corners(f, &c.voxels[n], w);
             bvxi_put_corners(f, c.used[0], w, c.first[0], y, z);
             faces_of_word(f, &c.voxels[0], j, k, w, face, &behind);
             any = face[0] | face[1] | face[2];
@@ -190,6 +192,8 @@ static bvx_status make_single_faces(bvx_context *ctx, bvxi_faces *f, bvx_mesh *m
 {
     uint64_t const bytes = (f->row_count + 1) * sizeof *f->rows;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the rows' numbers", &f->rows));
+    /* Windows of a word, as chunks of a world are, keep what is counted. */
+    if (f->words == 1) BVXI_TRY(BVXI_ARRAY(ctx, f->row_count, "the rows' corners", f->used));
     BVXI_TRY(bvxi_for_ranges(ctx, "faces", 0.0, 0.3, f->pieces, f->row_count, count_face_piece, f));
     f->vertex_count = f->face_count = 0;
     /* With 64 bits, as the sum may pass what is possible. */

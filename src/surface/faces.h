@@ -24,6 +24,7 @@ typedef struct bvxi_faces {
     int32_t words;                     /* of a row of corners */
     const uint64_t *empty_row;         /* of voxels */
     bvxi_face_row *rows;               /* [Size: row_count + 1] */
+    uint64_t *used;                    /* corners of rows of one word; NULL: of longer ones, not kept */
     uint64_t row_count;                /* rows of corners */
     int32_t pieces;                    /* of these */
     uint64_t vertex_count, face_count; /* a face is two triangles */

@@ -37,11 +37,8 @@ typedef struct thin_lines {
 /* The triangle's extent along coordinate a. */
 static double thin_extent(const bvxi_triangle *t, int a)
 {
-    /* Without a branch for each order: minimum and maximum of pairs, then of both. */
-    int32_t const p = t->p[0][a], q = t->p[1][a], r = t->p[2][a];
-    int32_t const least = p < q ? (p < r ? p : r) : (q < r ? q : r);
-    int32_t const most = p > q ? (p > r ? p : r) : (q > r ? q : r);
-    return (double)most - (double)least;
+    return (double)bvxi_most_of_three(t->p[0][a], t->p[1][a], t->p[2][a]) -
+           (double)bvxi_least_of_three(t->p[0][a], t->p[1][a], t->p[2][a]);
 }
 
 /* The last centre of a line before it crosses the triangle; -1: that is before the first of the window. Where
@@ -215,12 +212,11 @@ typedef struct line_blocks {
 /* Lines that triangles cover. */
 typedef struct line_hits {
     uint32_t count;
-    uint16_t block[THIN_HITS];
-    uint16_t line[THIN_HITS];   /* of the block */
+    uint16_t pair[THIN_HITS];   /* block << 2 | line of it */
     int32_t q[3][3][THIN_HITS]; /* corner, along the axis: to the window; across it: to the line's centre */
     double least[3][THIN_HITS]; /* of its least corner */
-    double place[THIN_HITS];    /* the crossing [Units: centres] */
     double before[THIN_HITS];   /* the last centre before it */
+    int32_t beyond[THIN_HITS];  /* what the way from there is more than a half [Units: 2^-16 voxels] */
     int64_t sure[THIN_HITS], facing[THIN_HITS]; /* 1: that is certain; the axis is nearest to the normal */
 } line_hits;
 
@@ -251,13 +247,13 @@ BVXI_VECTOR_INLINE void place_first_blocks(const line_axis *s, uint32_t n)
                       v = least_v[i] < low_v ? low_v : least_v[i];
         int32_t const last_u = most_u[i] > high_u ? high_u : most_u[i];
         int32_t const last_v = most_v[i] > high_v ? high_v : most_v[i];
-        int32_t const along_u = u < last_u ? 3 : u == last_u ? 1 : 0;
-        int32_t const along_v = v < last_v ? 5 : v == last_v ? 1 : 0;
-        int32_t const more = ((most_u[i] - least_u[i] > 1) | (most_v[i] - least_v[i] > 1)) != 0 ? THIN_MORE
-                                                                                                : 0;
+        /* Sums and products: of choices a compiler makes branches and stores by mask. */
+        int32_t const some_u = u <= last_u, some_v = v <= last_v;
+        int32_t const more = (most_u[i] - least_u[i] > 1) | (most_v[i] - least_v[i] > 1);
         l->u[i] = u;
         l->v[i] = v;
-        l->lines[i] = along_u * along_v != 0 ? along_u * along_v | more : 0;
+        l->lines[i] = (some_u + 2 * (u < last_u)) * (some_v + 4 * (v < last_v)) +
+                      some_u * some_v * more * THIN_MORE;
     }
     for (int c = 0; c < 3; c++) {
         const int32_t *BVXI_RESTRICT const pu = s->b->p[c][s->u], *BVXI_RESTRICT const pv = s->b->p[c][s->v];
@@ -276,7 +272,6 @@ BVXI_VECTOR_INLINE void place_more_blocks(const line_axis *s, uint32_t n)
     const bvxi_touch_batch *const b = s->b;
     int const u = s->u, v = s->v;
     int32_t const f = s->tile->job->fraction_bits;
-
     uint32_t large = 0;
 
     for (uint32_t i = 0; i < n; i++) {
@@ -315,19 +310,12 @@ BVXI_VECTOR_INLINE void judge_line_blocks(line_blocks *l, double step)
     /* Whole vectors; what is past the end is computed and never read. */
     uint32_t const n = (l->count + 7u) & ~7u;
 
-    for (uint32_t i = 0; i < n; i++) {
-        double const au = (double)l->p[0][0][i], bu = (double)l->p[1][0][i], cu = (double)l->p[2][0][i];
-        double const av = (double)l->p[0][1][i], bv = (double)l->p[1][1][i], cv = (double)l->p[2][1][i];
-        double const bc = bu * cv - cu * bv, ca = cu * av - au * cv, ab = au * bv - bu * av;
-        double const turn = bc + ca + ab < 0 ? -1.0 : 1.0;
-        double least[4] = {1.0, 1.0, 1.0, 1.0};
+    double area;
 
-        bvxi_judge_edge(bc, cu - bu, cv - bv, turn, step, least);
-        bvxi_judge_edge(ca, au - cu, av - cv, turn, step, least);
-        bvxi_judge_edge(ab, bu - au, bv - av, turn, step, least);
-        l->inside[i] = (least[0] > 0 ? (int64_t)1 : 0) | (least[1] > 0 ? 2 : 0) | (least[2] > 0 ? 4 : 0) |
-                       (least[3] > 0 ? 8 : 0);
-    }
+    for (uint32_t i = 0; i < n; i++)
+        l->inside[i] = bvxi_judge_block((double)l->p[0][0][i], (double)l->p[0][1][i], (double)l->p[1][0][i],
+                                        (double)l->p[1][1][i], (double)l->p[2][0][i], (double)l->p[2][1][i],
+                                        step, &area);
 }
 
 /* The least corner by the coordinates' order: of the first two, then of all. One number has the first two. */
@@ -381,11 +369,29 @@ BVXI_VECTOR_INLINE void place_crossings(line_hits *h, const double order[2], dou
         double const near = error < 0.25 ? 1.0 : 0.0, known = place * near, whole = (double)(int32_t)known;
         double const before = known < whole ? whole - 1.0 : whole, part = known - before;
 
-        h->place[i] = place;
         h->before[i] = before;
+        h->beyond[i] = beyond_at(part, 1);
         h->sure[i] = (part < 1.0 - part ? part : 1.0 - part) > error ? 1 : 0;
         /* Of axes that are equally near to the normal the first. */
         h->facing[i] = most <= s0 ? 1 : 0;
+    }
+}
+
+/* Corners of the triangles that cross lines. */
+BVXI_VECTOR_INLINE void take_hit_corners(const line_axis *s)
+{
+    const line_blocks *const l = s->blocks;
+    line_hits *const h = s->hits;
+    int32_t const step = 1 << s->tile->job->fraction_bits;
+
+    for (uint32_t n = 0; n < h->count; n++) {
+        uint32_t const i = h->pair[n] >> 2, t = l->triangle[i];
+        int32_t const u = (h->pair[n] & 1) * step, v = (h->pair[n] >> 1 & 1) * step;
+        for (int c = 0; c < 3; c++) {
+            h->q[c][0][n] = s->b->p[c][s->axis][t];
+            h->q[c][1][n] = l->p[c][0][i] - u;
+            h->q[c][2][n] = l->p[c][1][i] - v;
+        }
     }
 }
 
@@ -402,38 +408,47 @@ BVXI_VECTOR_INLINE void take_hits(const line_axis *s)
     size_t const bits[3] = {1, row, row * (size_t)job->size[1]};
     /* Half a voxel on, the last centre before is the voxel that holds the crossing: as in mark_thin_lines. */
     double const step = (double)(1 << job->fraction_bits), shift = job->solid != NULL ? 0.0 : 0.5 * step;
+    const uint64_t *const solid = job->solid != NULL ? job->solid->words : NULL;
+    uint32_t left = 0;
     int64_t sum = 0;
 
+    take_hit_corners(s);
     find_least_corners(h);
     place_crossings(h, s->order, step, shift);
     for (uint32_t n = 0; n < h->count; n++) {
-        uint32_t const i = h->block[n], t = l->triangle[i];
-        int32_t const u = l->u[i] + (h->line[n] & 1), v = l->v[i] + (h->line[n] >> 1);
+        uint32_t const pair = h->pair[n], i = pair >> 2;
+        int32_t const u = l->u[i] + (int32_t)(pair & 1), v = l->v[i] + (int32_t)(pair >> 1 & 1);
         int32_t const w = (int32_t)h->before[n];
+        int settled = (int)h->sure[n];
 
-        if (job->solid == NULL) {
+        if (solid == NULL) {
             int32_t voxel[3];
             voxel[axis] = w;
             voxel[s->u] = u;
             voxel[s->v] = v;
-            if (BVXI_LIKELY(h->sure[n])) {
-                if (w >= low && w <= high)
-                    bvxi_touch_voxel(s->tile->job, voxel[0], voxel[1], voxel[2], s->b->triangle[t]);
-                continue;
-            }
-        } else if (BVXI_LIKELY(h->sure[n] && w >= 0 && w < last)) {
-            const uint64_t *const solid = job->solid->words;
-            size_t const at = (size_t)w * bits[axis] + (size_t)u * bits[s->u] + (size_t)v * bits[s->v];
-            size_t const next = at + bits[axis];
+            if (BVXI_LIKELY(settled) && w >= low && w <= high)
+                bvxi_touch_voxel(s->tile->job, voxel[0], voxel[1], voxel[2], s->b->triangle[l->triangle[i]]);
+        } else {
+            /* Products: half of all count, as chance will have it. */
+            settled &= (w >= 0) & (w < last);
+            size_t const is = (size_t)settled,
+                         at = is * ((size_t)w * bits[axis] + (size_t)u * bits[s->u] + (size_t)v * bits[s->v]);
+            size_t const next = at + is * bits[axis];
             int const below = (int)(solid[at >> 6] >> (at & 63) & 1);
             int const above = (int)(solid[next >> 6] >> (next & 63) & 1);
-            double const part = h->place[n] - (double)w;
-            int32_t const holder = part < 0.5 ? w : w + 1, beyond = beyond_at(part, below);
-            int const counts = (below ^ above) & (int)h->facing[n] & (holder >= low) & (holder <= high);
-            /* A product: half of all count, as chance will have it. */
-            sum += (int64_t)counts * beyond;
-            if (BVXI_LIKELY(below | above)) continue;
+            int32_t const holder = w + (h->beyond[n] >= 0);
+            int const counts = settled & (below ^ above) & (int)h->facing[n] & (holder >= low) &
+                               (holder <= high);
+            sum += (int64_t)counts * (2 * below - 1) * h->beyond[n];
+            settled &= below | above;
         }
+        h->pair[left] = (uint16_t)pair;
+        h->facing[left] = h->facing[n];
+        left += !settled;
+    }
+    for (uint32_t n = 0; n < left; n++) {
+        uint32_t const i = h->pair[n] >> 2, t = l->triangle[i];
+        int32_t const u = l->u[i] + (h->pair[n] & 1), v = l->v[i] + (h->pair[n] >> 1 & 1);
         thin_lines one = {.tile = s->tile,
                           .axis = thin_axes[axis],
                           .triangle = s->b->triangle[t],
@@ -452,32 +467,23 @@ BVXI_VECTOR_INLINE void cross_line_blocks(const line_axis *s, uint32_t n)
 {
     line_blocks *const l = s->blocks;
     line_hits *const h = s->hits;
-    int32_t const step = 1 << s->tile->job->fraction_bits;
     uint32_t count = 0;
 
     place_first_blocks(s, n);
     place_more_blocks(s, n);
-    judge_line_blocks(l, (double)step);
+    judge_line_blocks(l, (double)(1 << s->tile->job->fraction_bits));
     for (uint32_t i = 0; i < l->count; i++) {
         l->hit[count] = (uint16_t)i;
         count += (l->inside[i] & l->lines[i]) != 0;
     }
-    for (uint32_t m = 0; m <= count; m++) {
-        if (m == count || h->count > THIN_HITS - 4) take_hits(s);
-        if (m == count) break;
-        uint32_t const i = l->hit[m], t = l->triangle[i];
-        for (uint32_t inside = (uint32_t)(l->inside[i] & l->lines[i]); inside != 0; inside &= inside - 1) {
-            int32_t const line = bvxi_lowest(inside), u = (line & 1) != 0 ? step : 0, v = line > 1 ? step : 0;
-            uint32_t const to = h->count++;
-            h->block[to] = (uint16_t)i;
-            h->line[to] = (uint16_t)line;
-            for (int c = 0; c < 3; c++) {
-                h->q[c][0][to] = s->b->p[c][s->axis][t];
-                h->q[c][1][to] = l->p[c][0][i] - u;
-                h->q[c][2][to] = l->p[c][1][i] - v;
-            }
-        }
+    for (uint32_t m = 0; m < count; m++) {
+        uint32_t const i = l->hit[m], inside = (uint32_t)(l->inside[i] & l->lines[i]);
+        if (h->count > THIN_HITS - 4) take_hits(s);
+        for (uint32_t c = 0; c < 4; c++)
+            h->pair[h->count + c] = (uint16_t)(4 * i + bvxi_inside_centres[inside][c]);
+        h->count += bvxi_inside_count[inside];
     }
+    take_hits(s);
 }
 
 /* The next batch of triangles. From the first centre at or after the least coordinate to the last one before the
