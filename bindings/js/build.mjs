@@ -72,7 +72,8 @@ const flagsOf = simd => [
 ];
 const linkingOf = (simd, calls) => [
     '-Oz',
-    '-sBINARYEN_EXTRA_PASSES=--converge', // until nothing gets smaller: a kilobyte less
+    // Control flow is made anew where there are no vectors, which saves two kilobytes; then until nothing gets smaller, one less.
+    `-sBINARYEN_EXTRA_PASSES=${simd.length ? '' : '--flatten,--rereloop,-Oz,-Oz,'}--converge`,
     ...simd,
     '-mbulk-memory',
     '-sSTANDALONE_WASM',
