@@ -204,18 +204,6 @@ static bvx_status combine_operands(cli_run *run, boolean_run *b, uint64_t *set)
     return b->kind == CLI_MESH ? bvx_extract_surface(run->context, &b->grid, NULL, &b->mesh) : BVX_OK;
 }
 
-static int combine_grids(cli_run *run, boolean_run *b)
-{
-    uint64_t set = 0;
-
-    cli_stage_begin(run, "boolean");
-    bvx_status const status = combine_operands(run, b, &set);
-    cli_stage_end(run);
-    if (status != BVX_OK) return fail_boolean(run, b, status);
-    cli_note_voxels(run, &b->grid.lattice, set);
-    return CLI_DONE;
-}
-
 static int write_boolean(cli_run *run, void *work)
 {
     boolean_run *const b = work;
@@ -314,7 +302,15 @@ static int make_boolean(cli_run *run, void *work, cli_made *made)
     b->by_mesh = grids == 0 && b->kind == CLI_MESH;
     CLI_TRY(b->kind == CLI_GRID ? cli_open_grid_output(run, output) : cli_open_output(run, output));
     for (int i = 0; i < 2; i++) CLI_TRY(cli_read_input(run, run->options->input[1 + i], &b->in[i]));
-    return b->by_mesh ? combine_meshes(run, b) : combine_grids(run, b);
+    if (b->by_mesh) return combine_meshes(run, b);
+
+    uint64_t set = 0;
+    cli_stage_begin(run, "boolean");
+    bvx_status const status = combine_operands(run, b, &set);
+    cli_stage_end(run);
+    if (status != BVX_OK) return fail_boolean(run, b, status);
+    cli_note_voxels(run, &b->grid.lattice, set);
+    return CLI_DONE;
 }
 
 static const cli_owned boolean_owns[] = {CLI_OWNS(MESH, boolean_run, mesh),

@@ -96,19 +96,6 @@ static bvx_status look_at_components(cli_run *run, components_job *job)
     return bvx_grid_count(run->context, g, &job->set);
 }
 
-static int list_components(cli_run *run, components_job *job)
-{
-    cli_stage_begin(run, "components");
-    bvx_status const status = look_at_components(run, job);
-    if (status == BVX_OK && job->parts == NULL)
-        return cli_fail(run, "no memory for a list of %" PRIu64 " parts", job->count);
-    CLI_TRY(cli_stage_check(run, status, cli_input_name(job->in.path)));
-    /* Numbers are by the first voxel. */
-    for (uint64_t i = 0; i < job->count; i++) job->parts[i].reserved = i + 1;
-    qsort(job->parts, (size_t)job->count, sizeof *job->parts, by_size);
-    return CLI_DONE;
-}
-
 static void first_of(const bvx_grid *g, const bvx_component *p, int32_t v[3])
 {
     uint64_t const nx = (uint64_t)g->size[0], ny = (uint64_t)g->size[1];
@@ -169,7 +156,15 @@ static int make_components(cli_run *run, void *work, cli_made *made)
     if (output != NULL && !CLI_HOLDS(run, CLI_TO_MESH))
         CLI_TRY(cli_check_grid_format(run, output, &job->in.grid.lattice));
     CLI_TRY(keep_components(run, job));
-    CLI_TRY(list_components(run, job));
+
+    /* Numbers are by the first voxel. */
+    cli_stage_begin(run, "components");
+    bvx_status const status = look_at_components(run, job);
+    if (status == BVX_OK && job->parts == NULL)
+        return cli_fail(run, "no memory for a list of %" PRIu64 " parts", job->count);
+    CLI_TRY(cli_stage_check(run, status, cli_input_name(job->in.path)));
+    for (uint64_t i = 0; i < job->count; i++) job->parts[i].reserved = i + 1;
+    qsort(job->parts, (size_t)job->count, sizeof *job->parts, by_size);
 
     job->voxels.name = run->options->input[0];
     job->voxels.grid = made->shown = &job->in.grid;

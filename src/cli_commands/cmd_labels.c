@@ -149,27 +149,11 @@ static int take_segments(cli_run *run, labels_job *j)
     return CLI_DONE;
 }
 
-/* A line of ITK-SNAP, of .csv or .tsv with a name that may stand in quotes, or of FreeSurfer. */
-static int take_line(cli_run *run, labels_job *j, const char *line)
+static int take_table(cli_run *run, labels_job *j, const char *path)
 {
     static const char *const forms[3] = {
         " %23[^,;\t]%*1[,;\t]\"%511[^\"]\"%*1[,;\t]%3d%*1[,;\t]%3d%*1[,;\t]%3d",
         " %23[^,;\t]%*1[,;\t]%511[^,;\t\r]%*1[,;\t]%3d%*1[,;\t]%3d%*1[,;\t]%3d", "%23s %511s %3d %3d %3d"};
-    char value[VALUE_ROOM], name[LINE_ROOM];
-    int c[3],
-        got = sscanf(line, "%23s %3d %3d %3d %*d %*d %*d \"%511[^\"]", value, &c[0], &c[1], &c[2], name);
-
-    if (got < 5) got = 0;
-    for (int i = 0; i < 3 && got < 2; i++) got = sscanf(line, forms[i], value, name, &c[0], &c[1], &c[2]);
-    label_body *const b = got < 2 ? NULL : find_body(j, value, strlen(value), 0);
-    if (b == NULL || b->named != NULL) return CLI_DONE;
-    b->coloured = got == 5 && (uint32_t)(c[0] | c[1] | c[2]) < 256;
-    for (int i = 0; i < 3 && b->coloured; i++) b->colour[i] = (uint8_t)c[i];
-    return take_name(run, b, name, strlen(name));
-}
-
-static int take_table(cli_run *run, labels_job *j, const char *path)
-{
     char line[LINE_ROOM];
     int named = 0;
 
@@ -180,7 +164,20 @@ static int take_table(cli_run *run, labels_job *j, const char *path)
         if (c != '\n' && at + 1 < j->table.size) continue;
         line[n] = 0;
         n = 0;
-        CLI_TRY(take_line(run, j, line));
+
+        /* A line of ITK-SNAP, of .csv or .tsv with a name that may stand in quotes, or of FreeSurfer. */
+        char value[VALUE_ROOM], name[LINE_ROOM];
+        int rgb[3], got = sscanf(line, "%23s %3d %3d %3d %*d %*d %*d \"%511[^\"]", value, &rgb[0], &rgb[1],
+                                 &rgb[2], name);
+
+        if (got < 5) got = 0;
+        for (int i = 0; i < 3 && got < 2; i++)
+            got = sscanf(line, forms[i], value, name, &rgb[0], &rgb[1], &rgb[2]);
+        label_body *const b = got < 2 ? NULL : find_body(j, value, strlen(value), 0);
+        if (b == NULL || b->named != NULL) continue;
+        b->coloured = got == 5 && (uint32_t)(rgb[0] | rgb[1] | rgb[2]) < 256;
+        for (int i = 0; i < 3 && b->coloured; i++) b->colour[i] = (uint8_t)rgb[i];
+        CLI_TRY(take_name(run, b, name, strlen(name)));
     }
     for (int i = 0; i < j->count; i++) named += j->body[i].named != NULL;
     return named != 0 ? CLI_DONE : cli_fail(run, "%s: no line has the number of a label and a name", path);
@@ -290,37 +287,6 @@ static char *path_of(const cli_run *run, const labels_job *j, const label_body *
     return path;
 }
 
-static int make_bodies(cli_run *run, labels_job *j)
-{
-    int const several = strstr(run->options->output, "%s") != NULL;
-
-    j->mesh = calloc((size_t)j->meshes, sizeof *j->mesh);
-    j->names = calloc((size_t)j->meshes, sizeof *j->names);
-    j->colours = calloc((size_t)j->meshes, 4);
-    if (j->mesh == NULL || j->names == NULL || j->colours == NULL)
-        return cli_fail(run, "no memory for %d meshes", j->meshes);
-    run->progress.rounds = j->meshes;
-    for (int i = 0; i < j->meshes; i++) {
-        label_body *const b = j->chosen[i];
-
-        if ((b->path = path_of(run, j, b)) == NULL) return cli_fail(run, "no memory for a file's name");
-        j->names[i] = b->name;
-        memcpy(j->colours + 4 * i, b->colour, 4);
-        if (several) CLI_TRY(cli_open_output(run, b->path));
-        CLI_TRY(
-            CLI_STAGE(run, "body", bvx_label_mesh(run->context, &j->complex, b->at, &j->mesh[i]), b->name));
-        CLI_TRY(cli_check_mesh(run, &j->mesh[i], i, b->path, "check"));
-        if (!several) continue;
-        /* One file after the other, so that one mesh is held. */
-        run->names = &j->names[i];
-        run->colours = j->colours + 4 * i;
-        CLI_TRY(cli_write_mesh_as(run, &j->mesh[i], i, b->path));
-        bvx_mesh_free(run->context, &j->mesh[i]);
-        if (cli_interrupted()) return cli_fail_interrupted(run);
-    }
-    return CLI_DONE;
-}
-
 static int write_label_bodies(cli_run *run, void *work)
 {
     labels_job *const j = work;
@@ -350,7 +316,33 @@ static int make_labels(cli_run *run, void *work, cli_made *made)
     if (strstr(run->options->output, "%s") == NULL) CLI_TRY(cli_open_output(run, run->options->output));
     CLI_TRY(cli_read_volume(run, run->options->input[0], &window, &j->volume));
     CLI_TRY(take_labels(run, j));
-    return make_bodies(run, j);
+    int const several = strstr(run->options->output, "%s") != NULL;
+
+    j->mesh = calloc((size_t)j->meshes, sizeof *j->mesh);
+    j->names = calloc((size_t)j->meshes, sizeof *j->names);
+    j->colours = calloc((size_t)j->meshes, 4);
+    if (j->mesh == NULL || j->names == NULL || j->colours == NULL)
+        return cli_fail(run, "no memory for %d meshes", j->meshes);
+    run->progress.rounds = j->meshes;
+    for (int i = 0; i < j->meshes; i++) {
+        label_body *const b = j->chosen[i];
+
+        if ((b->path = path_of(run, j, b)) == NULL) return cli_fail(run, "no memory for a file's name");
+        j->names[i] = b->name;
+        memcpy(j->colours + 4 * i, b->colour, 4);
+        if (several) CLI_TRY(cli_open_output(run, b->path));
+        CLI_TRY(
+            CLI_STAGE(run, "body", bvx_label_mesh(run->context, &j->complex, b->at, &j->mesh[i]), b->name));
+        CLI_TRY(cli_check_mesh(run, &j->mesh[i], i, b->path, "check"));
+        if (!several) continue;
+        /* One file after the other, so that one mesh is held. */
+        run->names = &j->names[i];
+        run->colours = j->colours + 4 * i;
+        CLI_TRY(cli_write_mesh_as(run, &j->mesh[i], i, b->path));
+        bvx_mesh_free(run->context, &j->mesh[i]);
+        if (cli_interrupted()) return cli_fail_interrupted(run);
+    }
+    return CLI_DONE;
 }
 
 static void tell_label_bodies(const cli_run *run, const void *work, cli_made *made)

@@ -111,8 +111,10 @@ static int make_kept_level_mesh(cli_run *run, volume_job *j, bvx_status *status)
     return CLI_DONE;
 }
 
-static int make_surface_of_volume(cli_run *run, volume_job *j)
+static int make_volume_mesh(cli_run *run, volume_job *j, cli_made *made)
 {
+    const char *const in = cli_first_name(run);
+
     bvx_status status = BVX_OK;
     int result = CLI_DONE;
 
@@ -126,15 +128,8 @@ static int make_surface_of_volume(cli_run *run, volume_job *j)
         if (status == BVX_OK) status = bvx_extract_surface(run->context, &j->grid, NULL, &j->mesh);
     }
     cli_stage_end(run);
-    if (result != CLI_DONE || status == BVX_OK) return result;
-    return cli_fail_status(run, status, cli_first_name(run));
-}
-
-static int make_volume_mesh(cli_run *run, volume_job *j, cli_made *made)
-{
-    const char *const in = cli_first_name(run);
-
-    CLI_TRY(make_surface_of_volume(run, j));
+    CLI_TRY(result);
+    if (status != BVX_OK) return cli_fail_status(run, status, in);
     if (j->mesh.triangle_count == 0 && run->report.parts.dropped != 0)
         return cli_fail(run, "%s: each of the %" PRIu64 " parts has fewer voxels than --least-part", in,
                         run->report.parts.dropped);

@@ -42,28 +42,6 @@ static void report_level(cli_text *t, const bvx_octree_level *l)
     cli_json_count(t, "bytes", l->bytes);
 }
 
-static void report_tree(const cli_run *run, const cli_tree *tree, cli_made *made)
-{
-    cli_text *const t = &made->members;
-    const bvx_octree_level sum = sum_of(tree);
-
-    cli_text_add(t, ", \"octree\": {\"levels\": %" PRId32, tree->levels);
-    cli_json_ints(t, "base", tree->base.dims);
-    cli_json_count(t, "leaves", sum.voxels - sum.split);
-    cli_json_value(t, "uniform_voxels", uniform_voxels(&run->report.lattice));
-    report_level(t, &sum);
-    if (tree->triangles != 0) cli_json_value(t, "milliseconds", tree->seconds * 1e3);
-    cli_text_add(t, ", \"level\": [");
-    for (int32_t i = 0; i <= tree->levels; i++) {
-        cli_text_add(t, "%s{\"level\": %" PRId32, i == 0 ? "" : ", ", i);
-        report_level(t, &tree->level[i]);
-        cli_text_add(t, "}");
-    }
-    cli_text_add(t, "]");
-    if (tree->kind == CLI_MESH) cli_json_count(t, "triangles", tree->surface.triangle_count);
-    cli_text_add(t, "}");
-}
-
 void cli_tell_levels(const cli_run *run, const cli_tree *t, cli_made *made)
 {
     const bvx_octree_level sum = sum_of(t);
@@ -84,7 +62,23 @@ void cli_tell_levels(const cli_run *run, const cli_tree *t, cli_made *made)
     tell_row(made, "all", "", &sum);
     cli_tell(made, "\n%" PRIu64 " leaves in place of %.0f voxels of one size, %.3g %%; %.3g bytes a leaf\n",
              leaves, uniform, 100.0 * (double)leaves / uniform, (double)sum.bytes / (double)leaves);
-    report_tree(run, t, made);
+    cli_text *const text = &made->members;
+
+    cli_text_add(text, ", \"octree\": {\"levels\": %" PRId32, t->levels);
+    cli_json_ints(text, "base", t->base.dims);
+    cli_json_count(text, "leaves", sum.voxels - sum.split);
+    cli_json_value(text, "uniform_voxels", uniform_voxels(&run->report.lattice));
+    report_level(text, &sum);
+    if (t->triangles != 0) cli_json_value(text, "milliseconds", t->seconds * 1e3);
+    cli_text_add(text, ", \"level\": [");
+    for (int32_t i = 0; i <= t->levels; i++) {
+        cli_text_add(text, "%s{\"level\": %" PRId32, i == 0 ? "" : ", ", i);
+        report_level(text, &t->level[i]);
+        cli_text_add(text, "}");
+    }
+    cli_text_add(text, "]");
+    if (t->kind == CLI_MESH) cli_json_count(text, "triangles", t->surface.triangle_count);
+    cli_text_add(text, "}");
 }
 
 void cli_tell_tree_output(const cli_run *run, const cli_tree *t, cli_made *made)

@@ -254,31 +254,6 @@ static bvx_status find_collision(void *user, uint32_t i, uint32_t j)
     return BVX_OK;
 }
 
-static bvx_status choose_steps(apart_work *w)
-{
-    uint32_t const nodes = w->trace->w->node_count;
-    int again = 1;
-
-    for (int round = 0; again && round < APART_ROUNDS; round++) {
-        /* All collisions of a round are found before a node changes, so their order does not matter. */
-        again = 0;
-        memset(w->mark, 0, nodes);
-        put_segments(w);
-        for (uint32_t i = 0; i < w->segments; i++)
-            w->box[i] = bvxi_box_segment(w->segment[i].q[0], w->segment[i].q[1], i);
-        BVXI_TRY(bvxi_sweep(w->trace->w->s->ctx, w->box, w->segments, find_collision, w));
-        /* What was too near goes further off while that may help: later on all only comes nearer. */
-        for (uint32_t n = 0; n < nodes; n++) {
-            double *const steps = &w->steps[n];
-            if (w->mark[n] == APART_MORE && round < APART_DOUBLINGS && *steps < APART_FARTHEST) *steps *= 2.0;
-            else if (w->mark[n] != 0 && *steps > 1.0) *steps *= 0.5;
-            else continue;
-            again = 1;
-        }
-    }
-    return BVX_OK;
-}
-
 /* By how many steps each stop moves. stays: of each node, the stop that does not. */
 static bvx_status move_apart(apart_work *w, const uint32_t *stays, int16_t (*nudge)[2])
 {
@@ -294,7 +269,24 @@ static bvx_status move_apart(apart_work *w, const uint32_t *stays, int16_t (*nud
     BVXI_TRY(BVXI_ARRAY(ctx, stops + p->w->edge.count, "the segments apart", w->segment));
     BVXI_TRY(BVXI_ARRAY(ctx, stops + p->w->edge.count, "the segments apart", w->box));
     aim_nodes(w, stays);
-    BVXI_TRY(choose_steps(w));
+
+    for (int round = 0, again = 1; again && round < APART_ROUNDS; round++) {
+        /* All collisions of a round are found before a node changes, so their order does not matter. */
+        again = 0;
+        memset(w->mark, 0, (size_t)nodes);
+        put_segments(w);
+        for (uint32_t i = 0; i < w->segments; i++)
+            w->box[i] = bvxi_box_segment(w->segment[i].q[0], w->segment[i].q[1], i);
+        BVXI_TRY(bvxi_sweep(ctx, w->box, w->segments, find_collision, w));
+        /* What was too near goes further off while that may help: later on all only comes nearer. */
+        for (uint32_t n = 0; n < nodes; n++) {
+            double *const steps = &w->steps[n];
+            if (w->mark[n] == APART_MORE && round < APART_DOUBLINGS && *steps < APART_FARTHEST) *steps *= 2.0;
+            else if (w->mark[n] != 0 && *steps > 1.0) *steps *= 0.5;
+            else continue;
+            again = 1;
+        }
+    }
     /* The farthest step still fits 16 bits. */
     for (uint32_t i = 0; i < stops; i++) {
         int32_t steps[2];
@@ -397,19 +389,6 @@ static void mend_turn_ends(mend_trace *t)
     }
 }
 
-/* Stops from one on are a loop that comes back to its node by an end. */
-static void mend_cut_loop(mend_trace *t, uint32_t from, uint32_t *count, uint32_t back)
-{
-    t->loop[t->loop_count++] = t->stop_count;
-    for (uint32_t i = from; i < *count; i++) {
-        mend_stop *const s = &t->stop[t->stop_count++];
-        *s = t->path[i];
-        if (i == from) s->in = back;
-        else t->place[s->node] = BVXI_NONE;
-    }
-    *count = from + 1;
-}
-
 static void mend_follow(mend_trace *t, uint32_t edge)
 {
     uint32_t count = 0, out = 2 * edge;
@@ -423,7 +402,16 @@ static void mend_follow(mend_trace *t, uint32_t edge)
         t->used[out >> 1] = 1;
         t->path[count - 1].out = out;
         if (t->place[node] != BVXI_NONE) {
-            mend_cut_loop(t, t->place[node], &count, in);
+            /* Stops from there on are a loop that comes back to its node by an end. */
+            uint32_t const from = t->place[node];
+            t->loop[t->loop_count++] = t->stop_count;
+            for (uint32_t i = from; i < count; i++) {
+                mend_stop *const s = &t->stop[t->stop_count++];
+                *s = t->path[i];
+                if (i == from) s->in = in;
+                else t->place[s->node] = BVXI_NONE;
+            }
+            count = from + 1;
         } else {
             t->place[node] = count;
             t->path[count].node = node;

@@ -43,23 +43,6 @@ int bvxi_loop_contains(const bvxi_plane *p, const bvxi_contour *c, const int32_t
     return odd;
 }
 
-static void reverse_loop(bvxi_plane *p, const bvxi_contour *c)
-{
-    for (uint32_t i = c->first, j = c->first + c->count - 1; i < j; i++, j--) {
-        uint32_t const given = p->given[i];
-        int32_t q[2];
-        double uv[2];
-        memcpy(q, p->q[i], sizeof q);
-        memcpy(uv, p->uv[i], sizeof uv);
-        p->given[i] = p->given[j];
-        memcpy(p->q[i], p->q[j], sizeof q);
-        memcpy(p->uv[i], p->uv[j], sizeof uv);
-        p->given[j] = given;
-        memcpy(p->q[j], q, sizeof q);
-        memcpy(p->uv[j], uv, sizeof uv);
-    }
-}
-
 void bvxi_loop_box(const bvxi_plane *p, const bvxi_contour *c, int32_t box[4])
 {
     for (int k = 0; k < 2; k++) box[k] = box[k + 2] = p->q[c->first][k];
@@ -98,7 +81,21 @@ bvx_status bvxi_plane_direct(bvxi_stack *s, bvxi_plane *p, int32_t (*box)[4])
                             : bvxi_fail_for(s->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOP_FLAT,
                                             "%s: loop %i of section %u encloses no area", s->function,
                                             (uint64_t)c->given, (uint64_t)p->section);
-        if ((turn > 0) == (c->hole != 0)) reverse_loop(p, c);
+        if ((turn > 0) == (c->hole != 0)) {
+            for (uint32_t m = c->first, j = c->first + c->count - 1; m < j; m++, j--) {
+                uint32_t const given = p->given[m];
+                int32_t q[2];
+                double uv[2];
+                memcpy(q, p->q[m], sizeof q);
+                memcpy(uv, p->uv[m], sizeof uv);
+                p->given[m] = p->given[j];
+                memcpy(p->q[m], p->q[j], sizeof q);
+                memcpy(p->uv[m], p->uv[j], sizeof uv);
+                p->given[j] = given;
+                memcpy(p->q[j], q, sizeof q);
+                memcpy(p->uv[j], uv, sizeof uv);
+            }
+        }
     }
     return BVX_OK;
 }

@@ -76,30 +76,24 @@ enum { SLICE_MOST_PLANES = 1 << 20 };
 #define SLICE_NARROW \
     (1.0 / 67108864.0) /* of the mesh across the normal: the fixed point of sections distinguishes no less */
 
-static bvx_status check_positions(slice_work *w, const bvx_slice_options *o)
-{
-    if (o->spacing != 0.0)
-        return bvxi_fail_for(w->ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                             "%s: spacing and positions are both given", slice_name);
-    if (o->position_count < 1 || o->position_count > SLICE_MOST_PLANES)
-        return bvxi_fail_for(w->ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
-                             "%s: %u positions, allowed are 1 to %d", slice_name, o->position_count,
-                             (int64_t)SLICE_MOST_PLANES);
-    for (uint64_t i = 0; i < o->position_count; i++) {
-        if (!(o->positions[i] - o->positions[i] == 0.0))
-            return bvxi_fail_for(w->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                                 "%s: position %i is not finite", slice_name, i);
-        if (i > 0 && !(o->positions[i] > o->positions[i - 1]))
-            return bvxi_fail_for(w->ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
-                                 "%s: position %i does not lie above the one before it", slice_name, i);
-    }
-    return BVX_OK;
-}
-
 static bvx_status make_planes(slice_work *w, const bvx_slice_options *o, double low, double high)
 {
     if (o->positions != NULL) {
-        BVXI_TRY(check_positions(w, o));
+        if (o->spacing != 0.0)
+            return bvxi_fail_for(w->ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                                 "%s: spacing and positions are both given", slice_name);
+        if (o->position_count < 1 || o->position_count > SLICE_MOST_PLANES)
+            return bvxi_fail_for(w->ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                                 "%s: %u positions, allowed are 1 to %d", slice_name, o->position_count,
+                                 (int64_t)SLICE_MOST_PLANES);
+        for (uint64_t i = 0; i < o->position_count; i++) {
+            if (!(o->positions[i] - o->positions[i] == 0.0))
+                return bvxi_fail_for(w->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                     "%s: position %i is not finite", slice_name, i);
+            if (i > 0 && !(o->positions[i] > o->positions[i - 1]))
+                return bvxi_fail_for(w->ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                                     "%s: position %i does not lie above the one before it", slice_name, i);
+        }
         w->plane_count = o->position_count;
     } else {
         if (!(o->spacing > 0.0) || o->spacing - o->spacing != 0.0)

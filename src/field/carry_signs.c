@@ -176,29 +176,6 @@ static void move_fronts(void *user, uint64_t row, uint64_t end)
     }
 }
 
-/* Until a step reaches nothing. */
-static bvx_status run_fronts(bvx_context *ctx, const char *stage, double at, carry_front *f)
-{
-    uint64_t const rows = bvxi_grid_rows(f->shape);
-    uint64_t reached = 1;
-
-    f->pieces = bvxi_piece_count(rows, 1 + CARRY_WORDS / (uint64_t)f->shape->words_per_row);
-    /* At first any row may have something beside it. */
-    memset(f->changed, 1, (size_t)rows);
-    while (reached != 0) {
-        uint8_t *const was = f->changed;
-        /* All looks before all moves: a step sees the state before it only. */
-        BVXI_TRY(
-            bvxi_for_pieces(ctx, stage, at, at, f->pieces, bvxi_grid_rows(f->shape), look_for_fronts, f));
-        BVXI_TRY(bvxi_for_ranges(ctx, stage, at, at, f->pieces, bvxi_grid_rows(f->shape), move_fronts, f));
-        f->changed = f->change;
-        f->change = was;
-        reached = 0;
-        for (int32_t i = 0; i < f->pieces; i++) reached += f->reached[i];
-    }
-    return BVX_OK;
-}
-
 static bvx_status meet_in_spaces(bvx_context *ctx, const char *stage, double at, const bvx_grid *band,
                                  uint64_t *open, uint64_t *inside)
 {
@@ -212,7 +189,20 @@ static bvx_status meet_in_spaces(bvx_context *ctx, const char *stage, double at,
     f.come_in = come + bvxi_grid_words(band);
     f.changed = changed;
     f.change = changed + rows;
-    return run_fronts(ctx, stage, at, &f);
+    f.pieces = bvxi_piece_count(rows, 1 + CARRY_WORDS / (uint64_t)band->words_per_row);
+    /* At first any row may have something beside it. */
+    memset(f.changed, 1, (size_t)rows);
+    for (uint64_t reached = 1; reached != 0;) {
+        uint8_t *const was = f.changed;
+        /* All looks before all moves: a step sees the state before it only. */
+        BVXI_TRY(bvxi_for_pieces(ctx, stage, at, at, f.pieces, rows, look_for_fronts, &f));
+        BVXI_TRY(bvxi_for_ranges(ctx, stage, at, at, f.pieces, rows, move_fronts, &f));
+        f.changed = f.change;
+        f.change = was;
+        reached = 0;
+        for (int32_t i = 0; i < f.pieces; i++) reached += f.reached[i];
+    }
+    return BVX_OK;
 }
 
 bvx_status bvxi_carry_signs(bvxi_call call, const bvx_grid *band, bvx_grid *inside)

@@ -34,18 +34,6 @@ static const bvxi_option measure_rows[] = {
     BVXI_RESERVED(bvx_field_options, reserved),
 };
 
-static bvx_status check_empty_field(bvx_context *ctx, const bvx_field *field)
-{
-    if (field == NULL) return bvxi_fail_null(ctx, measure_name, "field");
-    if (field->band.owned == 1) return BVX_OK; /* the library's own, which go when another one is made */
-    if (field->band.words != NULL || field->inside.words != NULL || field->row_values != NULL ||
-        field->vectors != NULL || field->distances != NULL || field->triangles != NULL ||
-        field->features != NULL)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
-                             "%s: field brings arrays, which are not used; zero it first", measure_name);
-    return BVX_OK;
-}
-
 /* The half-width in the world; infinity where doubles do not hold it. */
 static double measure_width(const bvx_lattice *l, double half_width)
 {
@@ -211,7 +199,14 @@ static bvx_status run_measure_field(bvx_context *context, const bvx_mesh_view *m
 {
     measure_job job = {0};
 
-    BVXI_TRY(check_empty_field(context, field));
+    if (field == NULL) return bvxi_fail_null(context, measure_name, "field");
+    /* The library's own arrays go when another one is made. */
+    if (field->band.owned != 1 &&
+        (field->band.words != NULL || field->inside.words != NULL || field->row_values != NULL ||
+         field->vectors != NULL || field->distances != NULL || field->triangles != NULL ||
+         field->features != NULL))
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
+                             "%s: field brings arrays, which are not used; zero it first", measure_name);
     BVXI_TRY(bvxi_take_options(context, measure_name, options, &job.o, sizeof job.o));
     BVXI_TRY(bvxi_check_options(context, measure_name, &job.o, BVXI_OPTIONS(measure_rows)));
     BVXI_TRY(bvxi_view_check(context, measure_name, mesh));

@@ -25,29 +25,6 @@ typedef struct gap_job {
     int32_t axis, m, both, pieces;
 } gap_job;
 
-/* row[x] joined with row[x - by]; 0 where that lies below. */
-static void join_row_down(uint64_t *row, int32_t words, int32_t by)
-{
-    int32_t const far = by >> 6, bits = by & 63;
-    /* From the top down: words below are read before they are written, so it works in place. */
-    for (int32_t k = words - 1; k >= far; k--) {
-        uint64_t w = row[k - far] << bits;
-        if (bits != 0 && k > far) w |= row[k - far - 1] >> (64 - bits);
-        row[k] |= w;
-    }
-}
-
-/* row[x] and row[x + by]; 0 where that lies above. */
-static void join_row_up(uint64_t *row, int32_t words, int32_t by)
-{
-    int32_t const far = by >> 6, bits = by & 63;
-    for (int32_t k = 0; k < words; k++) {
-        uint64_t w = k + far < words ? row[k + far] >> bits : 0;
-        if (bits != 0 && k + far + 1 < words) w |= row[k + far + 1] << (64 - bits);
-        row[k] &= w;
-    }
-}
-
 /* The same for rows `stride` words apart, n of them: each joined with the
  * one `by` before (OR) or behind it (AND). */
 static void join_rows(uint64_t *first, size_t stride, int32_t n, int32_t words, int32_t by, int both)
@@ -70,9 +47,23 @@ static void join_line(const gap_job *job, uint64_t *first, size_t stride, int32_
     /* Doubling: a stretch of 2 n is two of n, and overlapping stretches do no harm to OR and AND. */
     for (int32_t length = 1; length < job->m;) {
         int32_t const by = length < job->m - length ? length : job->m - length;
-        if (job->axis == 0 && job->both) join_row_up(first, job->row_words, by);
-        else if (job->axis == 0) join_row_down(first, job->row_words, by);
-        else join_rows(first, stride, n, job->row_words, by, job->both);
+        int32_t const far = by >> 6, bits = by & 63;
+
+        if (job->axis == 0 && job->both) {
+            /* Bits x and x + by; 0 where that lies above. */
+            for (int32_t k = 0; k < job->row_words; k++) {
+                uint64_t w = k + far < job->row_words ? first[k + far] >> bits : 0;
+                if (bits != 0 && k + far + 1 < job->row_words) w |= first[k + far + 1] << (64 - bits);
+                first[k] &= w;
+            }
+        } else if (job->axis == 0) {
+            /* Bits x or x - by. From the top down: words below are read before they are written. */
+            for (int32_t k = job->row_words - 1; k >= far; k--) {
+                uint64_t w = first[k - far] << bits;
+                if (bits != 0 && k > far) w |= first[k - far - 1] >> (64 - bits);
+                first[k] |= w;
+            }
+        } else join_rows(first, stride, n, job->row_words, by, job->both);
         length += by;
     }
 }

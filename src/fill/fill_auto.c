@@ -174,27 +174,21 @@ static void measure_beyond(const bvx_lattice *l, int a, const double low[3], con
     beyond[1] = high[a] / l->spacing[a] - first - l->dims[a];
 }
 
-/* Where no vertex lies beyond, none of a triangle does. */
-static int is_around_all(const auto_work *w, const bvx_lattice *l)
-{
-    double low[3], high[3], beyond[2];
-    uint32_t at[6];
-    int within = bvxi_view_outer_bounds(&w->choice.view, low, high, at);
-
-    for (int a = 0; a < 3 && within; a++) {
-        measure_beyond(l, a, low, high, beyond);
-        within = beyond[0] <= 0.0 && beyond[1] <= 0.0;
-    }
-    return within;
-}
-
 /* Voxels of l put around it, so that no triangle lies beyond. Returns 1 where there are some. */
 static int reach_around(const auto_work *w, bvx_lattice *l)
 {
     double low[3], high[3], out[2];
+    uint32_t at[6];
     int beyond = 0;
 
-    if (is_around_all(w, l)) return 0;
+    /* Where no vertex lies beyond, none of a triangle does. */
+    int within = bvxi_view_outer_bounds(&w->choice.view, low, high, at);
+
+    for (int a = 0; a < 3 && within; a++) {
+        measure_beyond(l, a, low, high, out);
+        within = out[0] <= 0.0 && out[1] <= 0.0;
+    }
+    if (within) return 0;
     bvxi_view_used_bounds(&w->choice.view, low, high);
     for (int a = 0; a < 3; a++) {
         measure_beyond(l, a, low, high, out);

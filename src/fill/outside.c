@@ -176,30 +176,6 @@ static bvx_status follow_open_edges(bvx_context *ctx, outside_job *w, int32_t mo
     return BVX_OK;
 }
 
-/* Mark both ends of blocked edges whose ends are outside: a wall that no centre lies in. */
-static void mark_outside_sheets(const outside_job *w, uint64_t *sheets)
-{
-    const bvx_grid *const g = w->outside;
-    size_t const row = (size_t)g->words_per_row, step[3] = {0, row, row * (size_t)g->size[1]};
-    uint64_t const words = bvxi_grid_words(g);
-
-    memset(sheets, 0, (size_t)words * 8);
-    for (uint64_t i = 0; i < words; i++) {
-        size_t const at = (size_t)i;
-        uint64_t const first = at % row == 0 ? 0 : g->words[at - 1] >> 63;
-        uint64_t both = g->words[at] & (g->words[at] << 1 | first) & w->blocked[0][at];
-
-        sheets[at] |= both | both >> 1;
-        if ((both & 1) != 0 && at % row != 0) sheets[at - 1] |= UINT64_C(1) << 63;
-        for (int32_t axis = 1; axis < 3; axis++) {
-            if (axis == 1 ? at / row % (size_t)g->size[1] == 0 : at < step[2]) continue;
-            both = g->words[at] & g->words[at - step[axis]] & w->blocked[axis][at];
-            sheets[at] |= both;
-            sheets[at - step[axis]] |= both;
-        }
-    }
-}
-
 bvx_status bvxi_outside(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, int32_t gap,
                         bvx_grid *outside, bvx_grid *sheets)
 {
@@ -222,6 +198,25 @@ bvx_status bvxi_outside(bvx_context *ctx, const char *function, const bvx_mesh_v
         BVXI_TRY(BVXI_ZEROS(ctx, words, "the steps to centres", w.plane[p]));
     BVXI_TRY(BVXI_SHARE(ctx, 0.8, 1.0,
                         follow_open_edges(ctx, &w, gap + 2 < OUTSIDE_MOST ? gap + 2 : OUTSIDE_MOST)));
-    mark_outside_sheets(&w, sheets->words);
+
+    /* Mark both ends of blocked edges whose ends are outside: a wall that no centre lies in. */
+    const bvx_grid *const g = outside;
+    size_t const row = (size_t)g->words_per_row, step[3] = {0, row, row * (size_t)g->size[1]};
+
+    memset(sheets->words, 0, (size_t)words * 8);
+    for (uint64_t i = 0; i < words; i++) {
+        size_t const at = (size_t)i;
+        uint64_t const first = at % row == 0 ? 0 : g->words[at - 1] >> 63;
+        uint64_t both = g->words[at] & (g->words[at] << 1 | first) & w.blocked[0][at];
+
+        sheets->words[at] |= both | both >> 1;
+        if ((both & 1) != 0 && at % row != 0) sheets->words[at - 1] |= UINT64_C(1) << 63;
+        for (int32_t axis = 1; axis < 3; axis++) {
+            if (axis == 1 ? at / row % (size_t)g->size[1] == 0 : at < step[2]) continue;
+            both = g->words[at] & g->words[at - step[axis]] & w.blocked[axis][at];
+            sheets->words[at] |= both;
+            sheets->words[at - step[axis]] |= both;
+        }
+    }
     return BVX_OK;
 }

@@ -63,28 +63,6 @@ static void mark_even_columns(const uint8_t *odd, int32_t nx, int32_t rows, uint
                 even[(size_t)r * (size_t)words + (size_t)(x >> 6)] |= UINT64_C(1) << (x & 63);
 }
 
-/* Sure centres on rows that do not balance are not; 1 when none remains. */
-static int drop_odd_rows(vote_work *w)
-{
-    const bvx_grid *const g = w->solid;
-    uint64_t const rows = bvxi_grid_rows(g), ny = (uint64_t)g->size[1];
-    size_t const words = (size_t)g->words_per_row;
-    uint64_t unsure = 0;
-
-    /* Sure is a centre whose rows balance along all three axes. */
-    for (uint64_t row = 0; row < rows; row++) {
-        const uint64_t *const even_y = w->even_y + (size_t)(row / ny) * words;
-        const uint64_t *const even_z = w->even_z + (size_t)(row % ny) * words;
-        uint64_t *const sure = w->sure + (size_t)row * words;
-        uint64_t const even_x = w->odd_rows[0][row] ? 0 : ~UINT64_C(0);
-        for (size_t k = 0; k < words; k++) {
-            sure[k] &= even_x & even_y[k] & even_z[k];
-            unsure |= sure[k] ^ (k + 1 == words ? bvxi_tail_mask(g->size[0]) : ~UINT64_C(0));
-        }
-    }
-    return unsure == 0;
-}
-
 /* Centres that are not sure change sides where the sheet's crossings, and
  * its way to where it covers half of all directions, say so together. */
 static void vote_rows(const bvxi_turns_job *job, const bvxi_turns_block *b, const bvxi_row_codes *mesh,
@@ -170,7 +148,23 @@ static bvx_status ask_all_directions(bvx_context *ctx, bvxi_solid_job *job, vote
     mark_even_columns(w->odd_rows[2], size[0], size[1], w->even_z);
 
     /* Nothing is unsure on a mesh without holes: looking for holes would cost more than all three votes. */
-    if (drop_odd_rows(w)) return BVX_OK;
+    const bvx_grid *const g = w->solid;
+    uint64_t const rows = bvxi_grid_rows(g), ny = (uint64_t)g->size[1];
+    size_t const words = (size_t)g->words_per_row;
+    uint64_t unsure = 0;
+
+    /* Sure is a centre whose rows balance along all three axes. */
+    for (uint64_t row = 0; row < rows; row++) {
+        const uint64_t *const even_y = w->even_y + (size_t)(row / ny) * words;
+        const uint64_t *const even_z = w->even_z + (size_t)(row % ny) * words;
+        uint64_t *const sure = w->sure + (size_t)row * words;
+        uint64_t const even_x = w->odd_rows[0][row] ? 0 : ~UINT64_C(0);
+        for (size_t k = 0; k < words; k++) {
+            sure[k] &= even_x & even_y[k] & even_z[k];
+            unsure |= sure[k] ^ (k + 1 == words ? bvxi_tail_mask(g->size[0]) : ~UINT64_C(0));
+        }
+    }
+    if (unsure == 0) return BVX_OK;
 
     /* Back along x, since the last vote has left the vertices turned. */
     double const part = from + (to - from) / 8;

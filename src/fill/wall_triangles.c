@@ -95,16 +95,6 @@ static inline int32_t wall_block_index(uint32_t block, int axis)
     return (int32_t)(block >> axis * NEAR_BITS & ((1u << NEAR_BITS) - 1));
 }
 
-/* 1: blocks b and c are a or beside it. The difference of each coordinate, and one more, is added to its highest bit;
- * of both at once. */
-static inline int are_blocks_beside(uint32_t a, uint32_t b, uint32_t c)
-{
-    uint64_t const both = UINT64_C(0x100000001), ones = both * (1u | 1u << NEAR_BITS | 1u << 2 * NEAR_BITS);
-    uint64_t const high = ones << (NEAR_BITS - 1);
-    uint64_t const x = (both * a | high) - ((uint64_t)b << 32 | c) + ones;
-    return (x & ~(3 * ones)) == high && (x & x >> 1 & ones) == 0;
-}
-
 /* Two blocks along each axis are a cell; the one after all is that of triangles that are larger. */
 static inline uint32_t near_cell_index(const bvxi_near_cells *c, int32_t x, int32_t y, int32_t z)
 {
@@ -129,7 +119,13 @@ static void place_piece_in_cells(void *user, uint64_t begin, uint64_t end)
         if (packed) memcpy(c, (const unsigned char *)t->mesh->indices + (size_t)n * 12, sizeof c);
         else bvxi_view_triangle(t->mesh, n, c);
         uint32_t const b = block_of[c[0]];
-        int const small = are_blocks_beside(b, block_of[c[1]], block_of[c[2]]);
+        /* The other blocks are b or beside it. The difference of each coordinate, and one more, is added to its
+         * highest bit; of both at once. */
+        uint64_t const both = UINT64_C(0x100000001),
+                       ones = both * (1u | 1u << NEAR_BITS | 1u << 2 * NEAR_BITS);
+        uint64_t const high = ones << (NEAR_BITS - 1);
+        uint64_t const x = (both * b | high) - ((uint64_t)block_of[c[1]] << 32 | block_of[c[2]]) + ones;
+        int const small = (x & ~(3 * ones)) == high && (x & x >> 1 & ones) == 0;
         t->cells->cell_of[n] = small ? near_cell_index(t->cells, wall_block_index(b, 0) / 2,
                                                        wall_block_index(b, 1) / 2, wall_block_index(b, 2) / 2)
                                      : last_near_cell(t->cells);
@@ -317,28 +313,6 @@ bvx_status bvxi_triangles_near(bvx_context *ctx, const bvx_mesh_view *mesh, cons
 
 /* ---- their order ---- */
 
-/* Corners in the order of their places, in p too. Returns 1 when that turns the triangle round. */
-static uint8_t order_corners(uint32_t c[3], double p[3][3])
-{
-    uint8_t turned = 0;
-
-    for (int step = 0; step < 3; step++) {
-        int const k = step & 1; /* corners 0 and 1, 1 and 2, 0 and 1 */
-        uint32_t const first = c[k];
-
-        if (!bvxi_corner_before(p[k + 1], p[k])) continue;
-        c[k] = c[k + 1];
-        c[k + 1] = first;
-        for (int a = 0; a < 3; a++) {
-            double const x = p[k][a];
-            p[k][a] = p[k + 1][a];
-            p[k + 1][a] = x;
-        }
-        turned ^= 1;
-    }
-    return turned;
-}
-
 /* The hash of corners in their order, so that it does not depend on how they were given. */
 static void key_piece_nearby(void *user, uint64_t begin, uint64_t end)
 {
@@ -350,7 +324,26 @@ static void key_piece_nearby(void *user, uint64_t begin, uint64_t end)
         double p[3][3];
 
         bvxi_view_corners(&t->near, n, p);
-        t->against[n] = order_corners(t->corner + 3 * n, p);
+
+        /* Corners in the order of their places, in p too; turned: whether that turns the triangle round. */
+        uint32_t *const c = t->corner + 3 * n;
+        uint8_t turned = 0;
+
+        for (int step = 0; step < 3; step++) {
+            int const k = step & 1; /* corners 0 and 1, 1 and 2, 0 and 1 */
+            uint32_t const first = c[k];
+
+            if (!bvxi_corner_before(p[k + 1], p[k])) continue;
+            c[k] = c[k + 1];
+            c[k + 1] = first;
+            for (int a = 0; a < 3; a++) {
+                double const x = p[k][a];
+                p[k][a] = p[k + 1][a];
+                p[k + 1][a] = x;
+            }
+            turned ^= 1;
+        }
+        t->against[n] = turned;
         job->keys[n] = bvxi_corners_hash((const double(*)[3])p, scale);
         job->numbers[n] = (uint32_t)n;
     }
@@ -364,34 +357,6 @@ static void move_piece_nearby(void *user, uint64_t begin, uint64_t end)
         memcpy(job->sorted + 3 * n, corner + 3 * (size_t)job->numbers[n], 12);
         job->sides[n] = job->walls->against[job->numbers[n]];
     }
-}
-
-static bvx_status order_triangles_nearby(near_job *job)
-{
-    bvxi_walls *const t = job->walls;
-    bvx_context *const ctx = t->ctx;
-    uint64_t const count = t->near.triangle_count;
-
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count, "the sides of thin places", &t->against));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count, "the sides of thin places in order", &job->sides));
-    BVXI_TRY(
-        bvxi_alloc(ctx, BVXI_SCRATCH, count * 12, "the triangles at thin places in order", &job->sorted));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the order of triangles at thin places", &job->keys));
-    BVXI_TRY(BVXI_ARRAY(ctx, count, "the numbers of triangles at thin places", job->numbers));
-    /* In an order that no numbering of the mesh shows in: that of a hash of their corners' places. */
-    BVXI_TRY(run_near(job, count, key_piece_nearby));
-    BVXI_TRY(bvxi_radix_sort(ctx, job->keys, job->numbers, count));
-    BVXI_TRY(run_near(job, count, move_piece_nearby));
-    bvxi_drop(ctx, job->numbers);
-    bvxi_drop(ctx, job->keys);
-
-    /* Room for all triangles is needed no more. */
-    bvxi_drop(ctx, t->corner);
-    bvxi_drop(ctx, t->against);
-    t->corner = job->sorted;
-    t->against = job->sides;
-    view_triangles(t->mesh, t->corner, count, &t->near);
-    return BVX_OK;
 }
 
 /* ---- the search ---- */
@@ -408,7 +373,27 @@ bvx_status bvxi_walls_near(bvxi_walls *t, double reach)
     if (t->near.triangle_count == 0) return BVX_OK;
 
     bvxi_view_used_bounds(&t->near, low, high);
-    BVXI_TRY(order_triangles_nearby(&job));
+    bvx_context *const ctx = t->ctx;
+    uint64_t const count = t->near.triangle_count;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count, "the sides of thin places", &t->against));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count, "the sides of thin places in order", &job.sides));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 12, "the triangles at thin places in order", &job.sorted));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the order of triangles at thin places", &job.keys));
+    BVXI_TRY(BVXI_ARRAY(ctx, count, "the numbers of triangles at thin places", job.numbers));
+    /* In an order that no numbering of the mesh shows in: that of a hash of their corners' places. */
+    BVXI_TRY(run_near(&job, count, key_piece_nearby));
+    BVXI_TRY(bvxi_radix_sort(ctx, job.keys, job.numbers, count));
+    BVXI_TRY(run_near(&job, count, move_piece_nearby));
+    bvxi_drop(ctx, job.numbers);
+    bvxi_drop(ctx, job.keys);
+
+    /* Room for all triangles is needed no more. */
+    bvxi_drop(ctx, t->corner);
+    bvxi_drop(ctx, t->against);
+    t->corner = job.sorted;
+    t->against = job.sides;
+    view_triangles(t->mesh, t->corner, count, &t->near);
     return bvxi_closest_build(bvxi_call_of(t->ctx, NULL, "thin", 0.3, 0.4), &t->near, low, high,
                               bvxi_unit_scale(low, high), &t->closest.tree);
 }

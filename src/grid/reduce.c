@@ -126,23 +126,6 @@ static uint64_t counts_above(const bvxi_blocks *b, const uint64_t *planes, int32
     return above;
 }
 
-static void put_majority(const bvxi_blocks *b, const uint64_t *planes, int32_t digits, uint64_t across,
-                         uint64_t *row)
-{
-    int32_t const last = b->window.size[0] - 1, ends[2] = {0, last};
-    for (int32_t k = 0; k < b->count_words; k++)
-        row[k] = counts_above(b, planes, digits, k, across * (uint64_t)b->factor[0] / 2);
-    /* The first and the last block may be cut by the window: their half is smaller. */
-    for (int32_t e = 0; e < 2; e++) {
-        uint64_t const bit = UINT64_C(1) << (ends[e] & 63);
-        int32_t begin, end;
-        bvxi_block_range(b, 0, ends[e], &begin, &end);
-        row[ends[e] >> 6] &= ~bit;
-        row[ends[e] >> 6] |= bit & counts_above(b, planes, digits, ends[e] >> 6,
-                                                across * (uint64_t)(end - begin) / 2);
-    }
-}
-
 static void reduce_piece(void *user, int32_t index, int32_t worker)
 {
     const reduce_job *const job = user;
@@ -163,7 +146,19 @@ static void reduce_piece(void *user, int32_t index, int32_t worker)
         } else if (job->rule == BVX_REDUCE_MAJORITY) {
             bvxi_block_range(b, 1, j, &y[0], &y[1]);
             bvxi_block_range(b, 2, k, &z[0], &z[1]);
-            put_majority(b, planes, digits, (uint64_t)(y[1] - y[0]) * (uint64_t)(z[1] - z[0]), row);
+            uint64_t const across = (uint64_t)(y[1] - y[0]) * (uint64_t)(z[1] - z[0]);
+            int32_t const last = b->window.size[0] - 1, ends[2] = {0, last};
+            for (int32_t x = 0; x < b->count_words; x++)
+                row[x] = counts_above(b, planes, digits, x, across * (uint64_t)b->factor[0] / 2);
+            /* The first and the last block may be cut by the window: their half is smaller. */
+            for (int32_t e = 0; e < 2; e++) {
+                uint64_t const bit = UINT64_C(1) << (ends[e] & 63);
+                int32_t from, to;
+                bvxi_block_range(b, 0, ends[e], &from, &to);
+                row[ends[e] >> 6] &= ~bit;
+                row[ends[e] >> 6] |= bit & counts_above(b, planes, digits, ends[e] >> 6,
+                                                        across * (uint64_t)(to - from) / 2);
+            }
         } else {
             for (size_t w = 0; w < words; w++) row[w] = job->rule == BVX_REDUCE_ALL ? ~planes[w] : planes[w];
         }

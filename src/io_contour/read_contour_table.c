@@ -291,27 +291,6 @@ static bvx_status read_table_line(table_reader *r, const char *p, const char *en
     return bvxi_contour_add_point(r->f, point);
 }
 
-/* A loop whose lines stand apart would be two. */
-static bvx_status refuse_parted_loops(table_reader *r)
-{
-    const bvx_sections *const s = &r->f->sections;
-    uint64_t const n = s->loop_count;
-    uint32_t *order = NULL;
-
-    BVXI_TRY(bvxi_alloc(r->f->ctx, BVXI_SCRATCH, n * 4, "the names of loops", &order));
-    /* Sorted by the hash of section and loop, equal names become neighbours. */
-    for (uint64_t i = 0; i < n; i++) order[i] = (uint32_t)i;
-    BVXI_TRY(bvxi_radix_sort(r->f->ctx, r->loop_hash, order, n));
-    for (uint64_t i = 1; i < n; i++)
-        if (r->loop_hash[i] == r->loop_hash[i - 1])
-            return BVXI_FILE_FAIL(
-                r->f, BVX_ERR_FORMAT,
-                "loops %u and %u of the file (section at %g) have one name in one section: lines of a "
-                "loop stand together",
-                (uint64_t)order[i - 1], (uint64_t)order[i], s->positions[s->loops[order[i]].section]);
-    return BVX_OK;
-}
-
 bvx_status bvxi_read_contour_table(bvxi_contour_file *f, double close_gap)
 {
     table_reader r = {.f = f, .close_gap = close_gap};
@@ -337,5 +316,22 @@ bvx_status bvxi_read_contour_table(bvxi_contour_file *f, double close_gap)
     if (!headed) return BVXI_FILE_FAIL(f, BVX_ERR_EMPTY, "the file has no head line");
 
     BVXI_TRY(end_table_loop(&r, f->end));
-    return refuse_parted_loops(&r);
+
+    /* A loop whose lines stand apart would be two. */
+    const bvx_sections *const s = &r.f->sections;
+    uint64_t const n = s->loop_count;
+    uint32_t *order = NULL;
+
+    BVXI_TRY(bvxi_alloc(r.f->ctx, BVXI_SCRATCH, n * 4, "the names of loops", &order));
+    /* Sorted by the hash of section and loop, equal names become neighbours. */
+    for (uint64_t i = 0; i < n; i++) order[i] = (uint32_t)i;
+    BVXI_TRY(bvxi_radix_sort(r.f->ctx, r.loop_hash, order, n));
+    for (uint64_t i = 1; i < n; i++)
+        if (r.loop_hash[i] == r.loop_hash[i - 1])
+            return BVXI_FILE_FAIL(
+                r.f, BVX_ERR_FORMAT,
+                "loops %u and %u of the file (section at %g) have one name in one section: lines of a "
+                "loop stand together",
+                (uint64_t)order[i - 1], (uint64_t)order[i], s->positions[s->loops[order[i]].section]);
+    return BVX_OK;
 }

@@ -188,34 +188,6 @@ static bvx_status csl_settle_holes(bvxi_contour_file *f, uint64_t first, uint64_
     return BVX_OK;
 }
 
-static bvx_status csl_plane(bvxi_contour_file *f, uint32_t section)
-{
-    uint64_t number, points, loops;
-    double equation[4], normal[3], position = 0.0, *at = NULL;
-
-    csl_skip(f);
-    const char *const start = f->p;
-    BVXI_TRY(csl_whole(f, "expected a plane's number", UINT32_MAX, &number));
-    BVXI_TRY(csl_whole(f, "expected a plane's number of points", (uint64_t)(f->end - f->p) / CSL_LEAST_POINT,
-                       &points));
-    BVXI_TRY(csl_whole(f, "expected a plane's number of loops", (uint64_t)(f->end - f->p), &loops));
-    for (int i = 0; i < 4; i++) BVXI_TRY(csl_real(f, "expected the plane's equation", &equation[i]));
-
-    BVXI_TRY(csl_plane_normal(f, start, equation, normal, &position));
-    BVXI_TRY(bvxi_alloc(f->ctx, BVXI_SCRATCH, points * 24, "the points of a plane", &at));
-    BVXI_TRY(csl_points(f, start, normal, at, points, position));
-    BVXI_TRY(bvxi_contour_add_plane(f, position, normal));
-
-    uint64_t const first = f->sections.loop_count;
-    uint32_t *around;
-    BVXI_TRY(bvxi_alloc(f->ctx, BVXI_SCRATCH, loops * 4, "the holes of a plane", &around));
-    for (uint64_t i = 0; i < loops; i++) BVXI_TRY(csl_loop(f, at, points, section, loops, &around[i]));
-    BVXI_TRY(csl_settle_holes(f, first, loops, around));
-    bvxi_drop(f->ctx, around);
-    bvxi_drop(f->ctx, at);
-    return BVX_OK;
-}
-
 /* Loops stand in the order of their planes, and so do their points; a loop of what fills a hole has points of
  * a loop before it. */
 static void csl_settle_planes(bvxi_contour_file *f)
@@ -261,7 +233,30 @@ bvx_status bvxi_read_csl(bvxi_contour_file *f)
     BVXI_TRY(csl_whole(f, "expected the number of labels", UINT32_MAX, &labels));
     for (uint64_t i = 0; i < planes; i++) {
         BVXI_TRY(bvxi_progress(f->ctx, "read", (double)(f->p - f->begin) / (double)(f->end - f->begin)));
-        BVXI_TRY(csl_plane(f, (uint32_t)i));
+        uint64_t number, points, loops;
+        double equation[4], normal[3], position = 0.0, *at = NULL;
+
+        csl_skip(f);
+        const char *const start = f->p;
+        BVXI_TRY(csl_whole(f, "expected a plane's number", UINT32_MAX, &number));
+        BVXI_TRY(csl_whole(f, "expected a plane's number of points",
+                           (uint64_t)(f->end - f->p) / CSL_LEAST_POINT, &points));
+        BVXI_TRY(csl_whole(f, "expected a plane's number of loops", (uint64_t)(f->end - f->p), &loops));
+        for (int j = 0; j < 4; j++) BVXI_TRY(csl_real(f, "expected the plane's equation", &equation[j]));
+
+        BVXI_TRY(csl_plane_normal(f, start, equation, normal, &position));
+        BVXI_TRY(bvxi_alloc(f->ctx, BVXI_SCRATCH, points * 24, "the points of a plane", &at));
+        BVXI_TRY(csl_points(f, start, normal, at, points, position));
+        BVXI_TRY(bvxi_contour_add_plane(f, position, normal));
+
+        uint64_t const first = f->sections.loop_count;
+        uint32_t *around;
+        BVXI_TRY(bvxi_alloc(f->ctx, BVXI_SCRATCH, loops * 4, "the holes of a plane", &around));
+        for (uint64_t j = 0; j < loops; j++)
+            BVXI_TRY(csl_loop(f, at, points, (uint32_t)i, loops, &around[j]));
+        BVXI_TRY(csl_settle_holes(f, first, loops, around));
+        bvxi_drop(f->ctx, around);
+        bvxi_drop(f->ctx, at);
     }
 
     /* More after the last plane means that a count was wrong, and with it everything that was read. */

@@ -9,31 +9,6 @@
 
 /* ---- CSL ---- */
 
-typedef struct section_counts {
-    uint64_t points, loops;
-} section_counts;
-
-/* Number, counts and plane of a section. A stack of one direction has its unit normal in the frame already. */
-static void put_csl_head(const bvx_sections *s, uint64_t section, const double normal[3], bvxi_output *o)
-{
-    section_counts c = {0, 0};
-    for (uint64_t i = 0; i < s->loop_count; i++)
-        if (s->loops[i].section == section) {
-            c.points += s->loops[i].point_count;
-            c.loops++;
-        }
-    double unit[3] = {normal[0], normal[1], normal[2]};
-
-    if (s->normals != NULL) {
-        const double *const n = s->normals + 3 * section;
-        double const length = sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2]);
-        for (int k = 0; k < 3; k++) unit[k] = n[k] / length;
-    }
-    /* CSL has the plane as a x + b y + c z + d = 0. */
-    bvxi_output_print(o, "\n%u %u %u %v %g\n\n", section + 1, c.points, c.loops, unit, " ",
-                      -s->positions[section]);
-}
-
 static void put_csl(const bvx_sections *s, const double normal[3], bvxi_output *o)
 {
     int32_t most = 1;
@@ -41,7 +16,23 @@ static void put_csl(const bvx_sections *s, const double normal[3], bvxi_output *
         if (s->loops[i].label > most) most = s->loops[i].label;
     bvxi_output_print(o, "CSLC\n%u %u\n", (uint64_t)s->section_count, (uint64_t)most + 1);
     for (uint64_t k = 0; k < s->section_count; k++) {
-        put_csl_head(s, k, normal, o);
+        /* Number, counts and plane of a section. A stack of one direction has its unit normal in the frame
+         * already. */
+        uint64_t points = 0, loops = 0;
+        for (uint64_t i = 0; i < s->loop_count; i++)
+            if (s->loops[i].section == k) {
+                points += s->loops[i].point_count;
+                loops++;
+            }
+        double unit[3] = {normal[0], normal[1], normal[2]};
+
+        if (s->normals != NULL) {
+            const double *const n = s->normals + 3 * k;
+            double const length = sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2]);
+            for (int a = 0; a < 3; a++) unit[a] = n[a] / length;
+        }
+        /* CSL has the plane as a x + b y + c z + d = 0. */
+        bvxi_output_print(o, "\n%u %u %u %v %g\n\n", k + 1, points, loops, unit, " ", -s->positions[k]);
         for (uint64_t i = 0; i < s->loop_count; i++) {
             if (s->loops[i].section != k) continue;
             for (uint64_t j = 0; j < s->loops[i].point_count; j++)

@@ -52,17 +52,6 @@ PACK_64(pack_64_u16, uint16_t)
 PACK_64(pack_64_u32, uint32_t)
 PACK_64(pack_64_u64, uint64_t)
 
-static uint64_t pack_few(const uint8_t *p, int64_t stride, uint32_t size, uint64_t mask, int32_t n)
-{
-    uint64_t w = 0;
-    for (int32_t i = 0; i < n; i++) {
-        uint64_t v = 0;
-        memcpy(&v, p + (ptrdiff_t)(i * stride), size);
-        w |= (uint64_t)((v & mask) != 0) << i;
-    }
-    return w;
-}
-
 BVXI_VECTOR_INLINE void pack_run_of(const pack_rule *rule, const uint8_t *p, int64_t stride, int32_t n,
                                     uint64_t *words)
 {
@@ -78,9 +67,15 @@ BVXI_VECTOR_INLINE void pack_run_of(const pack_rule *rule, const uint8_t *p, int
                    : size == 4 ? pack_64_u32(q, rule->mask)
                                : pack_64_u64(q, rule->mask);
     }
-    for (int32_t i = 64 * whole; i < n; i += 64)
-        words[i >> 6] = pack_few(p + (ptrdiff_t)(i * stride), stride, size, rule->mask,
-                                 n - i < 64 ? n - i : 64);
+    for (int32_t i = 64 * whole; i < n; i += 64) {
+        uint64_t w = 0;
+        for (int32_t k = i; k < n && k < i + 64; k++) {
+            uint64_t v = 0;
+            memcpy(&v, p + (ptrdiff_t)(k * stride), size);
+            w |= (uint64_t)((v & rule->mask) != 0) << (k - i);
+        }
+        words[i >> 6] = w;
+    }
 }
 
 static void pack_run_portable(const void *rule, void *tally, const uint8_t *p, int64_t stride, int32_t n,

@@ -134,31 +134,6 @@ static bvx_status binvox_take_header(binvox_reading *r)
 
 /* ---- pairs ---- */
 
-static bvx_status binvox_check_pairs(const binvox_reading *r)
-{
-    bvx_context *const ctx = r->source->ctx;
-    const uint8_t *const end = r->source->end;
-    int fits = 1;
-    uint64_t const voxels = bvxi_mul(bvxi_mul(r->dims[0], r->dims[1], &fits), r->dims[2], &fits);
-    uint64_t const pairs = (uint64_t)(end - r->data) / 2;
-    uint64_t left = voxels;
-    const uint8_t *p = r->data;
-
-    /* 255 is the longest run: too few pairs are refused before their bytes are walked. */
-    if (fits && voxels <= pairs * 255)
-        for (; end - p >= 2 && left >= p[1]; p += 2) left -= p[1];
-    else left = UINT64_MAX;
-    if (left != 0 && end - p < 2)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT,
-                         "BINVOX: byte %u: the runs end before the %u x %u x %u voxels do",
-                         (uint64_t)(end - r->source->begin), r->dims[0], r->dims[1], r->dims[2]);
-    /* Beyond the last voxel not even an empty pair may follow. */
-    if (left != 0 || end != p)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BINVOX: byte %u: more runs than the %u x %u x %u voxels take",
-                         (uint64_t)(p - r->source->begin), r->dims[0], r->dims[1], r->dims[2]);
-    return BVX_OK;
-}
-
 /* Where decoding stands: used voxels of the run at p are done. */
 typedef struct binvox_cursor {
     const uint8_t *p;
@@ -233,7 +208,26 @@ bvx_status bvxi_read_binvox(const bvxi_grid_source *source, bvx_grid *grid)
     spacing[0] = spacing[1] = spacing[2] = r.scale / (double)longest;
     BVXI_TRY(bvxi_file_box(r.source, r.translate, spacing, r.dims, &box));
 
-    BVXI_TRY(binvox_check_pairs(&r));
+    bvx_context *const ctx = source->ctx;
+    const uint8_t *const end = source->end;
+    int fits = 1;
+    uint64_t const voxels = bvxi_mul(bvxi_mul(r.dims[0], r.dims[1], &fits), r.dims[2], &fits);
+    uint64_t const pairs = (uint64_t)(end - r.data) / 2;
+    uint64_t left = voxels;
+    const uint8_t *p = r.data;
+
+    /* 255 is the longest run: too few pairs are refused before their bytes are walked. */
+    if (fits && voxels <= pairs * 255)
+        for (; end - p >= 2 && left >= p[1]; p += 2) left -= p[1];
+    else left = UINT64_MAX;
+    if (left != 0 && end - p < 2)
+        return bvxi_fail(ctx, BVX_ERR_FORMAT,
+                         "BINVOX: byte %u: the runs end before the %u x %u x %u voxels do",
+                         (uint64_t)(end - source->begin), r.dims[0], r.dims[1], r.dims[2]);
+    /* Beyond the last voxel not even an empty pair may follow. */
+    if (left != 0 || end != p)
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BINVOX: byte %u: more runs than the %u x %u x %u voxels take",
+                         (uint64_t)(p - source->begin), r.dims[0], r.dims[1], r.dims[2]);
     BVXI_TRY(bvxi_open_file_grid(source, &box, NULL, &part, grid));
     bvx_status const status = binvox_fill(&r, &part, &turned, &layers, grid);
     bvx_grid_free(source->ctx, &layers);

@@ -75,41 +75,35 @@ static bvx_status take_tree_head(tree_reading *job)
 
 /* ---- lengths ---- */
 
-static bvx_status take_level_head(tree_reading *job, int32_t number, const uint8_t *p)
-{
-    tree_level *const level = &job->level[number];
-    uint64_t const at = (uint64_t)(p - job->source.begin), left = (uint64_t)(job->source.end - p);
-
-    if (left < BVXI_TREE_LEVEL_HEAD)
-        return BVXI_FILE_FAIL(&job->source, BVX_ERR_FORMAT, "byte %u: the file ends in the head of level %d",
-                              at + left, (int64_t)number);
-    if (bvxi_load_u32(p + 8, 0) != (uint32_t)number)
-        return BVXI_FILE_FAIL(&job->source, BVX_ERR_FORMAT, "byte %u: level %u stands where %d belongs",
-                              at + 8, (uint64_t)bvxi_load_u32(p + 8, 0), (int64_t)number);
-    level->kind = bvxi_load_u32(p + 12, 0);
-    /* Only the last level has no split, and it must say so. */
-    if (level->kind > BVXI_SPLIT_SOME || (level->kind == BVXI_SPLIT_NONE) != (number == job->levels))
-        return BVXI_FILE_FAIL(&job->source, BVX_ERR_FORMAT,
-                              "byte %u: level %d of %d cannot be split in way %u", at + 12, (int64_t)number,
-                              (int64_t)job->levels, (uint64_t)level->kind);
-    level->begin = p;
-    level->words = bvxi_load_u64(p + 16, 0);
-    /* Divided rather than multiplied: the count is a claim, and a product might overflow. */
-    if (level->words > (left - BVXI_TREE_LEVEL_HEAD) / 8 / bvxi_tree_arrays(level->kind))
-        return BVXI_FILE_FAIL(&job->source, BVX_ERR_FORMAT,
-                              "byte %u: level %d has %u words an array, the file ends before", at + 16,
-                              (int64_t)number, level->words);
-    level->size = BVXI_TREE_LEVEL_HEAD + 8 * level->words * bvxi_tree_arrays(level->kind);
-    return BVX_OK;
-}
-
 static bvx_status take_level_heads(tree_reading *job)
 {
     const uint8_t *p = job->source.begin + BVXI_BVX_HEAD;
     uint64_t const rows = (uint64_t)job->base[1] * (uint64_t)job->base[2];
 
     for (int32_t l = 0; l <= job->levels; l++) {
-        BVXI_TRY(take_level_head(job, l, p));
+        tree_level *const level = &job->level[l];
+        uint64_t const at = (uint64_t)(p - job->source.begin), left = (uint64_t)(job->source.end - p);
+
+        if (left < BVXI_TREE_LEVEL_HEAD)
+            return BVXI_FILE_FAIL(&job->source, BVX_ERR_FORMAT,
+                                  "byte %u: the file ends in the head of level %d", at + left, (int64_t)l);
+        if (bvxi_load_u32(p + 8, 0) != (uint32_t)l)
+            return BVXI_FILE_FAIL(&job->source, BVX_ERR_FORMAT, "byte %u: level %u stands where %d belongs",
+                                  at + 8, (uint64_t)bvxi_load_u32(p + 8, 0), (int64_t)l);
+        level->kind = bvxi_load_u32(p + 12, 0);
+        /* Only the last level has no split, and it must say so. */
+        if (level->kind > BVXI_SPLIT_SOME || (level->kind == BVXI_SPLIT_NONE) != (l == job->levels))
+            return BVXI_FILE_FAIL(&job->source, BVX_ERR_FORMAT,
+                                  "byte %u: level %d of %d cannot be split in way %u", at + 12, (int64_t)l,
+                                  (int64_t)job->levels, (uint64_t)level->kind);
+        level->begin = p;
+        level->words = bvxi_load_u64(p + 16, 0);
+        /* Divided rather than multiplied: the count is a claim, and a product might overflow. */
+        if (level->words > (left - BVXI_TREE_LEVEL_HEAD) / 8 / bvxi_tree_arrays(level->kind))
+            return BVXI_FILE_FAIL(&job->source, BVX_ERR_FORMAT,
+                                  "byte %u: level %d has %u words an array, the file ends before", at + 16,
+                                  (int64_t)l, level->words);
+        level->size = BVXI_TREE_LEVEL_HEAD + 8 * level->words * bvxi_tree_arrays(level->kind);
         p += job->level[l].size;
     }
 

@@ -131,27 +131,6 @@ static void glb_put_extensions(const bvxi_glb_file *file, bvxi_output *out)
         bvxi_output_print(out, "\"extensionsRequired\":[\"" QUANTIZE_EXTENSION "\"],");
 }
 
-/* The nodes of the coarser levels, with hints for the part of the screen below which each level gives way to
- * the next: there the next one has as many triangles on a pixel as the first has when it fills the screen. The
- * last level is never removed. */
-static void glb_put_lower_levels(const bvxi_glb_file *file, bvxi_output *out)
-{
-    double const finest = (double)file->level[0].mesh->triangle_count;
-    double coverage = 1.0;
-
-    for (uint64_t k = 1; k < file->levels; k++)
-        bvxi_output_print(out, k == 1 ? ",\"extensions\":{\"" LOD_EXTENSION "\":{\"ids\":[%u" : ",%u", k);
-
-    /* The first hint is for the finest level itself, so there is one for each level and the last is 0. */
-    bvxi_output_print(out, "]}},\"extras\":{\"MSFT_screencoverage\":[");
-    for (uint64_t i = 1; i < file->levels; i++) {
-        double const share = (double)file->level[i].mesh->triangle_count / finest;
-        if (share < coverage) coverage = share; /* hints never grow, whatever the order of the levels is */
-        bvxi_output_print(out, "%g,", coverage);
-    }
-    bvxi_output_print(out, "0]}");
-}
-
 /* Of levels only the first node is in the scene: a viewer that does not know MSFT_lod shows the finest one.
  * Named meshes are no levels: all are in the scene. */
 static void glb_put_nodes(const bvxi_glb_file *file, bvxi_output *out)
@@ -171,7 +150,27 @@ static void glb_put_nodes(const bvxi_glb_file *file, bvxi_output *out)
             bvxi_output_print(out, ",\"translation\":[%v]", file->frame.origin, ",");
         if (file->frame.step > 0.0) bvxi_output_print(out, ",\"scale\":[%v]", scale, ",");
 
-        if (i == 0 && file->names == NULL && file->levels > 1) glb_put_lower_levels(file, out);
+        if (i == 0 && file->names == NULL && file->levels > 1) {
+            /* The nodes of the coarser levels, with hints for the part of the screen below which each level
+             * gives way to the next: there the next one has as many triangles on a pixel as the first has
+             * when it fills the screen. The last level is never removed. */
+            double const finest = (double)file->level[0].mesh->triangle_count;
+            double coverage = 1.0;
+
+            for (uint64_t k = 1; k < file->levels; k++)
+                bvxi_output_print(out, k == 1 ? ",\"extensions\":{\"" LOD_EXTENSION "\":{\"ids\":[%u" : ",%u",
+                                  k);
+
+            /* The first hint is for the finest level itself, so there is one for each level and the last is 0. */
+            bvxi_output_print(out, "]}},\"extras\":{\"MSFT_screencoverage\":[");
+            for (uint64_t j = 1; j < file->levels; j++) {
+                double const share = (double)file->level[j].mesh->triangle_count / finest;
+                if (share < coverage)
+                    coverage = share; /* hints never grow, whatever the order of the levels is */
+                bvxi_output_print(out, "%g,", coverage);
+            }
+            bvxi_output_print(out, "0]}");
+        }
         bvxi_output_print(out, "}");
     }
     bvxi_output_print(out, "],");

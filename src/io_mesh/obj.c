@@ -51,9 +51,20 @@ static void obj_count_piece(void *user, int32_t index)
     }
 }
 
-/* Pieces end where a line ends that is not continued. */
-static bvx_status obj_make_pieces(obj_file *f)
+static uint64_t obj_count_before(uint64_t *here, uint64_t before)
 {
+    uint64_t const counted = *here;
+    *here = before;
+    return before + counted;
+}
+
+/* Cut the file into pieces and count what they hold; totals come to stand in the file, for each
+ * piece the counts of all pieces before it. The pieces are freed by the caller, also after a failure. */
+static bvx_status obj_count(obj_file *f)
+{
+    bvx_context *const ctx = f->source->ctx;
+
+    /* Pieces end where a line ends that is not continued. */
     const bvxi_source *const s = f->source;
     uint64_t const size = bvxi_source_byte(s, s->end), count = size / BVXI_PIECE_BYTES + 1;
     const char *p = bvxi_skip_mark(s->begin, s->end);
@@ -71,24 +82,6 @@ static bvx_status obj_make_pieces(obj_file *f)
             p = obj_next_line(f, p < aim ? aim - 1 : p);
         f->pieces[i].end = p;
     }
-    return BVX_OK;
-}
-
-static uint64_t obj_count_before(uint64_t *here, uint64_t before)
-{
-    uint64_t const counted = *here;
-    *here = before;
-    return before + counted;
-}
-
-/* Cut the file into pieces and count what they hold; totals come to stand in the file, for each
- * piece the counts of all pieces before it. The pieces are freed by the caller, also after a failure. */
-static bvx_status obj_count(obj_file *file)
-{
-    obj_file *const f = file;
-    bvx_context *const ctx = f->source->ctx;
-
-    BVXI_TRY(obj_make_pieces(f));
     BVXI_TRY(bvxi_source_pieces(f->source, 0, 0.25, f->piece_count, obj_count_piece, f));
 
     for (int32_t i = 0; i < f->piece_count; i++) {
@@ -257,23 +250,10 @@ static bvx_status obj_take_corner(obj_reader *r, const char **p, uint32_t index[
     return BVX_OK;
 }
 
-/* A triangle of the fan first, previous, this corner; for vertices (0) and texture coordinates (1). */
-static inline void obj_add_triangle(obj_reader *r, const uint32_t first[2], const uint32_t previous[2],
-                                    const uint32_t corner[2])
-{
-    bvx_mesh *const mesh = r->file->mesh;
-    for (int k = 0; k < (mesh->uv_triangles != NULL ? 2 : 1); k++) {
-        uint32_t *const t = (k == 0 ? mesh->triangles : mesh->uv_triangles) + (size_t)r->triangles * 3;
-        t[0] = first[k];
-        t[1] = previous[k];
-        t[2] = corner[k];
-    }
-    r->triangles++;
-}
-
 static bvx_status obj_take_face(obj_reader *r, const char **p)
 {
     const obj_file *const f = r->file;
+    const bvx_mesh *const mesh = f->mesh;
     const char *const at = *p;
     uint64_t const triangle = r->triangles;
     uint32_t first[2] = {0, 0}, previous[2] = {0, 0}, corner[2];
@@ -282,7 +262,14 @@ static bvx_status obj_take_face(obj_reader *r, const char **p)
     for (*p = obj_skip_blank(f, *p); !obj_statement_ends(f, *p); *p = obj_skip_blank(f, *p), corners++) {
         BVXI_TRY(obj_take_corner(r, p, corner));
         if (corners == 0) memcpy(first, corner, sizeof first);
-        if (corners >= 2) obj_add_triangle(r, first, previous, corner);
+        /* A triangle of the fan, for vertices (0) and texture coordinates (1). */
+        for (int k = 0; corners >= 2 && k < (mesh->uv_triangles != NULL ? 2 : 1); k++) {
+            uint32_t *const t = (k == 0 ? mesh->triangles : mesh->uv_triangles) + (size_t)r->triangles * 3;
+            t[0] = first[k];
+            t[1] = previous[k];
+            t[2] = corner[k];
+        }
+        r->triangles += corners >= 2;
         memcpy(previous, corner, sizeof previous);
     }
     if (corners < 3)

@@ -375,32 +375,6 @@ static bvx_status read_part(model_file *f)
 
 /* ---- The mesh ---- */
 
-static bvx_status make_mesh(const model_file *f, bvx_mesh *mesh)
-{
-    const double *const p = f->positions + 3 * (f->vertex_count - f->build.vertices);
-    const uint32_t *c = f->corners + 4 * (f->triangle_count - f->build.triangles);
-
-    if (f->build.triangles == 0)
-        return BVXI_FILE_FAIL(f->source, BVX_ERR_EMPTY, "the build has no item with triangles");
-    BVXI_TRY(bvxi_make_positions(f->ctx, mesh, BVX_F64, f->build.vertices));
-    BVXI_TRY(bvxi_make_triangles(f->ctx, mesh, f->build.triangles));
-    if (f->label_count > 0) BVXI_TRY(bvxi_make_array(f->ctx, mesh, BVXI_MESH_MATERIALS));
-    for (uint64_t i = 0; i < 3 * mesh->vertex_count; i++) {
-        double const v = p[i] * f->unit;
-
-        ((double *)mesh->positions)[i] = v;
-        if (!f->source->takes_any && !(v - v == 0.0))
-            return BVXI_FILE_FAIL_FOR(f->source, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                                      "vertex %u has a coordinate that is not finite", i / 3);
-    }
-    for (uint64_t t = 0; t < mesh->triangle_count; t++, c += 4) {
-        memcpy(mesh->triangles + 3 * t, c, 12);
-        if (mesh->materials != NULL)
-            mesh->materials[t] = c[3] < f->label_count ? c[3] : (uint32_t)f->label_count;
-    }
-    return BVX_OK;
-}
-
 /* As glTF has them. A name that JSON would write otherwise is left out. */
 static void put_3mf_materials(const model_file *f, bvxi_output *out)
 {
@@ -429,7 +403,27 @@ bvx_status bvxi_read_3mf(bvxi_source *source, const bvx_read_options *options, u
 
     BVXI_TRY(bvxi_models_open(source, options, &f.models));
     for (f.part = 0; f.part < f.models.count; f.part++) BVXI_TRY(read_part(&f));
-    BVXI_TRY(make_mesh(&f, mesh));
+    const double *const p = f.positions + 3 * (f.vertex_count - f.build.vertices);
+    const uint32_t *c = f.corners + 4 * (f.triangle_count - f.build.triangles);
+
+    if (f.build.triangles == 0)
+        return BVXI_FILE_FAIL(f.source, BVX_ERR_EMPTY, "the build has no item with triangles");
+    BVXI_TRY(bvxi_make_positions(f.ctx, mesh, BVX_F64, f.build.vertices));
+    BVXI_TRY(bvxi_make_triangles(f.ctx, mesh, f.build.triangles));
+    if (f.label_count > 0) BVXI_TRY(bvxi_make_array(f.ctx, mesh, BVXI_MESH_MATERIALS));
+    for (uint64_t i = 0; i < 3 * mesh->vertex_count; i++) {
+        double const v = p[i] * f.unit;
+
+        ((double *)mesh->positions)[i] = v;
+        if (!f.source->takes_any && !(v - v == 0.0))
+            return BVXI_FILE_FAIL_FOR(f.source, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                      "vertex %u has a coordinate that is not finite", i / 3);
+    }
+    for (uint64_t t = 0; t < mesh->triangle_count; t++, c += 4) {
+        memcpy(mesh->triangles + 3 * t, c, 12);
+        if (mesh->materials != NULL)
+            mesh->materials[t] = c[3] < f.label_count ? c[3] : (uint32_t)f.label_count;
+    }
     if (f.label_count == 0) return BVX_OK;
 
     put_3mf_materials(&f, &out);

@@ -152,18 +152,6 @@ static void soup_key(const void *user, uint64_t vertex, uint32_t key[BVXI_KEY_WO
     memcpy(key, s->positions + (size_t)vertex * 3, 12);
 }
 
-static bvx_status soup_weld_by_tree(stl_soup *s, uint32_t *out)
-{
-    for (size_t k = 0; k < (size_t)s->waiting * 3; k++) {
-        /* A candidate is written after the last vertex; it becomes one only where the tree has no equal. */
-        if (s->vertex_count == soup_limit(s)) BVXI_TRY(soup_grow(s));
-        memcpy(s->positions + (size_t)s->vertex_count * 3, s->bits[k], 12);
-        out[k] = (uint32_t)bvxi_key_tree_find(&s->tree, s->vertex_count);
-        s->vertex_count += out[k] == s->vertex_count;
-    }
-    return BVX_OK;
-}
-
 /* Number the vertices of the triangles that wait. Vertices at equal
  * coordinates are one, numbered by their first corner. */
 static bvx_status soup_weld(stl_soup *s)
@@ -180,7 +168,14 @@ static bvx_status soup_weld(stl_soup *s)
         s->triangle_room = room; /* twice SOUP_LEAST or more: a batch fits in */
     }
     uint32_t *const out = s->triangles + (size_t)s->triangle_count * 3;
-    BVXI_TRY(s->table != NULL ? soup_weld_by_table(s, out) : soup_weld_by_tree(s, out));
+    if (s->table != NULL) BVXI_TRY(soup_weld_by_table(s, out));
+    for (size_t k = 0; s->table == NULL && k < (size_t)s->waiting * 3; k++) {
+        /* A candidate is written after the last vertex; it becomes one only where the tree has no equal. */
+        if (s->vertex_count == soup_limit(s)) BVXI_TRY(soup_grow(s));
+        memcpy(s->positions + (size_t)s->vertex_count * 3, s->bits[k], 12);
+        out[k] = (uint32_t)bvxi_key_tree_find(&s->tree, s->vertex_count);
+        s->vertex_count += out[k] == s->vertex_count;
+    }
     s->triangle_count += s->waiting;
     s->waiting = 0;
     /* Long searches are the sign of a table that was attacked
@@ -211,14 +206,6 @@ enum {
 
 /* ---- binary ---- */
 
-static BVXI_COLD bvx_status stl_fail_coordinate(const bvxi_source *s, const uint8_t *at, uint64_t triangle,
-                                                size_t corner)
-{
-    return BVXI_FILE_FAIL_FOR(s, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                              "triangle %i, corner %u (byte %u): a coordinate is not finite", triangle,
-                              (uint64_t)corner, bvxi_source_byte(s, at));
-}
-
 /* The coordinates of n triangles at p, the first of this number, into the batch. */
 static bvx_status stl_take_batch(stl_soup *soup, const uint8_t *p, uint64_t first, uint32_t n)
 {
@@ -240,8 +227,10 @@ static bvx_status stl_take_batch(stl_soup *soup, const uint8_t *p, uint64_t firs
     if (!bad || soup->source->takes_any) return BVX_OK;
 
     while (bits[i] << 1 < 0xff000000u) i++;
-    return stl_fail_coordinate(soup->source, p + i / 9 * STL_TRIANGLE + 12 + i / 3 % 3 * 12, first + i / 9,
-                               i / 3 % 3);
+    const uint8_t *const at = p + i / 9 * STL_TRIANGLE + 12 + i / 3 % 3 * 12;
+    return BVXI_FILE_FAIL_FOR(soup->source, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                              "triangle %i, corner %u (byte %u): a coordinate is not finite", first + i / 9,
+                              (uint64_t)(i / 3 % 3), bvxi_source_byte(soup->source, at));
 }
 
 static bvx_status stl_read_binary(stl_soup *soup, uint64_t count)
@@ -367,28 +356,6 @@ static int stl_is_text(const char *p, const char *end)
     return 1;
 }
 
-static bvx_status stl_tell_apart(const bvxi_source *s, int *binary, uint64_t *count)
-{
-    uint64_t const size = bvxi_source_byte(s, s->end);
-
-    /* The size decides before the text does: a binary header may hold any word, also 'solid'. */
-    *count = size < STL_HEADER ? 0 : bvxi_load_u32((const uint8_t *)s->begin + STL_HEADER - 4, 0);
-    *binary = size >= STL_HEADER && STL_HEADER + STL_TRIANGLE * *count == size;
-    if (*binary || stl_is_text(s->begin, s->end)) return BVX_OK;
-
-    /* Neither: a binary file that is cut off or has bytes
-     * after its end. A cut is refused, more bytes are not. */
-    *binary = 1;
-    if (size < STL_HEADER)
-        return BVXI_FILE_FAIL(s, BVX_ERR_FORMAT, "%u bytes, no text, and a binary header has 84", size);
-    if (STL_HEADER + STL_TRIANGLE * *count > size)
-        return BVXI_FILE_FAIL(
-            s, BVX_ERR_FORMAT,
-            "the header (byte 80) says %u triangles, which take %u bytes, but the file has %u", *count,
-            STL_HEADER + STL_TRIANGLE * *count, size);
-    return BVX_OK;
-}
-
 static bvx_status stl_read(stl_soup *soup, bvxi_source *source, int binary, uint64_t count, bvx_mesh *mesh)
 {
     /* With a known count the array of triangles is made once, and becomes the result itself. */
@@ -433,10 +400,24 @@ static bvx_status stl_read(stl_soup *soup, bvxi_source *source, int binary, uint
 bvx_status bvxi_read_stl(bvxi_source *source, bvx_mesh *mesh)
 {
     stl_soup soup = {0};
-    uint64_t count;
-    int binary;
+    uint64_t const size = bvxi_source_byte(source, source->end);
 
-    BVXI_TRY(stl_tell_apart(source, &binary, &count));
+    /* The size decides before the text does: a binary header may hold any word, also 'solid'. */
+    uint64_t const count = size < STL_HEADER
+                               ? 0
+                               : bvxi_load_u32((const uint8_t *)source->begin + STL_HEADER - 4, 0);
+    uint64_t const told = STL_HEADER + STL_TRIANGLE * count;
+    int const whole = size >= STL_HEADER && told == size;
+    int const binary = whole || !stl_is_text(source->begin, source->end);
+
+    /* A binary file that is cut off is refused, more bytes after its end are not. */
+    if (binary && size < STL_HEADER)
+        return BVXI_FILE_FAIL(source, BVX_ERR_FORMAT, "%u bytes, no text, and a binary header has 84", size);
+    if (binary && told > size)
+        return BVXI_FILE_FAIL(
+            source, BVX_ERR_FORMAT,
+            "the header (byte 80) says %u triangles, which take %u bytes, but the file has %u", count, told,
+            size);
     if (binary && count == 0)
         return BVXI_FILE_FAIL(source, BVX_ERR_EMPTY, "the header (byte 80) says 0 triangles");
     if (count > INT32_MAX && binary)
@@ -454,56 +435,36 @@ bvx_status bvxi_read_stl(bvxi_source *source, bvx_mesh *mesh)
 
 enum { STL_WRITTEN_HEADER = 80, STL_WRITTEN_TRIANGLE = 50 };
 
-static void stl_put_triangle(const bvx_mesh *mesh, int f32, uint64_t t, uint8_t *p)
-{
-    double world[3], u[3], v[3], n[3];
-    float corner[3][3];
-
-    for (size_t k = 0; k < 3; k++) {
-        size_t const vertex = mesh->triangles[(size_t)t * 3 + k];
-        if (f32) {
-            memcpy(corner[k], (const uint8_t *)mesh->positions + 12 * vertex, 12);
-            continue;
-        }
-        bvxi_world_position(mesh, vertex, world);
-        for (int a = 0; a < 3; a++) corner[k][a] = (float)world[a];
-    }
-    /* In doubles of the rounded corners: the normal is that of the triangle that readers get. */
-    for (int a = 0; a < 3; a++) {
-        u[a] = (double)corner[1][a] - (double)corner[0][a];
-        v[a] = (double)corner[2][a] - (double)corner[0][a];
-    }
-    for (int a = 0; a < 3; a++) n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
-    double const length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    /* A triangle without area has no direction; zero is what readers expect then. */
-    for (int a = 0; a < 3; a++) bvxi_store_f32(p + 4 * a, length > 0 ? (float)(n[a] / length) : 0.0f);
-    for (int k = 0; k < 3; k++)
-        for (int a = 0; a < 3; a++) bvxi_store_f32(p + 12 + 12 * k + 4 * a, corner[k][a]);
-    bvxi_store_u16(p + 48, 0);
-}
-
-static bvx_status stl_check_floats(bvx_context *ctx, const bvx_mesh *mesh)
-{
-    double p[3];
-
-    /* Floats as they are need no check; others are compared once with the frame added. */
-    if (bvxi_writes_f32(mesh)) return BVX_OK;
-    for (uint64_t v = 0; v < mesh->vertex_count; v++) {
-        bvxi_world_position(mesh, v, p);
-        for (int a = 0; a < 3; a++)
-            if (p[a] >= BVXI_FLOAT_LIMIT || p[a] <= -BVXI_FLOAT_LIMIT)
-                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
-                                     "STL: vertex %i has the coordinate %g, too large for the format's "
-                                     "32-bit floats; take PLY or OBJ",
-                                     v, p[a]);
-    }
-    return BVX_OK;
-}
-
 static uint8_t *stl_put_triangles(const void *user, uint64_t begin, uint64_t end, uint8_t *at)
 {
-    int const f32 = bvxi_writes_f32(user);
-    for (uint64_t t = begin; t < end; t++, at += STL_WRITTEN_TRIANGLE) stl_put_triangle(user, f32, t, at);
+    const bvx_mesh *const mesh = user;
+    int const f32 = bvxi_writes_f32(mesh);
+    for (uint64_t t = begin; t < end; t++, at += STL_WRITTEN_TRIANGLE) {
+        double world[3], u[3], v[3], n[3];
+        float corner[3][3];
+
+        for (size_t k = 0; k < 3; k++) {
+            size_t const vertex = mesh->triangles[(size_t)t * 3 + k];
+            if (f32) {
+                memcpy(corner[k], (const uint8_t *)mesh->positions + 12 * vertex, 12);
+                continue;
+            }
+            bvxi_world_position(mesh, vertex, world);
+            for (int a = 0; a < 3; a++) corner[k][a] = (float)world[a];
+        }
+        /* In doubles of the rounded corners: the normal is that of the triangle that readers get. */
+        for (int a = 0; a < 3; a++) {
+            u[a] = (double)corner[1][a] - (double)corner[0][a];
+            v[a] = (double)corner[2][a] - (double)corner[0][a];
+        }
+        for (int a = 0; a < 3; a++) n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
+        double const length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        /* A triangle without area has no direction; zero is what readers expect then. */
+        for (int a = 0; a < 3; a++) bvxi_store_f32(at + 4 * a, length > 0 ? (float)(n[a] / length) : 0.0f);
+        for (int k = 0; k < 3; k++)
+            for (int a = 0; a < 3; a++) bvxi_store_f32(at + 12 + 12 * k + 4 * a, corner[k][a]);
+        bvxi_store_u16(at + 48, 0);
+    }
     return at;
 }
 
@@ -513,8 +474,19 @@ bvx_status bvxi_write_stl(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *fi
     bvxi_file_part const part = {
         .count = mesh->triangle_count, .most = STL_WRITTEN_TRIANGLE, .put = stl_put_triangles, .user = mesh};
 
-    BVXI_TRY(stl_check_floats(ctx, mesh));
-    /* Checked before memory is made: the message names a vertex rather than a broken file. */
+    /* Checked before memory is made: the message names a vertex rather than a broken file. Floats as they are need
+     * no check; others are compared once with the frame added. */
+    for (uint64_t v = 0; v < (bvxi_writes_f32(mesh) ? 0 : mesh->vertex_count); v++) {
+        double p[3];
+
+        bvxi_world_position(mesh, v, p);
+        for (int a = 0; a < 3; a++)
+            if (p[a] >= BVXI_FLOAT_LIMIT || p[a] <= -BVXI_FLOAT_LIMIT)
+                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                                     "STL: vertex %i has the coordinate %g, too large for the format's "
+                                     "32-bit floats; take PLY or OBJ",
+                                     v, p[a]);
+    }
     BVXI_TRY(bvxi_make_file(ctx, "the STL file", 0.0, STL_WRITTEN_HEADER + 4, &part, 1, file));
     memset(file->bytes, 0, STL_WRITTEN_HEADER);
     memcpy(file->bytes, title, sizeof title - 1);

@@ -56,31 +56,29 @@ static void turn_floats(float *p, uint64_t count, int32_t turn)
     }
 }
 
-static bvx_status turn_mesh(bvx_context *ctx, const bvx_mesh *mesh, int32_t turn, bvx_mesh *turned)
-{
-    uint64_t const vertices = mesh->vertex_count;
-    uint64_t const bytes = vertices * (mesh->position_type == BVX_F64 ? 24 : 12);
-
-    *turned = *mesh;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the turned positions", &turned->positions));
-    memcpy(turned->positions, mesh->positions, (size_t)bytes);
-    if (mesh->position_type == BVX_F64) turn_doubles(turned->positions, vertices, turn);
-    else turn_floats(turned->positions, vertices, turn);
-    turn_doubles(turned->frame, 1, turn);
-
-    if (mesh->normals == NULL) return BVX_OK;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * 12, "the turned normals", &turned->normals));
-    memcpy(turned->normals, mesh->normals, (size_t)vertices * 12);
-    turn_floats(turned->normals, vertices, turn);
-    return BVX_OK;
-}
-
 bvx_status bvxi_turn_meshes(bvx_context *ctx, const bvx_mesh *meshes, uint64_t count, int32_t turn,
                             bvx_mesh **turned)
 {
     *turned = NULL;
     if (turn == BVX_TURN_NONE) return BVX_OK;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof **turned, "the list of turned meshes", turned));
-    for (uint64_t i = 0; i < count; i++) BVXI_TRY(turn_mesh(ctx, &meshes[i], turn, &(*turned)[i]));
+    for (uint64_t i = 0; i < count; i++) {
+        const bvx_mesh *const mesh = &meshes[i];
+        bvx_mesh *const to = &(*turned)[i];
+        uint64_t const vertices = mesh->vertex_count;
+        uint64_t const bytes = vertices * (mesh->position_type == BVX_F64 ? 24 : 12);
+
+        *to = *mesh;
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the turned positions", &to->positions));
+        memcpy(to->positions, mesh->positions, (size_t)bytes);
+        if (mesh->position_type == BVX_F64) turn_doubles(to->positions, vertices, turn);
+        else turn_floats(to->positions, vertices, turn);
+        turn_doubles(to->frame, 1, turn);
+
+        if (mesh->normals == NULL) continue;
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * 12, "the turned normals", &to->normals));
+        memcpy(to->normals, mesh->normals, (size_t)vertices * 12);
+        turn_floats(to->normals, vertices, turn);
+    }
     return BVX_OK;
 }

@@ -39,30 +39,6 @@ typedef struct cell_node {
     uint32_t corner;
 } cell_node;
 
-static cell_node read_node(const body_work *w, uint32_t corner)
-{
-    const bvx_complex *const c = w->complex;
-    uint32_t const face = w->faces[corner / 4];
-    int32_t const first = bvxi_face_owner(c, face), place = ((int32_t)(corner % 4) - first) & 3;
-    cell_node node = {.corner = corner};
-    uint64_t const owner = c->cells[bvxi_face_vertex(c, face, first)];
-    uint64_t const to[2] = {owner - c->cells[bvxi_face_vertex(c, face, first + 1)],
-                            owner - c->cells[bvxi_face_vertex(c, face, first + 3)]};
-    int32_t way[2] = {0, 0};
-
-    for (int32_t n = 0; n < 2; n++)
-        for (int32_t a = 0; a < 3; a++)
-            if (to[n] == w->stride[a]) way[n] = a;
-    node.axis = 3 - way[0] - way[1];
-    node.at[way[0]] = place == 1 || place == 2;
-    node.at[way[1]] = place >= 2;
-
-    /* The back is at the low end where corners turn about the axis. */
-    int const forward = way[0] == (node.axis + 1) % 3, is_back = c->sides[2 * (size_t)face] == w->label;
-    node.at[node.axis] = forward != is_back;
-    return node;
-}
-
 /* Whether they have the same voxel at the body's end, or with other at the other end. */
 static int share_end(const cell_node *a, const cell_node *b, int other)
 {
@@ -114,22 +90,30 @@ static uint32_t read_nodes(const body_work *w, uint64_t from, cell_node nodes[12
 {
     uint64_t const corners = 4 * w->count;
     uint32_t count = 0;
-    for (uint64_t i = from; i < corners && w->vertex[i] == w->vertex[from] && count < 12; i++)
-        nodes[count++] = read_node(w, w->corner[i]);
-    return count;
-}
+    for (uint64_t i = from; i < corners && w->vertex[i] == w->vertex[from] && count < 12; i++) {
+        const bvx_complex *const c = w->complex;
+        uint32_t const face = w->faces[w->corner[i] / 4];
+        int32_t const first = bvxi_face_owner(c, face), place = ((int32_t)(w->corner[i] % 4) - first) & 3;
+        cell_node node = {.corner = w->corner[i]};
+        uint64_t const owner = c->cells[bvxi_face_vertex(c, face, first)];
+        uint64_t const to[2] = {owner - c->cells[bvxi_face_vertex(c, face, first + 1)],
+                                owner - c->cells[bvxi_face_vertex(c, face, first + 3)]};
+        int32_t way[2] = {0, 0};
 
-/* The vertex on the other side of a cell's side, along a face that has an edge through it. */
-static uint64_t vertex_beyond(const body_work *w, const cell_node *node, int32_t side)
-{
-    const bvx_complex *const c = w->complex;
-    uint32_t const face = w->faces[node->corner / 4];
-    int32_t const place = (int32_t)(node->corner % 4);
-    uint64_t const step = w->stride[side >> 1];
-    uint32_t const next = bvxi_face_vertex(c, face, place + 1), last = bvxi_face_vertex(c, face, place + 3);
-    uint64_t const own = c->cells[bvxi_face_vertex(c, face, place)];
-    uint64_t const beyond = (side & 1) != 0 ? own + step : own - step;
-    return c->cells[next] == beyond ? next : last;
+        for (int32_t n = 0; n < 2; n++)
+            for (int32_t a = 0; a < 3; a++)
+                if (to[n] == w->stride[a]) way[n] = a;
+        node.axis = 3 - way[0] - way[1];
+        node.at[way[0]] = place == 1 || place == 2;
+        node.at[way[1]] = place >= 2;
+
+        /* The back is at the low end where corners turn about the axis. */
+        int const forward = way[0] == (node.axis + 1) % 3, is_back = c->sides[2 * (size_t)face] == w->label;
+        node.at[node.axis] = forward != is_back;
+
+        nodes[count++] = node;
+    }
+    return count;
 }
 
 /* Join corners that have an edge in common; 0 where four have. */
@@ -166,7 +150,16 @@ static void find_label_fans(const body_work *w, uint64_t from, uint32_t corners)
         uint32_t in[4];
         (void)list_nodes_in(nodes, count, turned, in);
         /* The first corner of the vertex beyond. */
-        uint64_t const vertex = vertex_beyond(w, &nodes[in[0]], turned);
+        /* The vertex on the other side of a cell's side, along a face that has an edge through it. */
+        const bvx_complex *const c = w->complex;
+        uint32_t const face = w->faces[nodes[in[0]].corner / 4];
+        int32_t const place = (int32_t)(nodes[in[0]].corner % 4);
+        uint64_t const step = w->stride[turned >> 1];
+        uint32_t const next = bvxi_face_vertex(c, face, place + 1),
+                       last = bvxi_face_vertex(c, face, place + 3);
+        uint64_t const own = c->cells[bvxi_face_vertex(c, face, place)];
+        uint64_t const cell = (turned & 1) != 0 ? own + step : own - step;
+        uint64_t const vertex = c->cells[next] == cell ? next : last;
         uint64_t beyond = 0, high = 4 * w->count;
         while (beyond < high) {
             uint64_t const middle = (beyond + high) / 2;

@@ -195,29 +195,6 @@ static double measure_pair(const net_work *w, uint64_t begin, uint64_t end, doub
     return volume / VOLUME_UNITS;
 }
 
-/* Move a pair's free vertices along their normals, each once: its area vector becomes 0. */
-static void move_pair(const net_work *w, uint64_t begin, uint64_t end, double step)
-{
-    const bvx_complex *const c = w->net->complex;
-
-    for (uint64_t i = begin; i < end; i++) {
-        const uint32_t *const t = c->mesh.triangles + 6 * (size_t)(take_face(w, i, end, 1) & FACE_BITS);
-
-        for (int32_t n = 0; n < 4; n++) {
-            uint32_t const vertex = t[n == 3 ? 5 : n];
-            float *const sum = w->areas + 3 * (size_t)vertex;
-            int16_t *const o = w->net->offset + 3 * (size_t)vertex;
-            double const area[3] = {(double)sum[0], (double)sum[1], (double)sum[2]};
-            if (c->junctions[vertex] != 0 || bvxi_vec_is_zero(area)) continue;
-            double const size = bvxi_vec_length(area);
-            for (int32_t d = 0; d < 3; d++) {
-                o[d] = clamp((float)BVXI_NET_LIMIT, (float)((double)o[d] + step * area[d] / size));
-                sum[d] = 0.0F;
-            }
-        }
-    }
-}
-
 /* One step of a pair, as *moved says how far it has come. */
 static void correct_pair(const net_work *w, uint64_t begin, uint64_t end, double *moved)
 {
@@ -236,7 +213,27 @@ static void correct_pair(const net_work *w, uint64_t begin, uint64_t end, double
     double const way = -volume / (normal > 0.5 * faces ? normal : 0.5 * faces);
     double const step = limited(limited(before + way, limit) - before, longest_move);
     if (step == 0.0) return;
-    move_pair(w, begin, end, step * BVXI_NET_UNITS);
+
+    /* Move a pair's free vertices along their normals, each once: its area vector becomes 0. */
+    const bvx_complex *const c = w->net->complex;
+
+    for (uint64_t i = begin; i < end; i++) {
+        const uint32_t *const t = c->mesh.triangles + 6 * (size_t)(take_face(w, i, end, 1) & FACE_BITS);
+
+        for (int32_t n = 0; n < 4; n++) {
+            uint32_t const vertex = t[n == 3 ? 5 : n];
+            float *const sum = w->areas + 3 * (size_t)vertex;
+            int16_t *const o = w->net->offset + 3 * (size_t)vertex;
+            double const own[3] = {(double)sum[0], (double)sum[1], (double)sum[2]};
+            if (c->junctions[vertex] != 0 || bvxi_vec_is_zero(own)) continue;
+            double const size = bvxi_vec_length(own);
+            for (int32_t d = 0; d < 3; d++) {
+                o[d] = clamp((float)BVXI_NET_LIMIT,
+                             (float)((double)o[d] + step * BVXI_NET_UNITS * own[d] / size));
+                sum[d] = 0.0F;
+            }
+        }
+    }
 
     /* A first step leaves a fiftieth at most where it is not cut off, so it is not measured. Later ones are,
      * but for the few whose difference is exact. */

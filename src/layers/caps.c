@@ -42,16 +42,6 @@ static int cap_meets(const cap_work *w, uint32_t a, uint32_t b, uint32_t c, uint
     return bvxi_segments_meet(q[a], q[b], q[c], q[d]);
 }
 
-static int is_in_corner(const cap_work *w, uint32_t i, uint32_t point)
-{
-    const int32_t *const o = w->plane->q[w->corner[i]];
-    const int32_t *const a = w->plane->q[w->corner[(i + w->count - 1) % w->count]];
-    const int32_t *const b = w->plane->q[w->corner[(i + 1) % w->count]], *const m = w->plane->q[point];
-    /* At a left turn the angle is what both edges have on their left; at a reflex corner, what either has. */
-    int const left_of_a = bvxi_turn_sign(a, o, m) > 0, left_of_b = bvxi_turn_sign(o, b, m) > 0;
-    return bvxi_turn_sign(a, o, b) > 0 ? left_of_a && left_of_b : left_of_a || left_of_b;
-}
-
 /* The nearest corner that a hole's point sees; corners are tried by their distance. */
 static bvx_status find_bridge(cap_work *w, uint32_t from, uint32_t *corner)
 {
@@ -76,7 +66,12 @@ static bvx_status find_bridge(cap_work *w, uint32_t from, uint32_t *corner)
                              "%s: a hole of section %i cannot be joined to its loop", w->s->function,
                              (uint64_t)w->plane->section);
         const bvxi_plane *const p = w->plane;
-        int sees = is_in_corner(w, at, from);
+        const int32_t *const o = p->q[w->corner[at]], *const m = p->q[from];
+        const int32_t *const a = p->q[w->corner[(at + w->count - 1) % w->count]];
+        const int32_t *const b = p->q[w->corner[(at + 1) % w->count]];
+        /* At a left turn the angle is what both edges have on their left; at a reflex corner, what either has. */
+        int const left_of_a = bvxi_turn_sign(a, o, m) > 0, left_of_b = bvxi_turn_sign(o, b, m) > 0;
+        int sees = bvxi_turn_sign(a, o, b) > 0 ? left_of_a && left_of_b : left_of_a || left_of_b;
         for (uint32_t i = 0; i < p->point_count && sees; i++)
             sees = !cap_meets(w, from, w->corner[at], i, p->next[i]);
         for (uint32_t i = 0; i < w->bridge_count && sees; i++)

@@ -38,25 +38,6 @@ static void sort_cuts(const bvxi_plane *p, uint32_t *start, uint32_t *sorted)
     }
 }
 
-static void number_ring(bvxi_plane *p, const uint32_t *start, const uint32_t *sorted)
-{
-    uint32_t n = 0;
-
-    for (uint32_t k = 0; k < p->point_count; k++) {
-        uint32_t const end = k + 1 < p->point_count ? start[k + 1] : p->cut_count;
-        p->ring[k] = n++;
-        for (uint32_t i = start[k]; i < end; i++) {
-            bvxi_line_cut *const c = &p->cut[sorted[i]];
-            /* Only a cut of a subdivided cell may repeat one: both slabs may have made it. */
-            int const may_repeat = i > start[k] &&
-                                   (sorted[i] >= p->grid_cut_count || sorted[i - 1] >= p->grid_cut_count);
-            if (may_repeat && order_on_segment(p, c, &p->cut[sorted[i - 1]]) == 0) n--;
-            c->ring = n++;
-        }
-    }
-    p->ring_count = n;
-}
-
 /* Arcs as stretches of a ring whose crossings are numbered. */
 static void number_ring_arcs(bvxi_plane *p)
 {
@@ -105,7 +86,21 @@ static void ring_count_piece(void *user, uint64_t begin, uint64_t end)
         uint32_t *const start = job->start + (p->ring - job->s->all.ring);
         uint32_t *const sorted = job->sorted + job->first[i];
         sort_cuts(p, start, sorted);
-        number_ring(p, start, sorted);
+        uint32_t n = 0;
+
+        for (uint32_t k = 0; k < p->point_count; k++) {
+            uint32_t const last = k + 1 < p->point_count ? start[k + 1] : p->cut_count;
+            p->ring[k] = n++;
+            for (uint32_t m = start[k]; m < last; m++) {
+                bvxi_line_cut *const c = &p->cut[sorted[m]];
+                /* Only a cut of a subdivided cell may repeat one: both slabs may have made it. */
+                int const may_repeat = m > start[k] &&
+                                       (sorted[m] >= p->grid_cut_count || sorted[m - 1] >= p->grid_cut_count);
+                if (may_repeat && order_on_segment(p, c, &p->cut[sorted[m - 1]]) == 0) n--;
+                c->ring = n++;
+            }
+        }
+        p->ring_count = n;
         number_ring_arcs(p);
     }
 }

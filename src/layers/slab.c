@@ -132,20 +132,6 @@ static bvx_status walk_part(bvxi_split_work *w, bvxi_plane *p, piece_walk *a, ui
     return change == 3 ? cross_middle(w, p, a, segment, 1 - first) : BVX_OK;
 }
 
-static bvx_status cut_open_arc(bvxi_split_work *w, bvxi_plane *p, const bvxi_arc *arc)
-{
-    uint32_t segment = p->cut[arc->from].segment, point = arc->point;
-    piece_walk a = {.quadrant = quadrant_of_cut(w, p, &p->cut[arc->from]), .last = arc->from};
-    for (uint32_t i = 0; i < arc->count; i++) {
-        BVXI_TRY(walk_part(w, p, &a, segment, quadrant_of_point(w, p->q[point])));
-        if (a.count++ == 0) a.point = point;
-        segment = point;
-        point = p->next[point];
-    }
-    BVXI_TRY(walk_part(w, p, &a, segment, quadrant_of_cut(w, p, &p->cut[arc->to])));
-    return add_piece(w, a.quadrant, a.last, arc->to, a.point, a.count);
-}
-
 static bvx_status cut_inner_loop(bvxi_split_work *w, bvxi_plane *p, const bvxi_arc *arc)
 {
     uint32_t point = arc->point;
@@ -196,7 +182,20 @@ static bvx_status split_plane(bvxi_split_work *w, const bvxi_split_cell *c, int 
     memset(w->odd_v, 0, sizeof w->odd_v);
     for (uint32_t i = 0; i < c->arc_count[k]; i++) {
         bvxi_arc const arc = w->pool[c->arc[k] + i];
-        BVXI_TRY(arc.from == BVXI_NONE ? cut_inner_loop(w, p, &arc) : cut_open_arc(w, p, &arc));
+        if (arc.from == BVXI_NONE) {
+            BVXI_TRY(cut_inner_loop(w, p, &arc));
+            continue;
+        }
+        uint32_t segment = p->cut[arc.from].segment, point = arc.point;
+        piece_walk a = {.quadrant = quadrant_of_cut(w, p, &p->cut[arc.from]), .last = arc.from};
+        for (uint32_t n = 0; n < arc.count; n++) {
+            BVXI_TRY(walk_part(w, p, &a, segment, quadrant_of_point(w, p->q[point])));
+            if (a.count++ == 0) a.point = point;
+            segment = point;
+            point = p->next[point];
+        }
+        BVXI_TRY(walk_part(w, p, &a, segment, quadrant_of_cut(w, p, &p->cut[arc.to])));
+        BVXI_TRY(add_piece(w, a.quadrant, a.last, arc.to, a.point, a.count));
     }
 
     uint32_t const corners = corners_of_quarters(w, p, c, k);

@@ -200,14 +200,6 @@ static int sweep_cut(polygon_sweep *s, uint32_t below, uint32_t above, uint32_t 
     return 1;
 }
 
-/* Cut off what a corner sees from a link downwards, or upwards; returns the last link that stays. */
-static uint32_t sweep_cut_down(polygon_sweep *s, uint32_t link, uint32_t corner)
-{
-    uint32_t next;
-    while ((next = s->links[link].below) != SWEEP_NONE && sweep_cut(s, next, link, corner, 1)) link = next;
-    return link;
-}
-
 static uint32_t sweep_cut_up(polygon_sweep *s, uint32_t link, uint32_t corner)
 {
     uint32_t next;
@@ -223,7 +215,10 @@ static void sweep_join(polygon_sweep *s, uint32_t below, uint32_t above)
 
 static void sweep_add_top(polygon_sweep *s, sweep_interval *v, uint32_t corner)
 {
-    uint32_t const stays = sweep_cut_down(s, v->top, corner), added = sweep_link(s, corner);
+    /* Cut off what the corner sees downwards; stays: the last link that does. */
+    uint32_t stays = v->top, next;
+    while ((next = s->links[stays].below) != SWEEP_NONE && sweep_cut(s, next, stays, corner, 1)) stays = next;
+    uint32_t const added = sweep_link(s, corner);
     sweep_join(s, stays, added);
     v->top = v->front = added;
 }
@@ -250,17 +245,6 @@ static uint32_t sweep_with(polygon_sweep *s, uint32_t edge, int roof)
     uint32_t const i = s->interval_of[edge];
     if (i == SWEEP_NONE || (roof ? s->intervals[i].roof : s->intervals[i].floor) != edge) s->good = 0;
     return s->good ? i : SWEEP_NONE;
-}
-
-/* Both edges go right, the interior between them. */
-static void sweep_start(polygon_sweep *s, uint32_t corner, uint32_t before)
-{
-    uint32_t const made = ++s->interval_count;
-    sweep_interval *const v = &s->intervals[made];
-    /* It lies right above the interval below its corner, since edges do not cross. */
-    sweep_insert(s, sweep_find(s, corner), made);
-    sweep_bound(s, made, corner, before);
-    v->bottom = v->top = v->front = sweep_link(s, corner);
 }
 
 /* Both edges go right, the interior around them: the interval below keeps the chain up to its front. */
@@ -354,8 +338,15 @@ static void sweep_corner(polygon_sweep *s, uint32_t corner)
         /* Both edges on one side: whether the interior lies between them is the sense of the turn. */
         int32_t const turn = bvxi_ring_side(ring, before, corner, after);
         if (turn == 0) s->good = 0; /* one edge lies on the other */
-        else if (to_right && turn > 0) sweep_start(s, corner, before);
-        else if (to_right) sweep_part(s, corner, before);
+        else if (to_right && turn > 0) {
+            /* Both edges go right, the interior between them. */
+            uint32_t const made = ++s->interval_count;
+            sweep_interval *const v = &s->intervals[made];
+            /* It lies right above the interval below its corner, since edges do not cross. */
+            sweep_insert(s, sweep_find(s, corner), made);
+            sweep_bound(s, made, corner, before);
+            v->bottom = v->top = v->front = sweep_link(s, corner);
+        } else if (to_right) sweep_part(s, corner, before);
         else if (turn > 0) sweep_end(s, corner, before);
         else sweep_merge(s, corner, before);
     }

@@ -71,47 +71,6 @@ static transform_scratch scratch_of(const transform_job *job, int32_t worker)
     return s;
 }
 
-static bvx_status open_transform(transform_job *job)
-{
-    const bvxi_transform *const t = job->t;
-    bvx_context *const ctx = t->ctx;
-    uint64_t const ny = (uint64_t)t->box.size[1], nz = (uint64_t)t->box.size[2];
-
-    /* Sizes of the whole job; each product is watched, as windows may be large. */
-    int ok = 1;
-
-    job->cell = t->whole ? sizeof(uint32_t) : sizeof(double);
-    job->longest = t->box.size[1] > t->box.size[2] ? t->box.size[1] : t->box.size[2];
-    job->slice_rows = (size_t)ny | 1; /* slices an odd number of lines apart do not share cache sets */
-    uint64_t const lines = bvxi_mul(bvxi_mul((uint64_t)job->slice_rows, nz, &ok),
-                                    (uint64_t)t->groups * BVXI_LANES, &ok);
-    job->tile_bytes = bvxi_mul(lines, job->cell, &ok);
-    job->tile_nearest_bytes = t->nearest ? bvxi_mul(lines, 8, &ok) : 0;
-    job->carry_bytes = bvxi_mul(ny * nz, sizeof(bvxi_row_carry), &ok);
-    job->has_bytes = (uint64_t)t->groups * nz;
-    job->inverse_bytes = (uint64_t)job->longest * sizeof(double);
-    uint64_t const lanes = (uint64_t)job->longest * BVXI_LANES, groups = (uint64_t)t->groups;
-    /* Columns in and out for all groups, then what the envelope needs. */
-    uint64_t bytes = lanes * job->cell * (1 + groups) + (uint64_t)job->longest * 24;
-    if (t->nearest) bytes += lanes * 8 * groups + lanes * 8;
-    job->scratch_size = (bytes + 63) / 64 * 64 + 64;
-    job->workers = bvxi_threads(ctx);
-    job->all_scratch = bvxi_mul(job->scratch_size, (uint64_t)job->workers, &ok);
-    /* Nothing was taken yet: a tile that no memory could hold is reported as that. */
-    if (!ok || job->tile_bytes > SIZE_MAX || job->tile_nearest_bytes > SIZE_MAX ||
-        job->all_scratch > SIZE_MAX)
-        return bvxi_fail(ctx, BVX_ERR_BUDGET,
-                         "%s: a tile of the distances is beyond this machine's addresses", t->stage);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->tile_bytes, "a tile of distances", &job->tile));
-    if (t->nearest)
-        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->tile_nearest_bytes, "a tile of nearest voxels",
-                            &job->tile_nearest));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->carry_bytes, "the rows' nearest voxels", &job->carry));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->has_bytes, "the slices' marks", &job->has));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->inverse_bytes, "a table of inverses", &job->inverse));
-    return bvxi_alloc(ctx, BVXI_SCRATCH, job->all_scratch, "the workers' columns", &job->scratch);
-}
-
 static bvxi_columns columns_of(const transform_job *job, const transform_scratch *s, int axis)
 {
     bvxi_columns c = {NULL, NULL, NULL, NULL, 0, 0, 0, 0.0, NULL, NULL, NULL, NULL};
@@ -323,11 +282,45 @@ static bvx_status run_tiles(transform_job *job)
     return BVX_OK;
 }
 
-bvx_status bvxi_transform_run(const bvxi_transform *transform)
+bvx_status bvxi_transform_run(const bvxi_transform *t)
 {
-    uint64_t const mark = bvxi_scratch_begin(transform->ctx);
+    uint64_t const mark = bvxi_scratch_begin(t->ctx);
     transform_job job = {0};
-    job.t = transform;
-    BVXI_TRY(open_transform(&job));
-    return bvxi_scratch_end(transform->ctx, mark, run_tiles(&job));
+    job.t = t;
+    bvx_context *const ctx = t->ctx;
+    uint64_t const ny = (uint64_t)t->box.size[1], nz = (uint64_t)t->box.size[2];
+
+    /* Sizes of the whole job; each product is watched, as windows may be large. */
+    int ok = 1;
+
+    job.cell = t->whole ? sizeof(uint32_t) : sizeof(double);
+    job.longest = t->box.size[1] > t->box.size[2] ? t->box.size[1] : t->box.size[2];
+    job.slice_rows = (size_t)ny | 1; /* slices an odd number of lines apart do not share cache sets */
+    uint64_t const lines = bvxi_mul(bvxi_mul((uint64_t)job.slice_rows, nz, &ok),
+                                    (uint64_t)t->groups * BVXI_LANES, &ok);
+    job.tile_bytes = bvxi_mul(lines, job.cell, &ok);
+    job.tile_nearest_bytes = t->nearest ? bvxi_mul(lines, 8, &ok) : 0;
+    job.carry_bytes = bvxi_mul(ny * nz, sizeof(bvxi_row_carry), &ok);
+    job.has_bytes = (uint64_t)t->groups * nz;
+    job.inverse_bytes = (uint64_t)job.longest * sizeof(double);
+    uint64_t const lanes = (uint64_t)job.longest * BVXI_LANES, groups = (uint64_t)t->groups;
+    /* Columns in and out for all groups, then what the envelope needs. */
+    uint64_t bytes = lanes * job.cell * (1 + groups) + (uint64_t)job.longest * 24;
+    if (t->nearest) bytes += lanes * 8 * groups + lanes * 8;
+    job.scratch_size = (bytes + 63) / 64 * 64 + 64;
+    job.workers = bvxi_threads(ctx);
+    job.all_scratch = bvxi_mul(job.scratch_size, (uint64_t)job.workers, &ok);
+    /* Nothing was taken yet: a tile that no memory could hold is reported as that. */
+    if (!ok || job.tile_bytes > SIZE_MAX || job.tile_nearest_bytes > SIZE_MAX || job.all_scratch > SIZE_MAX)
+        return bvxi_fail(ctx, BVX_ERR_BUDGET,
+                         "%s: a tile of the distances is beyond this machine's addresses", t->stage);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job.tile_bytes, "a tile of distances", &job.tile));
+    if (t->nearest)
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job.tile_nearest_bytes, "a tile of nearest voxels",
+                            &job.tile_nearest));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job.carry_bytes, "the rows' nearest voxels", &job.carry));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job.has_bytes, "the slices' marks", &job.has));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job.inverse_bytes, "a table of inverses", &job.inverse));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job.all_scratch, "the workers' columns", &job.scratch));
+    return bvxi_scratch_end(ctx, mark, run_tiles(&job));
 }

@@ -22,37 +22,12 @@ typedef struct carry_work {
 
 /* ---- One vertex ---- */
 
-static void blend_colours(const carry_work *w, const bvx_closest_point *at, uint64_t vertex)
-{
-    const uint8_t *c[3];
-    uint32_t corner[3];
-    bvxi_view_triangle(&w->from, at->triangle, corner);
-    for (int k = 0; k < 3; k++) c[k] = w->source->colours + 4 * (size_t)corner[k];
-    for (int i = 0; i < 4; i++) {
-        double const up = at->weight[0] * c[0][i] + at->weight[1] * c[1][i] + at->weight[2] * c[2][i] + 0.5;
-        /* Weights may sum up to a hair more than 1. */
-        w->colours[4 * vertex + (uint64_t)i] = (uint8_t)(up >= 255.0 ? 255 : (int32_t)up);
-    }
-}
-
 /* Numbers into the source's uvs of a triangle's corners. */
 static void corner_uvs(const bvx_mesh *source, uint64_t triangle, uint32_t number[3])
 {
     const uint32_t *const from = source->uv_triangles != NULL ? source->uv_triangles : source->triangles;
     /* Texture coordinates may have triangles of their own, where seams part them. */
     memcpy(number, from + 3 * (size_t)triangle, 3 * sizeof *number);
-}
-
-static void blend_uvs(const carry_work *w, const bvx_closest_point *at, uint64_t vertex)
-{
-    const float *c[3];
-    uint32_t number[3];
-    corner_uvs(w->source, at->triangle, number);
-    for (int k = 0; k < 3; k++) c[k] = w->source->uvs + 2 * (size_t)number[k];
-    for (int i = 0; i < 2; i++)
-        w->uvs[2 * vertex + (uint64_t)i] = (float)(at->weight[0] * (double)c[0][i] +
-                                                   at->weight[1] * (double)c[1][i] +
-                                                   at->weight[2] * (double)c[2][i]);
 }
 
 static void carry_piece(void *user, uint64_t begin, uint64_t end)
@@ -69,8 +44,28 @@ static void carry_piece(void *user, uint64_t begin, uint64_t end)
         /* Both meshes may carry a frame of their own. */
         for (int a = 0; a < 3; a++) p[a] += w->shift[a];
         bvxi_closest_ask(&w->closest, p, &hint, &at);
-        if (w->colours != NULL) blend_colours(w, &at, i);
-        if (w->uvs != NULL) blend_uvs(w, &at, i);
+        if (w->colours != NULL) {
+            const uint8_t *c[3];
+            uint32_t corner[3];
+            bvxi_view_triangle(&w->from, at.triangle, corner);
+            for (int k = 0; k < 3; k++) c[k] = w->source->colours + 4 * (size_t)corner[k];
+            for (int j = 0; j < 4; j++) {
+                double const up = at.weight[0] * c[0][j] + at.weight[1] * c[1][j] + at.weight[2] * c[2][j] +
+                                  0.5;
+                /* Weights may sum up to a hair more than 1. */
+                w->colours[4 * i + (uint64_t)j] = (uint8_t)(up >= 255.0 ? 255 : (int32_t)up);
+            }
+        }
+        if (w->uvs != NULL) {
+            const float *c[3];
+            uint32_t number[3];
+            corner_uvs(w->source, at.triangle, number);
+            for (int k = 0; k < 3; k++) c[k] = w->source->uvs + 2 * (size_t)number[k];
+            for (int j = 0; j < 2; j++)
+                w->uvs[2 * i + (uint64_t)j] = (float)(at.weight[0] * (double)c[0][j] +
+                                                      at.weight[1] * (double)c[1][j] +
+                                                      at.weight[2] * (double)c[2][j]);
+        }
     }
 }
 

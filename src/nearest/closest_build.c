@@ -55,44 +55,6 @@ static void order_few(uint64_t *keys, uint32_t *order, uint64_t count)
     }
 }
 
-/* Triangles of equal keys by a hash of their positions, which takes the place of the keys. */
-static bvx_status order_by_positions(bvx_context *ctx, closest_builder *b)
-{
-    uint64_t *const keys = b->curve.keys, n = b->tree->triangle_count, end;
-    uint32_t *const order = b->tree->order;
-
-    for (uint64_t first = 0; first < n; first = end) {
-        for (end = first + 1; end < n && keys[end] == keys[first];) end++;
-        for (uint64_t i = first; i < end && end - first > 1; i++) {
-            double p[3][3];
-            uint32_t c[3];
-            bvxi_view_triangle(b->curve.view, order[i], c);
-            turn_to_lowest(b->curve.view, c);
-            for (int k = 0; k < 3; k++) bvxi_view_position(b->curve.view, c[k], p[k]);
-            keys[i] = bvxi_corners_hash((const double(*)[3])p, 1.0);
-        }
-        if (end - first <= CLOSEST_FEW) order_few(keys + first, order + first, end - first);
-        else BVXI_TRY(bvxi_radix_sort(ctx, keys + first, order + first, end - first));
-    }
-    return BVX_OK;
-}
-
-static void copy_curve_corners(const closest_builder *b, uint64_t place)
-{
-    size_t const point = b->tree->position_type == BVX_F32 ? 12 : 24;
-    unsigned char *const to = (unsigned char *)b->tree->corners + 3 * point * (size_t)place;
-    uint32_t c[3];
-    bvxi_view_triangle(b->curve.view, b->tree->order[place], c);
-    if (b->unnumbered) turn_to_lowest(b->curve.view, c);
-    /* As bytes, of any alignment. */
-    for (size_t k = 0; k < 3; k++) {
-        double p[3];
-        if (point == 24) bvxi_view_position(b->curve.view, c[k], p);
-        memcpy(to + k * point, point == 24 ? (const void *)p : bvxi_view_position_at(b->curve.view, c[k]),
-               point);
-    }
-}
-
 static void fill_lowest_boxes(void *user, uint64_t begin, uint64_t end)
 {
     const closest_builder *const b = user;
@@ -105,7 +67,19 @@ static void fill_lowest_boxes(void *user, uint64_t begin, uint64_t end)
         memset(&tree->nodes[i], 0, sizeof tree->nodes[i]); /* slots without a triangle hold numbers too */
         for (int k = 0; k < n; k++) {
             /* Corners lie in the order of the curve, so that a search reads memory that is near. */
-            copy_curve_corners(b, first + (uint64_t)k);
+            uint64_t const place = first + (uint64_t)k;
+            size_t const point = b->tree->position_type == BVX_F32 ? 12 : 24;
+            unsigned char *const to = (unsigned char *)b->tree->corners + 3 * point * (size_t)place;
+            uint32_t c[3];
+            bvxi_view_triangle(b->curve.view, b->tree->order[place], c);
+            if (b->unnumbered) turn_to_lowest(b->curve.view, c);
+            /* As bytes, of any alignment. */
+            for (size_t m = 0; m < 3; m++) {
+                double p[3];
+                if (point == 24) bvxi_view_position(b->curve.view, c[m], p);
+                memcpy(to + m * point,
+                       point == 24 ? (const void *)p : bvxi_view_position_at(b->curve.view, c[m]), point);
+            }
             bvxi_closest_corners(tree, first + (uint64_t)k, t);
             bvxi_curve_box(&b->curve, (const double(*)[3])t, low, high);
             for (int a = 0; a < 3; a++) {
@@ -159,7 +133,25 @@ static bvx_status sort_closest_triangles(bvxi_call call, closest_builder *b)
 {
     BVXI_TRY(BVXI_ARRAY(call.ctx, b->tree->triangle_count, "the search tree's keys", b->curve.keys));
     BVXI_TRY(bvxi_curve_sort(call, &b->curve));
-    return b->unnumbered ? order_by_positions(call.ctx, b) : BVX_OK;
+    if (!b->unnumbered) return BVX_OK;
+
+    uint64_t *const keys = b->curve.keys, n = b->tree->triangle_count, end;
+    uint32_t *const order = b->tree->order;
+
+    for (uint64_t first = 0; first < n; first = end) {
+        for (end = first + 1; end < n && keys[end] == keys[first];) end++;
+        for (uint64_t i = first; i < end && end - first > 1; i++) {
+            double p[3][3];
+            uint32_t c[3];
+            bvxi_view_triangle(b->curve.view, order[i], c);
+            turn_to_lowest(b->curve.view, c);
+            for (int k = 0; k < 3; k++) bvxi_view_position(b->curve.view, c[k], p[k]);
+            keys[i] = bvxi_corners_hash((const double(*)[3])p, 1.0);
+        }
+        if (end - first <= CLOSEST_FEW) order_few(keys + first, order + first, end - first);
+        else BVXI_TRY(bvxi_radix_sort(call.ctx, keys + first, order + first, end - first));
+    }
+    return BVX_OK;
 }
 
 static bvx_status build_closest_tree(bvxi_call call, closest_builder *b)

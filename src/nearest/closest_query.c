@@ -46,27 +46,6 @@ static int is_on_query_edge(const double p[3], const double a[3], const double b
     return a[0] + *s * u[0] == q[0] && a[1] + *s * u[1] == q[1] && a[2] + *s * u[2] == q[2];
 }
 
-/* Weights of the projection of p, of which is known that it lies inside: va, vb and vc are above 0 there. */
-static void weigh_query_face(const double p[3], const double t[3][3], double weight[3])
-{
-    double ab[3], ac[3], ap[3], n[3], nb[3], nc[3];
-
-    for (int k = 0; k < 3; k++) {
-        ab[k] = t[1][k] - t[0][k];
-        ac[k] = t[2][k] - t[0][k];
-        ap[k] = p[k] - t[0][k];
-    }
-
-    /* Weights are the areas of the parts that the projection cuts the triangle into. */
-    bvxi_vec_cross(ab, ac, n);
-    bvxi_vec_cross(ap, ac, nb);
-    bvxi_vec_cross(ab, ap, nc);
-    double const area2 = bvxi_vec_dot(n, n), vb = bvxi_vec_dot(nb, n), vc = bvxi_vec_dot(nc, n);
-    weight[0] = (area2 - vb - vc) / area2;
-    weight[1] = vb / area2;
-    weight[2] = vc / area2;
-}
-
 void bvxi_closest_place(const double p[3], const double t[3][3], const double q[3], bvx_closest_point *found)
 {
     static const int32_t edge[4][3] = {{0, 1, 1}, {1, 2, 2}, {0, 2, 3}, {2, 0, 3}}; /* from, to, feature */
@@ -90,7 +69,24 @@ void bvxi_closest_place(const double p[3], const double t[3][3], const double q[
         found->feature = edge[e][2];
         return;
     }
-    weigh_query_face(p, t, found->weight);
+
+    /* The projection of p, which lies inside: va, vb and vc are above 0 there. */
+    double ab[3], ac[3], ap[3], n[3], nb[3], nc[3];
+
+    for (int k = 0; k < 3; k++) {
+        ab[k] = t[1][k] - t[0][k];
+        ac[k] = t[2][k] - t[0][k];
+        ap[k] = p[k] - t[0][k];
+    }
+
+    /* Weights are the areas of the parts that the projection cuts the triangle into. */
+    bvxi_vec_cross(ab, ac, n);
+    bvxi_vec_cross(ap, ac, nb);
+    bvxi_vec_cross(ab, ap, nc);
+    double const area2 = bvxi_vec_dot(n, n), vb = bvxi_vec_dot(nb, n), vc = bvxi_vec_dot(nc, n);
+    found->weight[0] = (area2 - vb - vc) / area2;
+    found->weight[1] = vb / area2;
+    found->weight[2] = vc / area2;
     found->feature = 0;
 }
 
@@ -248,21 +244,6 @@ static bvx_status find_closest_batch(bvx_context *ctx, closest_query *q, double 
                       bvxi_for(ctx, "nearest points", q->count, QUERY_GRAIN, find_closest_piece, q));
 }
 
-static bvx_status find_closest_batches(bvx_context *ctx, closest_query *all)
-{
-    for (uint64_t begin = 0; begin < all->count; begin += QUERY_TOGETHER) {
-        uint64_t const rest = all->count - begin, count = rest < QUERY_TOGETHER ? rest : QUERY_TOGETHER;
-        closest_query q = *all;
-        /* Batches bound the memory of keys, whatever the number of points. */
-        q.points += 3 * begin;
-        q.found += begin;
-        q.count = count;
-        BVXI_TRY(find_closest_batch(ctx, &q, (double)begin / (double)all->count,
-                                    (double)(begin + count) / (double)all->count));
-    }
-    return BVX_OK;
-}
-
 static bvx_status run_closest_find(bvx_context *context, const bvx_closest *closest, const double *points,
                                    uint64_t count, bvx_closest_point *found)
 {
@@ -271,12 +252,21 @@ static bvx_status run_closest_find(bvx_context *context, const bvx_closest *clos
     if (closest == NULL) return bvxi_fail_null(context, function, "closest");
     if (found == NULL && count != 0) return bvxi_fail_null(context, function, "found");
     BVXI_TRY(bvxi_check_points(context, function, points, count, sizeof *found));
-    uint64_t const most = q.count < QUERY_TOGETHER ? q.count : QUERY_TOGETHER;
+    uint64_t const most = count < QUERY_TOGETHER ? count : QUERY_TOGETHER;
     /* A few points are not worth an order; none is work that says so. */
-    if (q.count <= QUERY_GRAIN) return find_closest_batch(context, &q, 0.0, 1.0);
+    if (count <= QUERY_GRAIN) return find_closest_batch(context, &q, 0.0, 1.0);
     BVXI_TRY(BVXI_ARRAY(context, most, "the points' keys", q.keys));
     BVXI_TRY(BVXI_ARRAY(context, most, "the points' order", q.order));
-    return find_closest_batches(context, &q);
+    /* Batches bound the memory of keys, whatever the number of points. */
+    for (uint64_t begin = 0; begin < count; begin += QUERY_TOGETHER) {
+        closest_query batch = q;
+        batch.points += 3 * begin;
+        batch.found += begin;
+        batch.count = count - begin < QUERY_TOGETHER ? count - begin : QUERY_TOGETHER;
+        BVXI_TRY(find_closest_batch(context, &batch, (double)begin / (double)count,
+                                    (double)(begin + batch.count) / (double)count));
+    }
+    return BVX_OK;
 }
 
 bvx_status bvx_closest_find(bvx_context *context, const bvx_closest *closest, const double *points,

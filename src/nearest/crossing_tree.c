@@ -113,27 +113,6 @@ static double most_of(double x, double y, double z)
     return more > z ? more : z;
 }
 
-/* Along the diagonals. Sums are rounded, by less than half a step unless their terms are huge. */
-static void put_slants(const crossing_tree *tree, const double *const p[3], double slack, triangle_box *box)
-{
-    double const steps = tree->scale * BOX_HIGHEST;
-    double at[CROSSING_SLANTS][3];
-
-    for (int k = 0; k < 3; k++) {
-        double const x = (p[k][0] - tree->low[0]) * steps, y = (p[k][1] - tree->low[1]) * steps;
-        double const z = (p[k][2] - tree->low[2]) * steps;
-
-        at[0][k] = (x + y + z) * (1.0 / 3);
-        at[1][k] = (x + y - z + BOX_HIGHEST) * (1.0 / 3);
-        at[2][k] = (x - y + z + BOX_HIGHEST) * (1.0 / 3);
-        at[3][k] = (y - x + z + BOX_HIGHEST) * (1.0 / 3);
-    }
-    for (int i = 0; i < CROSSING_SLANTS; i++) {
-        box->bound[6 + 2 * i] = box_step(least_of(at[i][0], at[i][1], at[i][2]) - slack);
-        box->bound[7 + 2 * i] = (int16_t)-box_step(most_of(at[i][0], at[i][1], at[i][2]) + slack);
-    }
-}
-
 /* The box of three corners: the least and the most of them stay so in steps. */
 static void put_box_of(const crossing_tree *tree, const double *const p[3], triangle_box *box)
 {
@@ -148,7 +127,26 @@ static void put_box_of(const crossing_tree *tree, const double *const p[3], tria
         box->bound[2 * a] = box_step(least);
         box->bound[2 * a + 1] = (int16_t)-box_step(most);
     }
-    if (tree->slanted) put_slants(tree, p, far ? BOX_FAR : 0.5, box);
+
+    if (tree->slanted) {
+        /* Along the diagonals. Sums are rounded, by less than half a step unless their terms are huge. */
+        double const slack = far ? BOX_FAR : 0.5;
+        double at[CROSSING_SLANTS][3];
+
+        for (int k = 0; k < 3; k++) {
+            double const x = (p[k][0] - tree->low[0]) * steps, y = (p[k][1] - tree->low[1]) * steps;
+            double const z = (p[k][2] - tree->low[2]) * steps;
+
+            at[0][k] = (x + y + z) * (1.0 / 3);
+            at[1][k] = (x + y - z + BOX_HIGHEST) * (1.0 / 3);
+            at[2][k] = (x - y + z + BOX_HIGHEST) * (1.0 / 3);
+            at[3][k] = (y - x + z + BOX_HIGHEST) * (1.0 / 3);
+        }
+        for (int i = 0; i < CROSSING_SLANTS; i++) {
+            box->bound[6 + 2 * i] = box_step(least_of(at[i][0], at[i][1], at[i][2]) - slack);
+            box->bound[7 + 2 * i] = (int16_t)-box_step(most_of(at[i][0], at[i][1], at[i][2]) + slack);
+        }
+    }
 }
 
 /* What is not there overlaps nothing. */
@@ -325,12 +323,6 @@ static int held_crosses(const crossing_tree *tree, held_triangle *held, const ui
     return crosses(tree, &held->plane, p, v);
 }
 
-/* Keys sort as the pairs do, whichever of both was found first. */
-static uint64_t key_of_pair(uint64_t s, uint64_t t)
-{
-    return s < t ? s << 32 | t : t << 32 | s;
-}
-
 /* Count pairs between two nodes, or within one, on from found, and write those that there is room for. */
 static uint64_t pairs_of_nodes(const crossing_job *job, held_triangle *held, uint64_t first, uint64_t second,
                                uint64_t *keys, uint64_t room, uint64_t found)
@@ -361,7 +353,10 @@ static uint64_t pairs_of_nodes(const crossing_job *job, held_triangle *held, uin
             const uint32_t *const v = vertices_in(tree, t);
 
             if (share_fan(held[i].fan, v) || !held_crosses(tree, &held[i], v)) continue;
-            if (found++ < room) keys[found - 1] = key_of_pair(triangle_at(tree, s), triangle_at(tree, t));
+            if (found++ >= room) continue;
+            /* Keys sort as the pairs do, whichever of both was found first. */
+            uint64_t const a = triangle_at(tree, s), b = triangle_at(tree, t);
+            keys[found - 1] = a < b ? a << 32 | b : b << 32 | a;
         }
     }
     return found;

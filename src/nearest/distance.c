@@ -58,42 +58,39 @@ static uint64_t owner_of_area(const double *area_before, uint64_t count, double 
     return low;
 }
 
-static void take_distance_sample(const distance_work *w, uint64_t i, bvxi_closest *nearest, distance_sums *s)
-{
-    const bvxi_closest_tree *const from = w->from;
-    double const total = w->area_before[from->triangle_count - 1];
-    double const share = ((double)i + distance_random(w->key, 3 * i)) / (double)w->samples * total;
-    double const r = sqrt(distance_random(w->key, 3 * i + 1)), q = distance_random(w->key, 3 * i + 2);
-    double t[3][3], p[3], n[3], m[3], d;
-
-    bvxi_closest_corners(from, owner_of_area(w->area_before, from->triangle_count, share), t);
-
-    /* The root makes places uniform in the triangle (Osada and others. Shape Distributions. 2002). */
-    for (int a = 0; a < 3; a++) p[a] = (1.0 - r) * t[0][a] + r * (1.0 - q) * t[1][a] + r * q * t[2][a];
-    double const length = bvxi_facet_normal((const double(*)[3])t, n);
-
-    /* Samples lie along the curve, so the last answer is a hint for the next. */
-    bvxi_closest_find(w->to, p, nearest->place, nearest);
-    d = sqrt(nearest->distance2);
-    s->sum += d;
-    s->max = d > s->max ? d : s->max;
-    bvxi_closest_corners(w->to, nearest->place, t);
-
-    /* A triangle without area has no normal to compare. */
-    double const other = bvxi_facet_normal((const double(*)[3])t, m);
-    if (other > 0.0) {
-        double const cosine = bvxi_vec_dot(n, m) / length / other;
-        s->normal_sum += cosine < 1.0 ? 1.0 - cosine : 0.0;
-        s->normal_count++;
-    }
-}
-
 static void measure_distance_block(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     const distance_work *const w = user;
     distance_sums s = {0.0, 0.0, 0.0, 0};
     bvxi_closest nearest = {{0.0, 0.0, 0.0}, 0.0, 0, 0};
-    for (uint64_t i = begin; i < end; i++) take_distance_sample(w, i, &nearest, &s);
+    for (uint64_t i = begin; i < end; i++) {
+        const bvxi_closest_tree *const from = w->from;
+        double const total = w->area_before[from->triangle_count - 1];
+        double const share = ((double)i + distance_random(w->key, 3 * i)) / (double)w->samples * total;
+        double const r = sqrt(distance_random(w->key, 3 * i + 1)), q = distance_random(w->key, 3 * i + 2);
+        double t[3][3], p[3], n[3], m[3], d;
+
+        bvxi_closest_corners(from, owner_of_area(w->area_before, from->triangle_count, share), t);
+
+        /* The root makes places uniform in the triangle (Osada and others. Shape Distributions. 2002). */
+        for (int a = 0; a < 3; a++) p[a] = (1.0 - r) * t[0][a] + r * (1.0 - q) * t[1][a] + r * q * t[2][a];
+        double const length = bvxi_facet_normal((const double(*)[3])t, n);
+
+        /* Samples lie along the curve, so the last answer is a hint for the next. */
+        bvxi_closest_find(w->to, p, nearest.place, &nearest);
+        d = sqrt(nearest.distance2);
+        s.sum += d;
+        s.max = d > s.max ? d : s.max;
+        bvxi_closest_corners(w->to, nearest.place, t);
+
+        /* A triangle without area has no normal to compare. */
+        double const other = bvxi_facet_normal((const double(*)[3])t, m);
+        if (other > 0.0) {
+            double const cosine = bvxi_vec_dot(n, m) / length / other;
+            s.normal_sum += cosine < 1.0 ? 1.0 - cosine : 0.0;
+            s.normal_count++;
+        }
+    }
     w->sums[index] = s;
 }
 
@@ -168,18 +165,6 @@ void bvxi_distance_forget(bvx_context *ctx, bvxi_distance_tree *kept)
     kept->built = 0;
 }
 
-static bvx_status build_kept_tree(bvx_context *ctx, const distance_side *a, double scale,
-                                  bvxi_distance_tree *kept)
-{
-    if (kept->built && kept->tree.scale == scale) return BVX_OK;
-    /* Another mesh beside it may ask for another scale: then the tree is built anew. */
-    bvxi_distance_forget(ctx, kept);
-    BVXI_TRY(bvxi_closest_build_unnumbered(bvxi_call_of(ctx, NULL, "distance", 0.0, 0.1), a->view, a->low,
-                                           a->high, scale, &kept->tree));
-    kept->built = 1;
-    return BVX_OK;
-}
-
 static bvx_status measure_distance_both_ways(bvx_context *ctx, const distance_pair *pair,
                                              bvxi_distance_tree *kept, uint64_t samples, uint64_t seed,
                                              bvx_distance_report *report)
@@ -190,7 +175,13 @@ static bvx_status measure_distance_both_ways(bvx_context *ctx, const distance_pa
     bvxi_closest_tree tree_b;
     distance_way ab, ba;
 
-    BVXI_TRY(build_kept_tree(ctx, &pair->a, pair->scale, kept));
+    /* Another mesh beside it may ask for another scale: then the tree is built anew. */
+    if (!kept->built || kept->tree.scale != pair->scale) {
+        bvxi_distance_forget(ctx, kept);
+        BVXI_TRY(bvxi_closest_build_unnumbered(bvxi_call_of(ctx, NULL, "distance", 0.0, 0.1), pair->a.view,
+                                               pair->a.low, pair->a.high, pair->scale, &kept->tree));
+        kept->built = 1;
+    }
     BVXI_TRY(bvxi_closest_build_unnumbered(bvxi_call_of(ctx, NULL, "distance", 0.1, 0.2), b->view, b->low,
                                            b->high, pair->scale, &tree_b));
 

@@ -98,15 +98,6 @@ static int edge_side(const mesh_ray *r, const double a[3], const double b[3])
     return 0;
 }
 
-/* On which side of the triangle the origin lies: 1 behind it, -1 before, as its normal points. 0: in its plane. */
-static int origin_side(const mesh_ray *r, const double t[3][3], int moved)
-{
-    int side = bvxi_orient(t[0], t[1], t[2], r->o);
-    for (int axis = 0; axis < 3 && side == 0 && moved; axis++)
-        side = -bvxi_orient_flat(t[0], t[1], t[2], axis);
-    return side;
-}
-
 static void way_between(const double from[3], const double to[3], double way[3])
 {
     for (int a = 0; a < 3; a++) way[a] = to[a] - from[a];
@@ -128,19 +119,6 @@ static double ray_meets_at(const mesh_ray *r, const double t[3][3])
     bvxi_area_normal(t[0], t[1], t[2], n);
     at = bvxi_vec_dot(n, o) / bvxi_vec_dot(n, r->d);
     return at >= low ? (at <= high ? at : high) : low;
-}
-
-/* Shares of the corners: the areas that the line cuts off. */
-static void ray_weights(const mesh_ray *r, const double t[3][3], double weight[3])
-{
-    double from[3][3], n[3], sum = 0.0;
-    for (int k = 0; k < 3; k++) way_between(r->o, t[k], from[k]);
-    for (int k = 0; k < 3; k++) {
-        bvxi_vec_cross(from[(k + 1) % 3], from[(k + 2) % 3], n);
-        weight[k] = bvxi_absolute(bvxi_vec_dot(n, r->d));
-        sum += weight[k];
-    }
-    for (int k = 0; k < 3; k++) weight[k] = sum > 0.0 ? weight[k] / sum : 1.0 / 3.0;
 }
 
 static int hit_before(const bvx_mesh_hit *a, const bvx_mesh_hit *b)
@@ -175,7 +153,9 @@ static void ray_meets_triangle(ray_visit *w, uint64_t place, int winding)
     if (side == 0 || edge_side(r, t[1], t[2]) != side || edge_side(r, t[2], t[0]) != side) return;
 
     /* What lies ahead of a ray that leaves has the origin behind it. */
-    int const origin = origin_side(r, (const double(*)[3])t, winding);
+    int origin = bvxi_orient(t[0], t[1], t[2], r->o);
+    for (int axis = 0; axis < 3 && origin == 0 && winding; axis++)
+        origin = -bvxi_orient_flat(t[0], t[1], t[2], axis);
     if (origin == -side) return;
     if (winding) {
         w->turns += side;
@@ -188,7 +168,16 @@ static void ray_meets_triangle(ray_visit *w, uint64_t place, int winding)
     if (hit.t > w->t_max) return;
     hit.side = -side;
     hit.triangle = r->tree->order[place];
-    ray_weights(r, (const double(*)[3])t, hit.weight);
+
+    /* Shares of the corners: the areas that the line cuts off. */
+    double from[3][3], n[3], sum = 0.0;
+    for (int k = 0; k < 3; k++) way_between(r->o, t[k], from[k]);
+    for (int k = 0; k < 3; k++) {
+        bvxi_vec_cross(from[(k + 1) % 3], from[(k + 2) % 3], n);
+        hit.weight[k] = bvxi_absolute(bvxi_vec_dot(n, r->d));
+        sum += hit.weight[k];
+    }
+    for (int k = 0; k < 3; k++) hit.weight[k] = sum > 0.0 ? hit.weight[k] / sum : 1.0 / 3.0;
     for (int a = 0; a < 3; a++) hit.position[a] = (r->o[a] + at * r->d[a]) / r->tree->scale;
     take_hit(w, &hit);
 }

@@ -13,21 +13,6 @@
 #include "mesh/facet.h"
 #include "mesh/view.h"
 
-/* The power of two of the evaluation; a lattice that reaches beyond 2^300
- * meshes could not be squared, so the mesh gives way. */
-static double near_scale(const bvx_lattice *l, const double low[3], const double high[3])
-{
-    double s = bvxi_unit_scale(low, high), largest = 0.0;
-    /* Centres beyond the mesh are squared too, so the lattice counts with it. */
-    for (int a = 0; a < 3; a++) {
-        double const end = l->origin[a] + (double)l->dims[a] * l->spacing[a];
-        largest = -l->origin[a] > largest ? -l->origin[a] : l->origin[a] > largest ? l->origin[a] : largest;
-        largest = end > largest ? end : -end > largest ? -end : largest;
-    }
-    while (largest * s > 0x1p300) s *= 0.5; /* A power of two, so that scaling rounds nothing. */
-    return s;
-}
-
 static bvx_status require_near_area(bvx_context *ctx, const char *function, const bvxi_nearest *n)
 {
     double t[3][3], normal[3];
@@ -76,7 +61,19 @@ static bvx_status open_near(bvxi_call call, bvxi_nearest *n)
     /* What is refused is refused before memory is taken for the tree. */
     BVXI_TRY(bvxi_view_bounds(call.ctx, call.function, &n->view, low, high));
     BVXI_TRY(check_near_range(call.ctx, call.function, &n->lattice, low, high));
-    n->scale = near_scale(&n->lattice, low, high);
+
+    /* The power of two of the evaluation; a lattice that reaches beyond 2^300 meshes could not be squared, so
+     * the mesh gives way. */
+    double s = bvxi_unit_scale(low, high), farthest = 0.0;
+    /* Centres beyond the mesh are squared too, so the lattice counts with it. */
+    for (int a = 0; a < 3; a++) {
+        double const first = n->lattice.origin[a];
+        double const end = first + (double)n->lattice.dims[a] * n->lattice.spacing[a];
+        farthest = -first > farthest ? -first : first > farthest ? first : farthest;
+        farthest = end > farthest ? end : -end > farthest ? -end : farthest;
+    }
+    while (farthest * s > 0x1p300) s *= 0.5; /* A power of two, so that scaling rounds nothing. */
+    n->scale = s;
     BVXI_TRY(require_near_area(call.ctx, call.function, n));
     BVXI_TRY(bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, sizeof *n->memo, "the field's memory", &n->memo));
     BVXI_TRY(bvxi_near_build(call, low, high, n));

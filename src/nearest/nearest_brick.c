@@ -129,13 +129,6 @@ static inline int32_t near_slot(int32_t g, int32_t c)
     return ((g & 1) * 2 + (c & 1)) + 4 * ((g & 2) + (c >> 1 & 1)) + 16 * ((g >> 2) * 2 + (c >> 2));
 }
 
-/* Bits of the group's slots: two of a row, two rows of a layer, two layers. */
-static uint32_t near_active(uint64_t wanted, int32_t g)
-{
-    uint32_t const w = (uint32_t)(wanted >> near_slot(g, 0));
-    return (w & 3) | (w >> 2 & 0xc) | (w >> 12 & 0x30) | (w >> 14 & 0xc0);
-}
-
 /* Look through the list, giving what may win to the evaluation when there is too much of it. */
 static int32_t look_through_near_list(const bvxi_nearest *n, bvxi_near_worker *w)
 {
@@ -339,7 +332,10 @@ static void find_near_groups(const bvxi_nearest *n, uint64_t wanted, double limi
 
     /* Groups share the list and the squares of its boxes, which cost more than a group's own look. */
     for (int32_t g = 0; g < 8; g++) {
-        uint32_t const active = near_active(wanted, g);
+        /* Bits of the group's slots: two of a row, two rows of a layer, two layers. */
+        uint32_t const slots = (uint32_t)(wanted >> near_slot(g, 0));
+        uint32_t const active = (slots & 3) | (slots >> 2 & 0xc) | (slots >> 12 & 0x30) |
+                                (slots >> 14 & 0xc0);
         if (active == 0) continue;
         if (!complete) { /* a list for these only */
             for (int a = 0; a < 3; a++) {

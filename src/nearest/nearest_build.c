@@ -80,32 +80,6 @@ static inline void prefetch_near(const near_builder *b, uint64_t i, uint64_t end
     for (int k = 0; k < 3; k++) BVXI_PREFETCH(bvxi_view_position_at(v, c[k]));
 }
 
-/* Leaf number `leaf` from count triangles; the piece has all before end. */
-static void fill_near_leaf(const near_builder *b, uint64_t first, uint32_t count, uint64_t end, uint64_t leaf)
-{
-    const bvxi_nearest *const n = b->n;
-    uint32_t order[BVXI_NEAR_WIDTH];
-    double corner[9][BVXI_NEAR_WIDTH];
-    float local[9][BVXI_NEAR_WIDTH];
-
-    /* A leaf that is not full holds its last triangle again: eight are always measured. */
-    for (uint32_t k = 0; k < BVXI_NEAR_WIDTH; k++) {
-        order[k] = b->curve.order[first + (k < count ? k : count - 1)];
-        prefetch_near(b, first + k, end);
-    }
-
-    bvxi_curve_gather(&n->view, order, corner);
-    BVXI_PATH(b->fast,
-              bound_near_leaf_base(n, (const double(*)[BVXI_NEAR_WIDTH])corner, &b->boxes[leaf], local),
-              bound_near_leaf_avx2(n, (const double(*)[BVXI_NEAR_WIDTH])corner, &b->boxes[leaf], local));
-    bvxi_near_make_leaf(order, (const float(*)[BVXI_NEAR_WIDTH])local, b->boxes[leaf].low, b->fast,
-                        &n->leaves[leaf]);
-
-    /* A point of the first triangle bounds how far the leaf's nearest can be. */
-    for (int a = 0; a < 3; a++)
-        b->boxes[leaf].point[a] = n->leaves[leaf].frame[0].f[BVXI_NEAR_FOOT + a] - b->boxes[leaf].low[a];
-}
-
 static uint32_t near_leaf_run(const near_builder *b, uint64_t first, uint64_t end)
 {
     return bvxi_near_cut(b->curve.keys + first, end - first, b->n->triangle_count < BVXI_NEAR_CUT_BELOW);
@@ -126,37 +100,33 @@ static void fill_near_leaves(void *user, int32_t index, uint64_t begin, uint64_t
     uint64_t leaf = b->first[index];
     while (begin < end) {
         uint32_t const count = near_leaf_run(b, begin, end);
-        fill_near_leaf(b, begin, count, end, leaf++);
+        const bvxi_nearest *const n = b->n;
+        uint32_t order[BVXI_NEAR_WIDTH];
+        double corner[9][BVXI_NEAR_WIDTH];
+        float local[9][BVXI_NEAR_WIDTH];
+
+        /* A leaf that is not full holds its last triangle again: eight are always measured. */
+        for (uint32_t k = 0; k < BVXI_NEAR_WIDTH; k++) {
+            order[k] = b->curve.order[begin + (k < count ? k : count - 1)];
+            prefetch_near(b, begin + k, end);
+        }
+
+        bvxi_curve_gather(&n->view, order, corner);
+        BVXI_PATH(b->fast,
+                  bound_near_leaf_base(n, (const double(*)[BVXI_NEAR_WIDTH])corner, &b->boxes[leaf], local),
+                  bound_near_leaf_avx2(n, (const double(*)[BVXI_NEAR_WIDTH])corner, &b->boxes[leaf], local));
+        bvxi_near_make_leaf(order, (const float(*)[BVXI_NEAR_WIDTH])local, b->boxes[leaf].low, b->fast,
+                            &n->leaves[leaf]);
+
+        /* A point of the first triangle bounds how far the leaf's nearest can be. */
+        for (int a = 0; a < 3; a++)
+            b->boxes[leaf].point[a] = n->leaves[leaf].frame[0].f[BVXI_NEAR_FOOT + a] - b->boxes[leaf].low[a];
         begin += count;
+        leaf++;
     }
-}
-
-static bvx_status make_near_leaves(bvxi_call call, near_builder *b)
-{
-    bvxi_nearest *const n = b->n;
-    double const middle = call.from + (call.to - call.from) * 0.125;
-
-    b->pieces = bvxi_piece_count(n->triangle_count, NEAR_LEAF_GRAIN);
-    BVXI_TRY(bvxi_for_pieces(call.ctx, call.stage, call.from, middle, b->pieces, n->triangle_count,
-                             count_near_leaves, b));
-
-    /* How many leaves a piece makes shows only after it was cut, so all are counted before any is written. */
-    n->leaf_count = bvxi_place_counts(b->first, (uint64_t)b->pieces);
-    BVXI_TRY(BVXI_ARRAY(call.ctx, n->leaf_count, "the search tree's triangles", n->leaves));
-    BVXI_TRY(BVXI_ARRAY(call.ctx, n->leaf_count, "the search tree's boxes", b->boxes));
-    return bvxi_for_pieces(call.ctx, call.stage, middle, call.to, b->pieces, n->triangle_count,
-                           fill_near_leaves, b);
 }
 
 /* ---- Nodes ---- */
-
-static inline void join_near_box(near_box *to, const near_box *box)
-{
-    for (int a = 0; a < 3; a++) {
-        to->low[a] = box->low[a] < to->low[a] ? box->low[a] : to->low[a];
-        to->high[a] = box->high[a] > to->high[a] ? box->high[a] : to->high[a];
-    }
-}
 
 /* Make the nodes of a level; their own boxes take the place of their
  * children's. Children that there are not are points far from everything. */
@@ -174,24 +144,14 @@ static void fill_near_nodes(near_box *boxes, uint64_t count, bvxi_near_node *nod
                 nodes[made].high[a][k] = k < run ? boxes[first + k].high[a] : 0x1p62f;
                 nodes[made].point[a][k] = k < run ? boxes[first + k].point[a] : 0.0f;
             }
-        for (uint32_t k = 1; k < run; k++) join_near_box(&box, &boxes[first + k]);
+        for (uint32_t k = 1; k < run; k++)
+            for (int a = 0; a < 3; a++) {
+                float const low = boxes[first + k].low[a], high = boxes[first + k].high[a];
+                box.low[a] = low < box.low[a] ? low : box.low[a];
+                box.high[a] = high > box.high[a] ? high : box.high[a];
+            }
         boxes[made] = box; /* made <= first: that child is in a node already */
     }
-}
-
-static bvx_status make_near_nodes(bvx_context *ctx, near_builder *b)
-{
-    bvxi_nearest *const n = b->n;
-    uint64_t count = n->leaf_count;
-
-    do {
-        bvxi_near_node **const nodes = &n->level[n->level_count++];
-        uint64_t const made = (count + BVXI_NEAR_WIDTH - 1) / BVXI_NEAR_WIDTH;
-        BVXI_TRY(BVXI_ARRAY(ctx, made, "the search tree's nodes", *nodes));
-        fill_near_nodes(b->boxes, count, *nodes);
-        count = made;
-    } while (count > 1);
-    return BVX_OK;
 }
 
 /* ---- The whole ---- */
@@ -246,8 +206,28 @@ bvx_status bvxi_near_build(bvxi_call call, const double low[3], const double hig
     BVXI_TRY(BVXI_ARRAY(call.ctx, n->triangle_count, "the search tree's keys", b.curve.keys));
     BVXI_TRY(BVXI_ARRAY(call.ctx, n->triangle_count, "the search tree's order", b.curve.order));
     BVXI_TRY(bvxi_curve_sort(bvxi_call_part(call, call.from, middle), &b.curve));
-    BVXI_TRY(make_near_leaves(bvxi_call_part(call, middle, call.to), &b));
-    BVXI_TRY(make_near_nodes(call.ctx, &b));
+
+    /* How many leaves a piece makes shows only after it was cut, so all are counted before any is written. */
+    call = bvxi_call_part(call, middle, call.to);
+    double const counted = call.from + (call.to - call.from) * 0.125;
+    b.pieces = bvxi_piece_count(n->triangle_count, NEAR_LEAF_GRAIN);
+    BVXI_TRY(bvxi_for_pieces(call.ctx, call.stage, call.from, counted, b.pieces, n->triangle_count,
+                             count_near_leaves, &b));
+    n->leaf_count = bvxi_place_counts(b.first, (uint64_t)b.pieces);
+    BVXI_TRY(BVXI_ARRAY(call.ctx, n->leaf_count, "the search tree's triangles", n->leaves));
+    BVXI_TRY(BVXI_ARRAY(call.ctx, n->leaf_count, "the search tree's boxes", b.boxes));
+    BVXI_TRY(bvxi_for_pieces(call.ctx, call.stage, counted, call.to, b.pieces, n->triangle_count,
+                             fill_near_leaves, &b));
+
+    uint64_t count = n->leaf_count;
+
+    do {
+        bvxi_near_node **const nodes = &n->level[n->level_count++];
+        uint64_t const made = (count + BVXI_NEAR_WIDTH - 1) / BVXI_NEAR_WIDTH;
+        BVXI_TRY(BVXI_ARRAY(call.ctx, made, "the search tree's nodes", *nodes));
+        fill_near_nodes(b.boxes, count, *nodes);
+        count = made;
+    } while (count > 1);
     bvxi_drop(call.ctx, b.boxes);
     bvxi_drop(call.ctx, b.curve.order);
     bvxi_drop(call.ctx, b.curve.keys);

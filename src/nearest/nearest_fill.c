@@ -29,27 +29,6 @@ typedef struct fill_ranks {
     uint64_t any[FILL_BRICK_ROWS][FILL_RUN_WORDS];
 } fill_ranks;
 
-static void begin_fill_ranks(const fill_work *w, const bvxi_near_run *r, fill_ranks *ranks)
-{
-    int32_t const words = r->begin * BVXI_NEAR_CUBE / BVXI_WORD_BITS;
-    int32_t const end = (r->end * BVXI_NEAR_CUBE + BVXI_WORD_BITS - 1) / BVXI_WORD_BITS;
-    int32_t const most = end < w->where->words_per_row ? end : w->where->words_per_row;
-
-    memset(ranks->any, 0, sizeof ranks->any);
-    for (int32_t z = 0; z < BVXI_NEAR_CUBE && r->z * BVXI_NEAR_CUBE + z < w->where->size[2]; z++)
-        for (int32_t y = 0; y < BVXI_NEAR_CUBE && r->y * BVXI_NEAR_CUBE + y < w->where->size[1]; y++) {
-            int32_t const j = r->y * BVXI_NEAR_CUBE + y, k = r->z * BVXI_NEAR_CUBE + z;
-            const uint64_t *const row = bvxi_grid_row(w->where, j, k);
-            uint64_t n = w->values->first[(uint64_t)k * (uint64_t)w->where->size[1] + (uint64_t)j];
-
-            /* The row's prefix is stored, what lies before the run is counted: once for 64 cubes. */
-            for (int32_t i = 0; i < words; i++) n += bvxi_popcount(row[i]);
-            ranks->next[z][y] = n;
-            for (int32_t i = words; i < most; i++)
-                ranks->any[y / BVXI_NEAR_SIDE + z / BVXI_NEAR_SIDE * 4][i - words] |= row[i];
-        }
-}
-
 /* ---- One brick ---- */
 
 static void put_near_numbers(int32_t type, void *to, uint64_t i, const double *x, int32_t count)
@@ -197,7 +176,23 @@ static void fill_near_runs(void *user, int32_t index, int32_t worker)
     for (uint64_t i = begin; i < end; i++) {
         bvxi_near_run const r = bvxi_near_run_of(&w->plan, i);
         fill_ranks ranks;
-        begin_fill_ranks(w, &r, &ranks);
+        int32_t const words = r.begin * BVXI_NEAR_CUBE / BVXI_WORD_BITS;
+        int32_t const last = (r.end * BVXI_NEAR_CUBE + BVXI_WORD_BITS - 1) / BVXI_WORD_BITS;
+        int32_t const most = last < w->where->words_per_row ? last : w->where->words_per_row;
+
+        memset(ranks.any, 0, sizeof ranks.any);
+        for (int32_t z = 0; z < BVXI_NEAR_CUBE && r.z * BVXI_NEAR_CUBE + z < w->where->size[2]; z++)
+            for (int32_t y = 0; y < BVXI_NEAR_CUBE && r.y * BVXI_NEAR_CUBE + y < w->where->size[1]; y++) {
+                int32_t const j = r.y * BVXI_NEAR_CUBE + y, k = r.z * BVXI_NEAR_CUBE + z;
+                const uint64_t *const row = bvxi_grid_row(w->where, j, k);
+                uint64_t n = w->values->first[(uint64_t)k * (uint64_t)w->where->size[1] + (uint64_t)j];
+
+                /* The row's prefix is stored, what lies before the run is counted: once for 64 cubes. */
+                for (int32_t x = 0; x < words; x++) n += bvxi_popcount(row[x]);
+                ranks.next[z][y] = n;
+                for (int32_t x = words; x < most; x++)
+                    ranks.any[y / BVXI_NEAR_SIDE + z / BVXI_NEAR_SIDE * 4][x - words] |= row[x];
+            }
         for (int32_t x = r.begin; x < r.end; x++) fill_near_cube(w, &r, x, &ranks, &w->workers[worker]);
     }
 }

@@ -53,17 +53,6 @@ bvx_status bvxi_curve_sort(bvxi_call call, bvxi_curve *curve)
 
 /* ---- Runs of triangles ---- */
 
-/* Every third bit of the low 63. */
-static inline uint32_t pack_near_bits(uint64_t x)
-{
-    x &= UINT64_C(0x1249249249249249);
-    x = (x | x >> 2) & UINT64_C(0x10c30c30c30c30c3);
-    x = (x | x >> 4) & UINT64_C(0x100f00f00f00f00f);
-    x = (x | x >> 8) & UINT64_C(0x001f0000ff0000ff);
-    x = (x | x >> 16) & UINT64_C(0x001f00000000ffff);
-    return (uint32_t)((x | x >> 32) & 0x1fffff);
-}
-
 /* Sum of the sides of the box around the cells of some keys. */
 static uint64_t near_key_sides(const uint64_t *keys, uint32_t begin, uint32_t end)
 {
@@ -72,7 +61,13 @@ static uint64_t near_key_sides(const uint64_t *keys, uint32_t begin, uint32_t en
     for (int a = 0; a < 3; a++) {
         uint32_t low = UINT32_MAX, high = 0;
         for (uint32_t i = begin; i < end; i++) {
-            uint32_t const x = pack_near_bits(keys[i] >> a);
+            /* Every third bit of the low 63. */
+            uint64_t bits = keys[i] >> a & UINT64_C(0x1249249249249249);
+            bits = (bits | bits >> 2) & UINT64_C(0x10c30c30c30c30c3);
+            bits = (bits | bits >> 4) & UINT64_C(0x100f00f00f00f00f);
+            bits = (bits | bits >> 8) & UINT64_C(0x001f0000ff0000ff);
+            bits = (bits | bits >> 16) & UINT64_C(0x001f00000000ffff);
+            uint32_t const x = (uint32_t)((bits | bits >> 32) & 0x1fffff);
             low = x < low ? x : low;
             high = x > high ? x : high;
         }

@@ -122,31 +122,6 @@ static double way_to_next_planes(const bvxi_oblique *b, uint32_t plane, const do
     return most;
 }
 
-/* A body's number is made around its contours, as far as the next planes on which it may not be, or as all
- * bodies may bulge. */
-static void bound_surroundings(bvxi_oblique *b)
-{
-    double low[3] = {1e300, 1e300, 1e300}, high[3] = {-1e300, -1e300, -1e300};
-    double margin = b->longest / 8.0;
-
-    for (uint32_t i = 0; i < b->plane_count; i++) {
-        const bvxi_plane *const p = &b->plane[i].plane;
-        uint32_t const stride = p->point_count / SURROUNDING_PLACES + 1;
-        for (uint32_t n = 0; n < p->point_count; n++) {
-            double at[3], way;
-            bvxi_oblique_in_cells(b, b->given->points + 3 * (uint64_t)p->given[n], at);
-            bvxi_widen(low, high, at, 3);
-            way = n % stride == 0 ? way_to_next_planes(b, i, at) : 0.0;
-            margin = way > margin ? way : margin;
-        }
-    }
-    for (int k = 0; k < 3; k++) {
-        double const first = floor(low[k] - margin) - 3.0, last = floor(high[k] + margin) + 4.0;
-        b->near_low[k] = first > 0.0 ? first : 0.0;
-        b->near_high[k] = last < b->side[k] ? last : b->side[k];
-    }
-}
-
 static bvx_status make_field(bvxi_oblique *o)
 {
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, bvxi_oblique_raster(o)));
@@ -167,7 +142,28 @@ static bvx_status open_joint_body(bvxi_oblique *o, uint32_t i, int32_t label)
     b->end[0] = b->end[1] = BVXI_NONE;
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.2, bvxi_oblique_take_planes(b)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.2, 0.3, bvxi_oblique_settle(b)));
-    bound_surroundings(b);
+
+    /* A body's number is made around its contours, as far as the next planes on which it may not be, or as
+     * all bodies may bulge. */
+    double low[3] = {1e300, 1e300, 1e300}, high[3] = {-1e300, -1e300, -1e300};
+    double margin = b->longest / 8.0;
+
+    for (uint32_t m = 0; m < b->plane_count; m++) {
+        const bvxi_plane *const p = &b->plane[m].plane;
+        uint32_t const stride = p->point_count / SURROUNDING_PLACES + 1;
+        for (uint32_t n = 0; n < p->point_count; n++) {
+            double at[3], way;
+            bvxi_oblique_in_cells(b, b->given->points + 3 * (uint64_t)p->given[n], at);
+            bvxi_widen(low, high, at, 3);
+            way = n % stride == 0 ? way_to_next_planes(b, m, at) : 0.0;
+            margin = way > margin ? way : margin;
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        double const first = floor(low[k] - margin) - 3.0, last = floor(high[k] + margin) + 4.0;
+        b->near_low[k] = first > 0.0 ? first : 0.0;
+        b->near_high[k] = last < b->side[k] ? last : b->side[k];
+    }
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.3, 1.0, make_field(b)));
 
     o->report.loops += b->report.loops;

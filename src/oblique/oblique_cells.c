@@ -218,29 +218,6 @@ static void kuhn_neighbours(const bvxi_oblique *o, uint32_t cell, const int32_t 
     n[swapped ? 1 : 2] = 6 * cell + (uint32_t)kuhn_of(near, near | (7 ^ far));
 }
 
-static bvx_status make_tetrahedra_of(bvxi_oblique *o, uint64_t cell, const uint32_t *plane, uint32_t planes)
-{
-    int32_t at[3];
-    int const c = (int)o->cell[cell][1];
-    uint32_t corner[8];
-
-    bvxi_oblique_block_place(o, o->cell[cell][0], at);
-    bvxi_oblique_in_block(at, c, at);
-    for (int k = 0; k < 8; k++) {
-        int32_t const place[3] = {at[0] + (k & 1), at[1] + (k >> 1 & 1), at[2] + (k >> 2)};
-        BVXI_TRY(lattice_vertex(o, place, plane, planes, &corner[k]));
-    }
-
-    /* Six around the diagonal from corner 0 to 7 (Kuhn 1960); those of neighbours meet in whole faces. */
-    for (int k = 0; k < 6; k++) {
-        uint32_t v[4], n[4], number;
-        for (int x = 0; x < 4; x++) v[x] = corner[bvxi_kuhn[k][x]];
-        kuhn_neighbours(o, (uint32_t)cell, at, k, n);
-        BVXI_TRY(bvxi_tetra_add(o, v, n, k == 0 ? BVXI_NONE : (uint32_t)(6 * cell), &number));
-    }
-    return BVX_OK;
-}
-
 static bvx_status make_tetrahedra(bvxi_oblique *o)
 {
     static const char what[] = "the tetrahedra";
@@ -257,8 +234,25 @@ static bvx_status make_tetrahedra(bvxi_oblique *o)
         if (o->split[i] == 0) continue;
         bvxi_oblique_block_place(o, o->known[i], first);
         planes = bvxi_oblique_near_planes(o, first, plane);
-        for (uint64_t c = o->split_first[i]; c < o->split_first[i + 1]; c++)
-            BVXI_TRY(make_tetrahedra_of(o, c, plane, planes));
+        for (uint64_t c = o->split_first[i]; c < o->split_first[i + 1]; c++) {
+            int32_t at[3];
+            uint32_t corner[8];
+
+            bvxi_oblique_block_place(o, o->cell[c][0], at);
+            bvxi_oblique_in_block(at, (int)o->cell[c][1], at);
+            for (int k = 0; k < 8; k++) {
+                int32_t const place[3] = {at[0] + (k & 1), at[1] + (k >> 1 & 1), at[2] + (k >> 2)};
+                BVXI_TRY(lattice_vertex(o, place, plane, planes, &corner[k]));
+            }
+
+            /* Six around the diagonal from corner 0 to 7 (Kuhn 1960); those of neighbours meet in whole faces. */
+            for (int k = 0; k < 6; k++) {
+                uint32_t v[4], n[4], number;
+                for (int x = 0; x < 4; x++) v[x] = corner[bvxi_kuhn[k][x]];
+                kuhn_neighbours(o, (uint32_t)c, at, k, n);
+                BVXI_TRY(bvxi_tetra_add(o, v, n, k == 0 ? BVXI_NONE : (uint32_t)(6 * c), &number));
+            }
+        }
     }
     return BVX_OK;
 }

@@ -138,22 +138,6 @@ static void tie_plane(const smooth_work *w, uint32_t plane, int axis)
         }
 }
 
-/* Rows of the transposed differences times the differences, along an axis with `size` nodes. */
-static void make_tables(smooth_work *w, int axis)
-{
-    int const size = w->grid.size[axis];
-    memset(w->plate[axis], 0, sizeof w->plate[axis]);
-    memset(w->slope[axis], 0, sizeof w->slope[axis]);
-    /* A difference is taken where all of its nodes exist: the plate's border is free, bent by nothing. */
-    for (int c = 1; c + 1 < size; c++)
-        for (int a = -1; a <= 1; a++)
-            for (int b = -1; b <= 1; b++)
-                w->plate[axis][c + a][2 + b - a] += (a == 0 ? -2.0 : 1.0) * (b == 0 ? -2.0 : 1.0);
-    for (int c = 0; c + 1 < size; c++)
-        for (int a = 0; a <= 1; a++)
-            for (int b = 0; b <= 1; b++) w->slope[axis][c + a][1 + b - a] += a == b ? 1.0 : -1.0;
-}
-
 /* out += factor * x, whole rows; rows beyond the grid have the factor 0. */
 static void add_row(double *out, const double *x, double factor, int32_t n)
 {
@@ -314,7 +298,18 @@ static bvx_status solve_smooth_level(smooth_work *w, const bvxi_smooth *coarser)
                 }
     }
     for (int axis = 0; axis < 3; axis++) {
-        make_tables(w, axis);
+        /* Rows of the transposed differences times the differences, along an axis with `size` nodes. */
+        int const size = w->grid.size[axis];
+        memset(w->plate[axis], 0, sizeof w->plate[axis]);
+        memset(w->slope[axis], 0, sizeof w->slope[axis]);
+        /* A difference is taken where all of its nodes exist: the plate's border is free, bent by nothing. */
+        for (int c = 1; c + 1 < size; c++)
+            for (int a = -1; a <= 1; a++)
+                for (int b = -1; b <= 1; b++)
+                    w->plate[axis][c + a][2 + b - a] += (a == 0 ? -2.0 : 1.0) * (b == 0 ? -2.0 : 1.0);
+        for (int c = 0; c + 1 < size; c++)
+            for (int a = 0; a <= 1; a++)
+                for (int b = 0; b <= 1; b++) w->slope[axis][c + a][1 + b - a] += a == b ? 1.0 : -1.0;
         for (uint32_t p = 0; p < w->o->plane_count; p++) {
             /* Each plane is measured a thousand times, and there may be as many planes. */
             if (p % TIE_REPORT == 0) BVXI_TRY(bvxi_progress(ctx, "field", 0.0));

@@ -170,35 +170,9 @@ static const bvxi_option boolean_rows[] = {
     BVXI_CHOICE(bvx_boolean_options, thin, BVX_THIN_KEEP, BVX_THIN_DROP),
 };
 
-static bvx_status check_boolean_options(bvx_context *ctx, int32_t operation, bvx_boolean_options *o)
-{
-    if (operation < BVX_BOOLEAN_UNION || operation > BVX_BOOLEAN_XOR)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: operation %d is unknown",
-                             boolean_name, (int64_t)operation);
-
-    /* What the rows cannot say follows them. */
-    BVXI_TRY(bvxi_check_options(ctx, boolean_name, o, BVXI_OPTIONS(boolean_rows)));
-    return bvxi_check_fit(ctx, boolean_name, &o->fit);
-}
-
 /* ---- Lattice and solids ---- */
 
 static const char *const boolean_mesh[2] = {"bvx_boolean, mesh a", "bvx_boolean, mesh b"};
-
-/* The meshes are checked on the way. */
-static bvx_status choose_boolean_lattice(boolean_job *job, const bvx_mesh *result)
-{
-    for (int32_t i = 0; i < 2; i++) {
-        BVXI_TRY(bvxi_view_check(job->ctx, boolean_mesh[i], job->body[i].mesh));
-        BVXI_TRY(bvxi_view_bounds(job->ctx, boolean_mesh[i], job->body[i].mesh, job->box[i].low,
-                                  job->box[i].high));
-        BVXI_TRY(bvxi_view_apart(job->ctx, boolean_mesh[i], job->body[i].mesh, result));
-    }
-    if (job->options->fit.lattice == NULL)
-        return fit_boolean(job->ctx, job->operation, job->options->fit.resolution, job->box, &job->lattice);
-    job->lattice = *job->options->fit.lattice;
-    return BVX_OK;
-}
 
 static bvx_status open_boolean_grid(boolean_job *job, const char *what, bvx_grid *grid)
 {
@@ -324,32 +298,6 @@ static bvx_status fill_body(boolean_job *job, int32_t i)
     return keep_thin_walls(job, i);
 }
 
-/* Edges between centres that both bodies cross and the result does not: there a wall or a gap between the bodies may
- * be lost, of a voxel at most. */
-static uint64_t count_between(const boolean_job *job)
-{
-    const bvx_grid *const g = &job->inside;
-    const uint64_t *const in[3] = {job->body[0].solid.words, job->body[1].solid.words, g->words};
-    uint64_t const row = (uint64_t)g->words_per_row, slice = row * (uint64_t)g->size[1];
-    uint64_t const words = bvxi_grid_words(g);
-    uint64_t count = 0;
-
-    for (uint64_t i = 0; i < words; i++) {
-        uint64_t x[3], y[3], z[3];
-
-        for (int k = 0; k < 3; k++) {
-            uint64_t const w = in[k][i];
-            /* The last bit of a row stands beside none; beyond the last row and slice there is nothing. */
-            x[k] = w ^ (w >> 1 | ((i + 1) % row != 0 ? in[k][i + 1] << 63 : 0));
-            y[k] = i % slice + row < slice ? w ^ in[k][i + row] : 0;
-            z[k] = i + slice < words ? w ^ in[k][i + slice] : 0;
-        }
-        count += bvxi_popcount(x[0] & x[1] & ~x[2]) + bvxi_popcount(y[0] & y[1] & ~y[2]) +
-                 bvxi_popcount(z[0] & z[1] & ~z[2]);
-    }
-    return count;
-}
-
 static bvx_status fill_boolean(boolean_job *job)
 {
     bvx_grid *const a = &job->body[0].solid, *const b = &job->body[1].solid;
@@ -362,7 +310,31 @@ static bvx_status fill_boolean(boolean_job *job)
     BVXI_TRY(bvx_grid_count(job->ctx, a, &job->report.voxels_a));
     BVXI_TRY(bvx_grid_count(job->ctx, b, &job->report.voxels_b));
     BVXI_TRY(bvx_grid_count(job->ctx, &job->inside, &job->report.voxels));
-    if (job->options->report != NULL) job->between = count_between(job);
+
+    if (job->options->report != NULL) {
+        /* Edges between centres that both bodies cross and the result does not: there a wall or a gap between
+         * the bodies may be lost, of a voxel at most. */
+        const bvx_grid *const g = &job->inside;
+        const uint64_t *const in[3] = {job->body[0].solid.words, job->body[1].solid.words, g->words};
+        uint64_t const row = (uint64_t)g->words_per_row, slice = row * (uint64_t)g->size[1];
+        uint64_t const words = bvxi_grid_words(g);
+        uint64_t count = 0;
+
+        for (uint64_t i = 0; i < words; i++) {
+            uint64_t x[3], y[3], z[3];
+
+            for (int k = 0; k < 3; k++) {
+                uint64_t const w = in[k][i];
+                /* The last bit of a row stands beside none; beyond the last row and slice there is nothing. */
+                x[k] = w ^ (w >> 1 | ((i + 1) % row != 0 ? in[k][i + 1] << 63 : 0));
+                y[k] = i % slice + row < slice ? w ^ in[k][i + row] : 0;
+                z[k] = i + slice < words ? w ^ in[k][i + slice] : 0;
+            }
+            count += bvxi_popcount(x[0] & x[1] & ~x[2]) + bvxi_popcount(y[0] & y[1] & ~y[2]) +
+                     bvxi_popcount(z[0] & z[1] & ~z[2]);
+        }
+        job->between = count;
+    }
 
     /* After the counts, so that a body that was lost is named before an empty result could be taken for an
      * answer. */
@@ -373,23 +345,6 @@ static bvx_status fill_boolean(boolean_job *job)
 
 /* ---- Small parts ---- */
 
-static bvx_status drop_boolean_crumbs(boolean_job *job)
-{
-    for (int32_t i = 0; i < 2; i++)
-        BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->source[i].mesh->vertex_count * 4, "a mesh's pieces",
-                            &job->source[i].piece));
-
-    /* Parts first, then pockets: a crumb that goes may have had a pocket of its own. */
-    for (int32_t empty = 0; empty < 2; empty++) {
-        uint64_t crumbs = 0;
-        BVXI_TRY(BVXI_SHARE(job->ctx, 0.5 * empty, 0.5 + 0.5 * empty,
-                            BVXI_SCOPE(job->ctx, bvxi_drop_crumbs(job->ctx, boolean_name, &job->inside, empty,
-                                                                  job->source, 2, &crumbs))));
-        job->report.crumbs += crumbs;
-    }
-    return BVX_OK;
-}
-
 /* By crumbs and by size. */
 static bvx_status drop_boolean_parts(boolean_job *job)
 {
@@ -397,7 +352,20 @@ static bvx_status drop_boolean_parts(boolean_job *job)
 
     if (job->report.voxels == 0) return BVX_OK;
     /* Crumbs first: they are sorted out by shape, parts by size alone. */
-    if (!o->parts.keep_crumbs) BVXI_TRY(drop_boolean_crumbs(job));
+    if (!o->parts.keep_crumbs) {
+        for (int32_t i = 0; i < 2; i++)
+            BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->source[i].mesh->vertex_count * 4,
+                                "a mesh's pieces", &job->source[i].piece));
+
+        /* Parts first, then pockets: a crumb that goes may have had a pocket of its own. */
+        for (int32_t empty = 0; empty < 2; empty++) {
+            uint64_t crumbs = 0;
+            BVXI_TRY(BVXI_SHARE(job->ctx, 0.5 * empty, 0.5 + 0.5 * empty,
+                                BVXI_SCOPE(job->ctx, bvxi_drop_crumbs(job->ctx, boolean_name, &job->inside,
+                                                                      empty, job->source, 2, &crumbs))));
+            job->report.crumbs += crumbs;
+        }
+    }
     BVXI_TRY(bvxi_keep_large_parts(job->ctx, &o->parts, &job->inside, &job->report.parts_dropped));
     return bvx_grid_count(job->ctx, &job->inside, &job->report.voxels);
 }
@@ -460,23 +428,6 @@ static bvx_status measure_body(boolean_job *job, boolean_body *b)
 
 /* ---- The surface ---- */
 
-/* What the rules of open meshes see in their holes; other rules have no lids. */
-static bvx_status open_boolean_lids(boolean_job *job, int32_t i, bvxi_holes *holes)
-{
-    boolean_body *const b = &job->body[i];
-    const bvx_solid_report *const r = b->report;
-    bvxi_winding *winding;
-
-    b->lids.lattice = &job->lattice;
-    if ((r->fill != BVX_FILL_WINDING && r->fill != BVX_FILL_VOTE) || r->turned != 0) return BVX_OK;
-    BVXI_TRY(bvxi_holes_open_rule(job->ctx, boolean_name, b->mesh, &job->lattice, r->fill, holes));
-    BVXI_TRY(bvxi_winding_open(job->ctx, boolean_name, b->mesh, &job->lattice, r->fill, holes, &winding));
-    b->lids.winding = winding;
-    bvxi_longest_rim(b->mesh, holes, &job->longest_rim);
-    job->holes += holes->loops;
-    return BVX_OK;
-}
-
 static bvx_status extract_boolean(boolean_job *job, bvx_mesh *result)
 {
     bvxi_holes holes[2];
@@ -486,12 +437,23 @@ static bvx_status extract_boolean(boolean_job *job, bvx_mesh *result)
 
     o.placing.sharp = job->report.sharp ? BVX_SHARP_ALWAYS : BVX_SHARP_NEVER;
     for (int32_t i = 0; i < 2; i++) {
-        rule[i].values = &job->body[i].values;
-        rule[i].mesh = job->body[i].mesh;
-        rule[i].inside = &job->body[i].solid;
-        BVXI_TRY(open_boolean_lids(job, i, &holes[i]));
-        if (job->body[i].lids.winding != NULL) rule[i].missing = bvxi_lid_ratios;
-        rule[i].missing_user = &job->body[i].lids;
+        boolean_body *const b = &job->body[i];
+        int32_t const fill = b->report->fill;
+        bvxi_winding *winding;
+
+        rule[i].values = &b->values;
+        rule[i].mesh = b->mesh;
+        rule[i].inside = &b->solid;
+        rule[i].missing_user = &b->lids;
+        b->lids.lattice = &job->lattice;
+        if ((fill != BVX_FILL_WINDING && fill != BVX_FILL_VOTE) || b->report->turned != 0) continue;
+        BVXI_TRY(bvxi_holes_open_rule(job->ctx, boolean_name, b->mesh, &job->lattice, fill, &holes[i]));
+        BVXI_TRY(
+            bvxi_winding_open(job->ctx, boolean_name, b->mesh, &job->lattice, fill, &holes[i], &winding));
+        b->lids.winding = winding;
+        rule[i].missing = bvxi_lid_ratios;
+        bvxi_longest_rim(b->mesh, &holes[i], &job->longest_rim);
+        job->holes += holes[i].loops;
     }
 
     /* Where both bodies cross an edge, a union takes the outer cut, the others the inner one. */
@@ -514,8 +476,17 @@ static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
 {
     bvxi_flat_body const bodies[BVXI_FLAT_BODIES] = {{&job->body[0].thin, &job->body[0].solid},
                                                      {&job->body[1].thin, &job->body[1].solid}};
+    const bvx_fit *const fit = &job->options->fit;
 
-    BVXI_TRY(choose_boolean_lattice(job, result));
+    /* The meshes are checked before they are measured. */
+    for (int32_t i = 0; i < 2; i++) {
+        BVXI_TRY(bvxi_view_check(job->ctx, boolean_mesh[i], job->body[i].mesh));
+        BVXI_TRY(bvxi_view_bounds(job->ctx, boolean_mesh[i], job->body[i].mesh, job->box[i].low,
+                                  job->box[i].high));
+        BVXI_TRY(bvxi_view_apart(job->ctx, boolean_mesh[i], job->body[i].mesh, result));
+    }
+    if (fit->lattice != NULL) job->lattice = *fit->lattice;
+    else BVXI_TRY(fit_boolean(job->ctx, job->operation, fit->resolution, job->box, &job->lattice));
     job->report.lattice = job->lattice;
 
     uint64_t const words = bvx_grid_bound(&job->lattice, NULL);
@@ -555,22 +526,6 @@ static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
 #define BOOLEAN_CRUMBS 3    /* from which on a wall has broken */
 #define BOOLEAN_SHARED 1.25 /* the factor by which a shared volume counted in voxels may be off */
 
-/* The volume that both bodies share: the part of their voxels, of the smaller one of both volumes. */
-static double shared_volume(const boolean_job *job)
-{
-    const bvx_boolean_report *const r = &job->report;
-    uint64_t const count[2] = {r->voxels_a, r->voxels_b};
-    uint64_t const all = count[0] + (job->operation == BVX_BOOLEAN_DIFFERENCE ? 0 : count[1]);
-    uint64_t const twice = job->operation == BVX_BOOLEAN_XOR ? 2 : 1;
-    double const voxels = all > r->voxels ? (double)((all - r->voxels) / twice) : 0.0;
-    double shared[2] = {0.0, 1e300};
-
-    for (int i = 0; i < 2; i++)
-        if (count[i] != 0 && job->body[i].report->crossing_volume > 0.0)
-            shared[i] = job->body[i].report->crossing_volume * voxels / (double)count[i];
-    return shared[0] < shared[1] ? shared[0] : shared[1];
-}
-
 /* The volume of the result beside those of the meshes, these seen nearer where it matters. */
 static bvx_status warn_of_operands_volume(boolean_job *job, double volume, double finer)
 {
@@ -583,7 +538,18 @@ static bvx_status warn_of_operands_volume(boolean_job *job, double volume, doubl
     for (int i = 0; i < count; i++)
         if (!(bvxi_known_volume(of[i]) > 0.0)) return BVX_OK;
     if (r->few != 0 || r->parts_dropped != 0) return BVX_OK;
-    shared = shared_volume(job) * (job->operation == BVX_BOOLEAN_XOR ? 2.0 : 1.0);
+
+    /* The volume that both bodies share: the part of their voxels, of the smaller one of both volumes. */
+    uint64_t const of_voxels[2] = {r->voxels_a, r->voxels_b};
+    uint64_t const all = of_voxels[0] + (job->operation == BVX_BOOLEAN_DIFFERENCE ? 0 : of_voxels[1]);
+    uint64_t const twice = job->operation == BVX_BOOLEAN_XOR ? 2 : 1;
+    double const voxels = all > r->voxels ? (double)((all - r->voxels) / twice) : 0.0;
+    double part[2] = {0.0, 1e300};
+
+    for (int i = 0; i < 2; i++)
+        if (of_voxels[i] != 0 && job->body[i].report->crossing_volume > 0.0)
+            part[i] = job->body[i].report->crossing_volume * voxels / (double)of_voxels[i];
+    shared = (part[0] < part[1] ? part[0] : part[1]) * (job->operation == BVX_BOOLEAN_XOR ? 2.0 : 1.0);
     for (int i = 0; i < count; i++) wanted += bvxi_known_volume(of[i]);
     for (int i = 0; i < count; i++)
         if (bvxi_known_volume(of[i]) == of[i]->crossing_volume && bvxi_solid_is_closed(of[i]))
@@ -596,35 +562,6 @@ static bvx_status warn_of_operands_volume(boolean_job *job, double volume, doubl
         volume > (1.0 + off) * (wanted - shared / BOOLEAN_SHARED))
         BVXI_WARN(job->ctx, BVX_WARN_VOLUME, volume, wanted - shared, volume / (wanted - shared) - 1.0,
                   finer);
-    return BVX_OK;
-}
-
-/* Both meshes as one. */
-static bvx_status put_together(boolean_job *job, bvx_mesh_view *both)
-{
-    const bvx_mesh_view *const a = job->body[0].mesh, *const b = job->body[1].mesh;
-    uint64_t const vertices = a->vertex_count + b->vertex_count;
-    uint64_t const triangles = a->triangle_count + b->triangle_count;
-    uint32_t *index;
-    double *position;
-
-    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, vertices * 24, "both meshes' places", &position));
-    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, triangles * 12, "both meshes' triangles", &index));
-    *both = (bvx_mesh_view){.positions = position,
-                            .indices = index,
-                            .vertex_count = vertices,
-                            .triangle_count = triangles,
-                            .position_type = BVX_F64,
-                            .index_type = BVX_U32};
-    for (uint64_t v = 0; v < vertices; v++)
-        if (v < a->vertex_count) bvxi_view_position(a, v, position + 3 * v);
-        else bvxi_view_position(b, v - a->vertex_count, position + 3 * v);
-    for (uint64_t t = 0; t < triangles; t++) {
-        uint64_t const first = t < a->triangle_count ? 0 : a->vertex_count;
-
-        bvxi_view_triangle(first == 0 ? a : b, first == 0 ? t : t - a->triangle_count, index + 3 * t);
-        for (int k = 0; k < 3; k++) index[3 * t + (uint64_t)k] += (uint32_t)first;
-    }
     return BVX_OK;
 }
 
@@ -646,7 +583,31 @@ static bvx_status count_apart(boolean_job *job, uint64_t parts, uint64_t *bodies
                             r->voxels_a + r->voxels_b) ||
         job->body[0].mesh->vertex_count + job->body[1].mesh->vertex_count > UINT32_MAX)
         return BVX_OK;
-    BVXI_TRY(put_together(job, &both));
+
+    /* Both meshes as one. */
+    const bvx_mesh_view *const a = job->body[0].mesh, *const b = job->body[1].mesh;
+    uint64_t const vertices = a->vertex_count + b->vertex_count;
+    uint64_t const triangles = a->triangle_count + b->triangle_count;
+    uint32_t *index;
+    double *position;
+
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, vertices * 24, "both meshes' places", &position));
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, triangles * 12, "both meshes' triangles", &index));
+    both = (bvx_mesh_view){.positions = position,
+                           .indices = index,
+                           .vertex_count = vertices,
+                           .triangle_count = triangles,
+                           .position_type = BVX_F64,
+                           .index_type = BVX_U32};
+    for (uint64_t v = 0; v < vertices; v++)
+        if (v < a->vertex_count) bvxi_view_position(a, v, position + 3 * v);
+        else bvxi_view_position(b, v - a->vertex_count, position + 3 * v);
+    for (uint64_t t = 0; t < triangles; t++) {
+        uint64_t const first = t < a->triangle_count ? 0 : a->vertex_count;
+
+        bvxi_view_triangle(first == 0 ? a : b, first == 0 ? t : t - a->triangle_count, index + 3 * t);
+        for (int k = 0; k < 3; k++) index[3 * t + (uint64_t)k] += (uint32_t)first;
+    }
     return bvxi_bodies_apart(job->ctx, &both, bodies);
 }
 
@@ -673,18 +634,6 @@ static bvx_status warn_of_operands_parts(boolean_job *job, uint64_t parts, doubl
     BVXI_TRY(BVXI_SCOPE(job->ctx, count_apart(job, parts, &apart)));
     if (parts < apart) BVXI_WARN(job->ctx, BVX_WARN_JOINED, (double)parts, (double)apart, finer);
     return BVX_OK;
-}
-
-static void warn_of_operand(boolean_job *job, int32_t i)
-{
-    const bvx_solid_report *const r = job->body[i].report;
-
-    bvxi_warn_of_fill(job->ctx, r, i);
-    if ((job->report.thin_kept & (i == 0 ? BVX_KEPT_A : BVX_KEPT_B)) == 0)
-        bvxi_warn_of_walls(job->ctx, &job->lattice, r, i);
-    /* A body of so few voxels has lost its shape; the resolution that keeps it follows from its size. */
-    if ((job->report.few >> i & 1) != 0)
-        BVXI_WARN(job->ctx, BVX_WARN_FEW, bvxi_advised(job->report.advised_resolution))->input = i;
 }
 
 /* What is compared: the volume about the middle, how many parts and handles there are, and crumbs that went. */
@@ -726,14 +675,10 @@ static bvx_status measure_result(boolean_job *job, const bvx_mesh *mesh, boolean
 #define FINER_LARGE (UINT64_C(1) << 19) /* where the volume is in question */
 #define FINER_AGREE 0.005
 
-static int is_near_volume(double a, double b)
-{
-    return bvxi_absolute(a - b) <= FINER_AGREE * b;
-}
-
 static int is_same_shape(const boolean_shape *a, const boolean_shape *b)
 {
-    return a->parts == b->parts && a->handles == b->handles && is_near_volume(a->volume, b->volume);
+    return a->parts == b->parts && a->handles == b->handles &&
+           bvxi_absolute(a->volume - b->volume) <= FINER_AGREE * b->volume;
 }
 
 /* The same operation on a lattice of half the spacing, on which meshes are snapped as on this one; *seen becomes 0
@@ -833,7 +778,16 @@ static bvx_status warn_of_boolean(boolean_job *job, const bvx_mesh *result)
     boolean_shape shape;
     int same;
 
-    for (int32_t i = 0; i < 2; i++) warn_of_operand(job, i);
+    for (int32_t i = 0; i < 2; i++) {
+        const bvx_solid_report *const solid = job->body[i].report;
+
+        bvxi_warn_of_fill(job->ctx, solid, i);
+        if ((job->report.thin_kept & (i == 0 ? BVX_KEPT_A : BVX_KEPT_B)) == 0)
+            bvxi_warn_of_walls(job->ctx, &job->lattice, solid, i);
+        /* A body of so few voxels has lost its shape; the resolution that keeps it follows from its size. */
+        if ((job->report.few >> i & 1) != 0)
+            BVXI_WARN(job->ctx, BVX_WARN_FEW, bvxi_advised(job->report.advised_resolution))->input = i;
+    }
     /* Often wrong units or a wrong place. */
     if (job->operation == BVX_BOOLEAN_DIFFERENCE && r->voxels_b == 0 && (r->few & BVX_FEW_B) == 0)
         bvxi_warn(job->ctx, BVX_WARN_APART, 0, NULL)->input = 1;
@@ -866,7 +820,13 @@ static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, cons
 
     if (result == NULL) return bvxi_fail_null(context, boolean_name, "result");
     BVXI_TRY(bvxi_take_options(context, boolean_name, options, &o, sizeof o));
-    BVXI_TRY(check_boolean_options(context, operation, &o));
+    if (operation < BVX_BOOLEAN_UNION || operation > BVX_BOOLEAN_XOR)
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: operation %d is unknown",
+                             boolean_name, (int64_t)operation);
+
+    /* What the rows cannot say follows them. */
+    BVXI_TRY(bvxi_check_options(context, boolean_name, &o, BVXI_OPTIONS(boolean_rows)));
+    BVXI_TRY(bvxi_check_fit(context, boolean_name, &o.fit));
     job.ctx = context;
     job.options = &o;
     job.operation = operation;

@@ -188,19 +188,6 @@ static void join_enclosed(apart_job *job, const double beyond[3])
         }
 }
 
-static bvx_status join_crossing(bvx_context *ctx, apart_job *job, const bvxi_welded *welded)
-{
-    uint64_t pairs;
-    uint32_t *pair, a[3], b[3];
-    BVXI_TRY(bvxi_mesh_crossings(ctx, welded, UINT64_MAX, &pair, &pairs));
-    for (uint64_t i = 0; i < pairs; i++) {
-        bvxi_view_triangle(job->mesh, pair[2 * i], a);
-        bvxi_view_triangle(job->mesh, pair[2 * i + 1], b);
-        job->bodies -= (uint64_t)bvxi_join(job->group, a[0], b[0]);
-    }
-    return BVX_OK;
-}
-
 bvx_status bvxi_bodies_apart(bvx_context *ctx, const bvx_mesh_view *mesh, uint64_t *bodies)
 {
     static const double aslant[3] = {0.3719, 0.6131, 0.2357};
@@ -232,7 +219,14 @@ bvx_status bvxi_bodies_apart(bvx_context *ctx, const bvx_mesh_view *mesh, uint64
     for (int a = 0; a < 3; a++) beyond[a] = of.box.high[a] + aslant[a] * (of.box.high[a] - of.box.low[a]);
     job.bodies = job.count;
     join_enclosed(&job, beyond);
-    BVXI_TRY(join_crossing(ctx, &job, &welded));
+    uint64_t pairs;
+    uint32_t *pair, a[3], b[3];
+    BVXI_TRY(bvxi_mesh_crossings(ctx, &welded, UINT64_MAX, &pair, &pairs));
+    for (uint64_t i = 0; i < pairs; i++) {
+        bvxi_view_triangle(job.mesh, pair[2 * i], a);
+        bvxi_view_triangle(job.mesh, pair[2 * i + 1], b);
+        job.bodies -= (uint64_t)bvxi_join(job.group, a[0], b[0]);
+    }
     *bodies = job.bodies;
     return BVX_OK;
 }

@@ -200,23 +200,6 @@ bvx_status bvxi_know_pieces(bvx_context *ctx, bvxi_crumb_source *source)
     return BVX_OK;
 }
 
-/* Pieces of the triangles around small parts alone: each is of one piece of the mesh, which may have more. */
-static bvx_status know_around(crumb_job *job, int32_t s)
-{
-    double const reach = CRUMB_AROUND * bvxi_largest_spacing(&job->inside->lattice);
-    bvxi_crumb_source *const source = &job->source[s];
-    uint32_t *const piece = source->piece, *corner;
-
-    BVXI_TRY(bvxi_triangles_near(job->ctx, source->mesh, source->cells, &job->small, reach, 0,
-                                 &job->around[s], &corner));
-    uint64_t const count = 3 * job->around[s].triangle_count;
-    for (uint64_t i = 0; i < count; i++) piece[corner[i]] = corner[i];
-    for (uint64_t i = 1; i < count; i++)
-        if (i % 3 != 0) bvxi_join(piece, corner[i - 1], corner[i]);
-    for (uint64_t i = 0; i < count; i++) piece[corner[i]] = bvxi_root(piece, corner[i]);
-    return BVX_OK;
-}
-
 /* Count the triangles before voxels of large parts, of each piece that parts are nearest to, until they are more than
  * those before small ones. Returns how many pieces are not decided. */
 static uint64_t count_large(crumb_job *job, int32_t s, int around)
@@ -344,8 +327,22 @@ static bvx_status look_at_pieces(crumb_job *job, int around, uint64_t *open)
     for (int32_t s = 0; s < job->sources; s++) {
         job->around[s] = *job->source[s].mesh;
         job->before[s] = 0;
-        if (around) BVXI_TRY(know_around(job, s));
-        else BVXI_TRY(bvxi_know_pieces(job->ctx, &job->source[s]));
+
+        if (around) {
+            /* Pieces of the triangles around small parts alone: each is of one piece of the mesh, which may have
+             * more. */
+            double const reach = CRUMB_AROUND * bvxi_largest_spacing(&job->inside->lattice);
+            bvxi_crumb_source *const source = &job->source[s];
+            uint32_t *const piece = source->piece, *corner;
+
+            BVXI_TRY(bvxi_triangles_near(job->ctx, source->mesh, source->cells, &job->small, reach, 0,
+                                         &job->around[s], &corner));
+            uint64_t const count = 3 * job->around[s].triangle_count;
+            for (uint64_t i = 0; i < count; i++) piece[corner[i]] = corner[i];
+            for (uint64_t i = 1; i < count; i++)
+                if (i % 3 != 0) bvxi_join(piece, corner[i - 1], corner[i]);
+            for (uint64_t i = 0; i < count; i++) piece[corner[i]] = bvxi_root(piece, corner[i]);
+        } else BVXI_TRY(bvxi_know_pieces(job->ctx, &job->source[s]));
         memset(job->piece[s], 0, (size_t)job->source[s].mesh->vertex_count * sizeof *job->piece[s]);
     }
     BVXI_TRY(ask_meshes(job, around, &far));

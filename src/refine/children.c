@@ -19,26 +19,6 @@
 /* Octants with s = 0 and with s = 1 along each axis. */
 static const uint8_t child_half[3][2] = {{0x55, 0xaa}, {0x33, 0xcc}, {0x0f, 0xf0}};
 
-/* Octants whose box the triangle's box meets: its box meets the cube, so the cube's middle planes alone part
- * them. *held becomes 1 when the cube holds all of the triangle. */
-static inline uint32_t children_of_box(const int32_t (*p)[3], int32_t half, int *held)
-{
-    uint32_t mask = 255;
-    int inside = 1;
-
-    for (int a = 0; a < 3; a++) {
-        int32_t const u = p[0][a], v = p[1][a], w = p[2][a];
-        int32_t const uv = u < v ? u : v, UV = u < v ? v : u;
-        int32_t const least = uv < w ? uv : w, most = UV > w ? UV : w;
-
-        /* A box that touches the middle plane meets the octants on both sides: boxes are closed. */
-        mask &= (least <= 0 ? (uint32_t)child_half[a][0] : 0) | (most >= 0 ? (uint32_t)child_half[a][1] : 0);
-        inside &= least >= -half && most <= half;
-    }
-    *held = inside;
-    return mask;
-}
-
 /* Octants that the edge a -> b leaves outside; turn is +1 or -1, the sign of the area. Those on both growing
  * sides hold the cube's best corner, which is not outside since the triangle touches the cube. */
 static inline uint32_t child_edge_misses(const int64_t a[2], const int64_t b[2], int64_t turn, int64_t half,
@@ -101,8 +81,20 @@ static uint32_t children_beside_plane(const int32_t (*p)[3], int64_t half)
 
 uint32_t bvxi_children_touched(const int32_t (*p)[3], int32_t half)
 {
-    int held;
-    uint32_t mask = children_of_box(p, half, &held);
+    uint32_t mask = 255;
+    int held = 1; /* the cube holds all of the triangle */
+
+    /* Octants whose box the triangle's box meets: its box meets the cube, so the cube's middle planes alone part
+     * them. */
+    for (int a = 0; a < 3; a++) {
+        int32_t const u = p[0][a], v = p[1][a], w = p[2][a];
+        int32_t const uv = u < v ? u : v, UV = u < v ? v : u;
+        int32_t const least = uv < w ? uv : w, most = UV > w ? UV : w;
+
+        /* A box that touches the middle plane meets the octants on both sides: boxes are closed. */
+        mask &= (least <= 0 ? (uint32_t)child_half[a][0] : 0) | (most >= 0 ? (uint32_t)child_half[a][1] : 0);
+        held &= least >= -half && most <= half;
+    }
 
     /* Most triangles end here: of a voxel's list few reach over more than one middle plane. */
     if ((mask & (mask - 1)) == 0) return mask; /* the only octant left, and the cube is touched */

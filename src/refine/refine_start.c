@@ -168,36 +168,6 @@ static bvx_status make_start_lists(bvxi_refine_job *job, start_job *start)
     return BVX_OK;
 }
 
-static bvx_status touch_start_grid(bvxi_refine_job *job)
-{
-    const bvx_octree *const tree = job->tree;
-    start_job *start;
-
-    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sizeof *start, "the start's counts", &start));
-    bvx_grid grid = {.words = job->grids.words[job->start],
-                     .words_per_row = bvxi_refine_row_words(tree, job->start)};
-    start->refine = job;
-    for (int a = 0; a < 3; a++) start->surface.size[a] = tree->base[a] << job->start;
-    start->surface.view = job->view;
-    start->surface.solid = NULL;
-    start->surface.grid = &grid;
-    start->surface.snapped = job->snapped;
-    start->surface.fraction_bits = tree->lattice.fraction_bits + tree->levels - job->start;
-    start->surface.mode = BVX_SURFACE_CONSERVATIVE;
-    start->surface.cpu = bvxi_cpu(job->ctx);
-    /* One thread has no use for tiles, and each would look at its triangles anew. */
-    bvxi_tiles_choose(&start->surface.tiles, start->surface.size[1], start->surface.size[2],
-                      bvxi_threads(job->ctx) == 1 ? 1 : BVXI_SURFACE_TILES);
-
-    BVXI_TRY(bvxi_bins_open(job->ctx, refine_name, &start->surface));
-    BVXI_TRY(touch_start(job->ctx, start, BVXI_TOUCH_SET, 0.2, job->start < tree->levels ? 0.6 : 0.95));
-
-    /* Where the start is the last level the bits are the answer, and no lists are needed. */
-    if (job->start < tree->levels) BVXI_TRY(make_start_lists(job, start));
-    bvxi_drop(job->ctx, start->surface.bins.id);
-    return BVX_OK;
-}
-
 /* ---- coarser levels ---- */
 
 /* Bit i of the result: bit 2 i or bit 2 i + 1 of w. */
@@ -306,7 +276,31 @@ bvx_status bvxi_refine_start(bvxi_refine_job *job)
                          (int64_t)job->start);
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, words * 8, "the start's grid",
                              &job->grids.words[job->start]));
-    BVXI_TRY(touch_start_grid(job));
+    const bvx_octree *const tree = job->tree;
+    start_job *start;
+
+    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sizeof *start, "the start's counts", &start));
+    bvx_grid grid = {.words = job->grids.words[job->start],
+                     .words_per_row = bvxi_refine_row_words(tree, job->start)};
+    start->refine = job;
+    for (int a = 0; a < 3; a++) start->surface.size[a] = tree->base[a] << job->start;
+    start->surface.view = job->view;
+    start->surface.solid = NULL;
+    start->surface.grid = &grid;
+    start->surface.snapped = job->snapped;
+    start->surface.fraction_bits = tree->lattice.fraction_bits + tree->levels - job->start;
+    start->surface.mode = BVX_SURFACE_CONSERVATIVE;
+    start->surface.cpu = bvxi_cpu(job->ctx);
+    /* One thread has no use for tiles, and each would look at its triangles anew. */
+    bvxi_tiles_choose(&start->surface.tiles, start->surface.size[1], start->surface.size[2],
+                      bvxi_threads(job->ctx) == 1 ? 1 : BVXI_SURFACE_TILES);
+
+    BVXI_TRY(bvxi_bins_open(job->ctx, refine_name, &start->surface));
+    BVXI_TRY(touch_start(job->ctx, start, BVXI_TOUCH_SET, 0.2, job->start < tree->levels ? 0.6 : 0.95));
+
+    /* Where the start is the last level the bits are the answer, and no lists are needed. */
+    if (job->start < tree->levels) BVXI_TRY(make_start_lists(job, start));
+    bvxi_drop(job->ctx, start->surface.bins.id);
     for (int32_t l = job->start - 1; l >= 0; l--) {
         coarsen_job c = {job->tree, job->grids.words[l + 1], NULL, l};
         uint64_t const rows = (uint64_t)(job->tree->base[1] << l) * (uint64_t)(job->tree->base[2] << l);

@@ -152,38 +152,6 @@ typedef struct face_work {
     bvxi_raster_rows rows;
 } face_work;
 
-/* The faces of voxels [i, i + n) of a row that are square to an axis, on the side of the eye. */
-static void draw_strip(const face_work *w, int axis, uint32_t id, int32_t i, int32_t n, int32_t j, int32_t k)
-{
-    const bvxi_grid_scene *const s = w->scene;
-    int const u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
-    int64_t const length = u == 0 ? n : 1;
-
-    int64_t at[3] = {i - s->begin[0], j - s->begin[1], k - s->begin[2]};
-    int32_t corner[4][2];
-    bvxi_raster_plane plane = s->plane[axis];
-
-    at[axis] += s->step_z[axis] > 0.0;
-    for (int a = 0; a < 2; a++) {
-        int64_t const p = s->base[a] + at[0] * s->step[0][a] + at[1] * s->step[1][a] + at[2] * s->step[2][a];
-        corner[0][a] = (int32_t)p;
-        corner[1][a] = (int32_t)(p + length * s->step[u][a]);
-        corner[2][a] = (int32_t)(p + length * s->step[u][a] + s->step[v][a]);
-        corner[3][a] = (int32_t)(p + s->step[v][a]);
-    }
-
-    /* The plane through the face, for depths; low and high keep rounding inside it. */
-    double const part = 1.0 / (double)((int64_t)1 << w->raster->fraction_bits);
-    double const along = (double)length * s->step_z[u], across = s->step_z[v];
-    plane.x = corner[0][0] * part;
-    plane.y = corner[0][1] * part;
-    plane.z = s->base_z + (double)at[0] * s->step_z[0] + (double)at[1] * s->step_z[1] +
-              (double)at[2] * s->step_z[2];
-    plane.low = plane.z + (along < 0.0 ? along : 0.0) + (across < 0.0 ? across : 0.0);
-    plane.high = plane.z + (along > 0.0 ? along : 0.0) + (across > 0.0 ? across : 0.0);
-    bvxi_raster_polygon(w->raster, w->rows, (const int32_t(*)[2])corner, 4, &plane, id);
-}
-
 static void draw_faces_of_word(const face_work *w, int axis, uint32_t id, uint64_t faces, int32_t first,
                                int32_t j, int32_t k)
 {
@@ -192,7 +160,36 @@ static void draw_faces_of_word(const face_work *w, int axis, uint32_t id, uint64
         int32_t const begin = bvxi_lowest(faces);
         uint64_t const rest = ~(faces >> begin); /* its lowest set bit ends the run */
         int32_t const n = axis == 0 ? 1 : rest == 0 ? BVXI_WORD_BITS : bvxi_lowest(rest);
-        draw_strip(w, axis, id, first + begin, n, j, k);
+
+        /* The faces of voxels [i, i + n) of a row that are square to an axis, on the side of the eye. */
+        const bvxi_grid_scene *const s = w->scene;
+        int const u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+        int64_t const length = u == 0 ? n : 1;
+
+        int64_t at[3] = {first + begin - s->begin[0], j - s->begin[1], k - s->begin[2]};
+        int32_t corner[4][2];
+        bvxi_raster_plane plane = s->plane[axis];
+
+        at[axis] += s->step_z[axis] > 0.0;
+        for (int a = 0; a < 2; a++) {
+            int64_t const p = s->base[a] + at[0] * s->step[0][a] + at[1] * s->step[1][a] +
+                              at[2] * s->step[2][a];
+            corner[0][a] = (int32_t)p;
+            corner[1][a] = (int32_t)(p + length * s->step[u][a]);
+            corner[2][a] = (int32_t)(p + length * s->step[u][a] + s->step[v][a]);
+            corner[3][a] = (int32_t)(p + s->step[v][a]);
+        }
+
+        /* The plane through the face, for depths; low and high keep rounding inside it. */
+        double const part = 1.0 / (double)((int64_t)1 << w->raster->fraction_bits);
+        double const along = (double)length * s->step_z[u], across = s->step_z[v];
+        plane.x = corner[0][0] * part;
+        plane.y = corner[0][1] * part;
+        plane.z = s->base_z + (double)at[0] * s->step_z[0] + (double)at[1] * s->step_z[1] +
+                  (double)at[2] * s->step_z[2];
+        plane.low = plane.z + (along < 0.0 ? along : 0.0) + (across < 0.0 ? across : 0.0);
+        plane.high = plane.z + (along > 0.0 ? along : 0.0) + (across > 0.0 ? across : 0.0);
+        bvxi_raster_polygon(w->raster, w->rows, (const int32_t(*)[2])corner, 4, &plane, id);
         faces = begin + n >= BVXI_WORD_BITS ? 0 : faces >> (begin + n) << (begin + n);
     }
 }

@@ -98,25 +98,6 @@ struct bvxi_shade {
 
 /* ---- which places are looked at ---- */
 
-/* Directions around the circle: halve a sixth three times, then turn on. */
-static void shade_circle(double circle[SHADE_ROUND][2])
-{
-    double c = 0.5, s = sqrt(0.75);
-
-    /* By the half-angle formulas, which need square roots only: cosines are not the same on every machine. */
-    for (int k = 0; k < 3; k++) {
-        double const half = sqrt((1.0 + c) * 0.5);
-        s = s / (2.0 * half);
-        c = half;
-    }
-    circle[0][0] = 1.0;
-    circle[0][1] = 0.0;
-    for (int k = 1; k < SHADE_ROUND; k++) {
-        circle[k][0] = circle[k - 1][0] * c - circle[k - 1][1] * s;
-        circle[k][1] = circle[k - 1][0] * s + circle[k - 1][1] * c;
-    }
-}
-
 static int32_t shade_offset(double v)
 {
     return (int32_t)floor(v + 0.5);
@@ -127,7 +108,21 @@ static void shade_taps(bvxi_shade *s, int32_t patterns, double reach)
 {
     double circle[SHADE_ROUND][2];
 
-    shade_circle(circle);
+    /* Directions around the circle: halve a sixth three times, then turn on. */
+    double cosine = 0.5, sine = sqrt(0.75);
+
+    /* By the half-angle formulas, which need square roots only: cosines are not the same on every machine. */
+    for (int k = 0; k < 3; k++) {
+        double const half = sqrt((1.0 + cosine) * 0.5);
+        sine = sine / (2.0 * half);
+        cosine = half;
+    }
+    circle[0][0] = 1.0;
+    circle[0][1] = 0.0;
+    for (int k = 1; k < SHADE_ROUND; k++) {
+        circle[k][0] = circle[k - 1][0] * cosine - circle[k - 1][1] * sine;
+        circle[k][1] = circle[k - 1][0] * sine + circle[k - 1][1] * cosine;
+    }
     for (int32_t p = 0; p < patterns; p++) {
         /* Samples of one pixel look at different places: together they look at all of them. */
         double const phase = ((double)p + 0.5) / (double)patterns;

@@ -174,28 +174,6 @@ static void join_sums(const bvxi_attributes *s, uint32_t u, uint32_t v, const do
     for (int32_t i = 0; i < s->stride; i++) both[i] += other[i];
 }
 
-/* Add what a row costs that has its best value: a quadric of its position alone. */
-static void add_cost(const bvxi_attributes *s, const double *q, double weight, double a[6], double b[3],
-                     double *c)
-{
-    double const share = q[QUADRIC_W] > 0 ? weight / q[QUADRIC_W] : 0;
-
-    for (int i = 0; i < 6; i++) a[i] += weight * q[QUADRIC_A + i];
-    for (int k = 0; k < 3; k++) b[k] += weight * q[QUADRIC_B + k];
-    *c += weight * q[QUADRIC_C];
-
-    /* Less what the best value makes good. */
-    for (int32_t j = 0; j < s->channels; j++) {
-        const double *const g = q + QUADRIC_CHANNELS + 4 * j;
-        int index = 0;
-
-        for (int k = 0; k < 3; k++)
-            for (int l = k; l < 3; l++) a[index++] -= share * g[k] * g[l];
-        for (int k = 0; k < 3; k++) b[k] -= share * g[k] * g[3];
-        *c -= share * g[3] * g[3];
-    }
-}
-
 /* The rows of an edge's two ends on both of its sides, each once; returns how many. */
 static int rows_of_edge(const bvxi_collapse *c, int32_t edge, uint32_t u[2], uint32_t v[2])
 {
@@ -230,7 +208,25 @@ void bvxi_attributes_add(const bvxi_collapse *c, int32_t edge, const double offs
     uint32_t u[2], v[2];
     for (int i = rows_of_edge(c, edge, u, v); i-- > 0;) {
         join_sums(s, u[i], v[i], offset, both);
-        add_cost(s, both, c->options.given.attribute_weight * c->options.given.attribute_weight, a, b, cost);
+
+        /* Add what a row costs that has its best value: a quadric of its position alone. */
+        double const weight = c->options.given.attribute_weight * c->options.given.attribute_weight;
+        double const share = both[QUADRIC_W] > 0 ? weight / both[QUADRIC_W] : 0;
+
+        for (int n = 0; n < 6; n++) a[n] += weight * both[QUADRIC_A + n];
+        for (int k = 0; k < 3; k++) b[k] += weight * both[QUADRIC_B + k];
+        *cost += weight * both[QUADRIC_C];
+
+        /* Less what the best value makes good. */
+        for (int32_t j = 0; j < s->channels; j++) {
+            const double *const g = both + QUADRIC_CHANNELS + 4 * j;
+            int index = 0;
+
+            for (int k = 0; k < 3; k++)
+                for (int l = k; l < 3; l++) a[index++] -= share * g[k] * g[l];
+            for (int k = 0; k < 3; k++) b[k] -= share * g[k] * g[3];
+            *cost -= share * g[3] * g[3];
+        }
     }
 }
 

@@ -559,24 +559,6 @@ static void sweep_block(const collapse_sweep *s, uint64_t block, collapse_range 
     }
 }
 
-/* All vertices one by one, but for blocks without a cheap edge. */
-static void sweep_blocks(collapse_sweep *s)
-{
-    bvxi_collapse *const c = s->c;
-    uint8_t cheap[BVXI_MOST_PIECES];
-    collapse_range r = {.order = c->order};
-
-    s->cheap = cheap;
-    s->size = c->mesh.vertices / BVXI_MOST_PIECES + 1;
-    if (s->size < BLOCK_VERTICES) s->size = BLOCK_VERTICES;
-    uint64_t const blocks = (c->mesh.vertices + s->size - 1) / s->size;
-    bvxi_tasks(c->ctx, (int32_t)blocks, block_piece, s);
-    for (uint64_t i = 0; i < blocks; i++)
-        if (cheap[i]) sweep_block(s, i, &r);
-    c->order = r.order;
-    take_range(c, &r);
-}
-
 bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint64_t *done)
 {
     uint64_t const begun = c->counts.collapsed;
@@ -598,7 +580,21 @@ bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint
     if (s.candidates == 0) return BVX_OK;
     if (c->tree.node[0] == NULL && s.needed >= RANGE_COLLAPSES && c->mesh.vertices >= 2 * RANGE_VERTICES)
         BVXI_TRY(BVXI_SCOPE(c->ctx, sweep_ranges(&s)));
-    else sweep_blocks(&s);
+    else {
+        /* All vertices one by one, but for blocks without a cheap edge. */
+        uint8_t cheap[BVXI_MOST_PIECES];
+        collapse_range r = {.order = c->order};
+
+        s.cheap = cheap;
+        s.size = c->mesh.vertices / BVXI_MOST_PIECES + 1;
+        if (s.size < BLOCK_VERTICES) s.size = BLOCK_VERTICES;
+        uint64_t const blocks = (c->mesh.vertices + s.size - 1) / s.size;
+        bvxi_tasks(c->ctx, (int32_t)blocks, block_piece, &s);
+        for (uint64_t i = 0; i < blocks; i++)
+            if (cheap[i]) sweep_block(&s, i, &r);
+        c->order = r.order;
+        take_range(c, &r);
+    }
     *done = c->counts.collapsed - begun;
     return BVX_OK;
 }

@@ -240,24 +240,6 @@ static void keys_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
     }
 }
 
-/* Triangles that begin with one vertex by the one after it, where a vertex has very many. */
-static bvx_status order_crowd(collapse_order *o, uint64_t begin, uint64_t end)
-{
-    bvxi_corner_triangle *const t = o->c->mesh.triangle;
-
-    for (uint64_t i = begin; i < end; i++) {
-        o->key[i - begin] = (uint64_t)t[i].vertex[1] << 32 | t[i].vertex[2];
-        o->index[i - begin] = (uint32_t)t[i].left[0];
-    }
-    BVXI_TRY(bvxi_radix_sort(o->c->ctx, o->key, o->index, end - begin));
-    for (uint64_t i = begin; i < end; i++) {
-        t[i].vertex[1] = (uint32_t)(o->key[i - begin] >> 32);
-        t[i].vertex[2] = (uint32_t)o->key[i - begin];
-        t[i].left[0] = (int32_t)o->index[i - begin];
-    }
-    return BVX_OK;
-}
-
 /* Each vertex's triangles end where its next one would go, which is where those of the vertex before end. */
 static void buckets_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
@@ -348,7 +330,21 @@ static bvx_status order_triangles(bvxi_collapse *c, collapse_order *o)
     for (uint64_t i = 0; i < vertices; i++) {
         uint64_t const from = i == 0 ? 0 : o->begin[i - 1];
 
-        if (o->begin[i] - from > COLLAPSE_BUCKET) BVXI_TRY(order_crowd(o, from, o->begin[i]));
+        if (o->begin[i] - from > COLLAPSE_BUCKET) {
+            /* Triangles that begin with one vertex by the one after it, where a vertex has very many. */
+            bvxi_corner_triangle *const t = o->c->mesh.triangle;
+
+            for (uint64_t j = from; j < o->begin[i]; j++) {
+                o->key[j - from] = (uint64_t)t[j].vertex[1] << 32 | t[j].vertex[2];
+                o->index[j - from] = (uint32_t)t[j].left[0];
+            }
+            BVXI_TRY(bvxi_radix_sort(o->c->ctx, o->key, o->index, o->begin[i] - from));
+            for (uint64_t j = from; j < o->begin[i]; j++) {
+                t[j].vertex[1] = (uint32_t)(o->key[j - from] >> 32);
+                t[j].vertex[2] = (uint32_t)o->key[j - from];
+                t[j].left[0] = (int32_t)o->index[j - from];
+            }
+        }
     }
     bvxi_drop(c->ctx, o->begin);
     if (!bvxi_collapse_needs_sources(c->given, &c->options)) return BVX_OK;

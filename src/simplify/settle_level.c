@@ -161,23 +161,6 @@ static void settle_vertex(bvxi_collapse *c, uint32_t v, bvxi_quadric *q)
     settle_at(c, v, d);
 }
 
-/* Towards what the level encloses: what leaves it goes back by halves, when the level is judged. */
-static void settle_inward(bvxi_collapse *c)
-{
-    uint32_t hint = 0;
-
-    for (uint32_t v = 0; v < c->mesh.vertices; v++) {
-        const double *const p = c->mesh.at[v].p;
-        bvx_closest_point found;
-        double to[3];
-
-        if (bvxi_collapse_is_gone(c, v)) continue;
-        bvxi_closest_ask(&c->options.enclosed->closest, p, &hint, &found);
-        for (int k = 0; k < 3; k++) to[k] = p[k] + SETTLE_INWARD * (found.position[k] - p[k]);
-        settle_at(c, v, to);
-    }
-}
-
 /* 1: a triangle has other corners than before, which turn it or take its area. */
 static int is_turned(const bvxi_collapse *c, const uint32_t *v)
 {
@@ -242,8 +225,21 @@ bvx_status bvxi_collapse_settle(bvxi_collapse *c)
     const bvxi_corners *const m = &c->mesh;
     int turned = 1;
 
-    if (c->options.enclosed != NULL) settle_inward(c);
-    else BVXI_TRY(BVXI_SCOPE(c->ctx, settle_nearest(c)));
+    if (c->options.enclosed != NULL) {
+        /* Towards what the level encloses: what leaves it goes back by halves, when the level is judged. */
+        uint32_t hint = 0;
+
+        for (uint32_t v = 0; v < c->mesh.vertices; v++) {
+            const double *const p = c->mesh.at[v].p;
+            bvx_closest_point found;
+            double to[3];
+
+            if (bvxi_collapse_is_gone(c, v)) continue;
+            bvxi_closest_ask(&c->options.enclosed->closest, p, &hint, &found);
+            for (int k = 0; k < 3; k++) to[k] = p[k] + SETTLE_INWARD * (found.position[k] - p[k]);
+            settle_at(c, v, to);
+        }
+    } else BVXI_TRY(BVXI_SCOPE(c->ctx, settle_nearest(c)));
     while (turned) {
         turned = 0;
         for (uint64_t t = 0; t < m->triangles; t++) {

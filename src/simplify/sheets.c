@@ -235,10 +235,15 @@ static uint32_t apex_of(const sheet_work *w, uint32_t half)
     return w->corner[next_of(next_of(half))];
 }
 
-/* Join triangles over edges of two; torn: where they disagree, by their root then. Where a sheet of two sides ends its
- * last triangle is no patch with its own copy: it would leave the sheet. */
-static void join_all_sheets(sheet_work *w, patch_area *area)
+/* Turn the triangles of less area in each patch, but of one that has one side only. */
+static bvx_status turn_patches(sheet_work *w)
 {
+    patch_area *area;
+
+    BVXI_TRY(bvxi_alloc_zero(w->ctx, BVXI_SCRATCH, w->triangles * sizeof *area, "the patches' areas", &area));
+
+    /* Join triangles over edges of two; torn: where they disagree, by their root then. Where a sheet of two
+     * sides ends its last triangle is no patch with its own copy: it would leave the sheet. */
     for (uint64_t i = 0, n; i < 3 * w->triangles; i += n) {
         uint32_t differs;
         n = edge_halves(w, i);
@@ -247,15 +252,6 @@ static void join_all_sheets(sheet_work *w, patch_area *area)
                          runs_up(w, w->half[i]) == runs_up(w, w->half[i + 1])))
             area[bvxi_link_root(w->link, w->half[i] / 3, &differs)].torn++;
     }
-}
-
-/* Turn the triangles of less area in each patch, but of one that has one side only. */
-static bvx_status turn_patches(sheet_work *w)
-{
-    patch_area *area;
-
-    BVXI_TRY(bvxi_alloc_zero(w->ctx, BVXI_SCRATCH, w->triangles * sizeof *area, "the patches' areas", &area));
-    join_all_sheets(w, area);
     for (uint64_t t = 0; t < w->triangles && w->disputed != 0; t++) {
         uint32_t differs;
         patch_area *const a = &area[bvxi_link_root(w->link, (uint32_t)t, &differs)];
@@ -427,19 +423,6 @@ static int is_run_double(sheet_work *w, uint64_t m, uint64_t n)
     return 0;
 }
 
-/* Edges whose inside pairs are doubles are paired by their outside. */
-static void turn_copies(sheet_work *w)
-{
-    uint64_t doubles = 0;
-    for (uint64_t m = 0, n, up; m < w->crowded; m += n) {
-        n = run_length(w, m, &up);
-        if (2 * up != n || !is_run_double(w, m, n)) continue;
-        w->outside[w->crowd[m]] = 1;
-        doubles++;
-    }
-    if (doubles != 0) pair_edges(w);
-}
-
 /* An edge is parted where all of its triangles are paired, and no pairs are doubles. */
 static void report_crowd(sheet_work *w)
 {
@@ -543,7 +526,16 @@ static bvx_status pair_and_split(sheet_work *w, bvxi_sheets *sheets)
     bvxi_drop(w->ctx, w->link);
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->triangles * 12, "the corners' vertices", &w->parent));
     pair_edges(w);
-    turn_copies(w);
+
+    /* Edges whose inside pairs are doubles are paired by their outside. */
+    uint64_t doubles = 0;
+    for (uint64_t m = 0, n, up; m < w->crowded; m += n) {
+        n = run_length(w, m, &up);
+        if (2 * up != n || !is_run_double(w, m, n)) continue;
+        w->outside[w->crowd[m]] = 1;
+        doubles++;
+    }
+    if (doubles != 0) pair_edges(w);
     report_crowd(w);
     for (uint64_t i = 0, n; i < 3 * w->triangles && w->disputed != 0; i += n) {
         n = edge_halves(w, i);

@@ -79,22 +79,6 @@ BVXI_VECTOR_INLINE void emit_levels(const bvxi_march *m, int32_t axis, int32_t j
 
 /* ---- triangles ---- */
 
-/* First numbers of the eight counters of a row of cells; rows outside the window have no x-edges. */
-static void start_counters(const bvxi_march *m, uint64_t slot, int32_t j, int32_t k, uint32_t counter[8])
-{
-    uint64_t const rows = (uint64_t)m->grid->size[1] + 1;
-    uint64_t const up = j + 1 < m->grid->size[1] ? 1 : 0, back = k + 1 < m->grid->size[2] ? rows : 0;
-    const bvxi_slot *const s = &m->slots[slot];
-    counter[0] = s->edge[0];
-    counter[1] = s[up].edge[0];
-    counter[2] = s[back].edge[0];
-    counter[3] = s[up + back].edge[0];
-    counter[4] = s->edge[1];
-    counter[5] = s[back].edge[1];
-    counter[6] = s->edge[2];
-    counter[7] = s[up].edge[2];
-}
-
 /* The active cells of a block. */
 static uint32_t *emit_cells(const bvxi_march *m, const bvxi_case_list *cases, uint32_t from,
                             uint32_t counter[8], uint32_t *out)
@@ -197,7 +181,18 @@ BVXI_VECTOR_INLINE void emit_slot(const bvxi_march *m, uint64_t slot, const uint
     /* Most rows of a solid have no crossing. The first pass knows, so they are not read again. */
     if (s[1].edge[0] == s->edge[0] && s[1].triangle == s->triangle) return;
     bvxi_slot_row(m, slot, &j, &k);
-    start_counters(m, slot, j, k, counter);
+
+    /* First numbers of the eight counters of a row of cells; rows outside the window have no x-edges. */
+    uint64_t const rows = (uint64_t)m->grid->size[1] + 1;
+    uint64_t const up = j + 1 < m->grid->size[1] ? 1 : 0, back = k + 1 < m->grid->size[2] ? rows : 0;
+    counter[0] = s->edge[0];
+    counter[1] = s[up].edge[0];
+    counter[2] = s[back].edge[0];
+    counter[3] = s[up + back].edge[0];
+    counter[4] = s->edge[1];
+    counter[5] = s[back].edge[1];
+    counter[6] = s->edge[2];
+    counter[7] = s[up].edge[2];
     bvxi_cell_rows(m, j, k, row);
     for (int32_t a = 0; a < 4; a++) has[a] = bvxi_slot_has(m, a, j, k) ? ~UINT64_C(0) : 0;
     for (int32_t first = 0; first < m->edge_words; first += BVXI_CELL_BLOCK) {

@@ -118,27 +118,6 @@ static bvx_status place_cuts(bvx_context *ctx, bvxi_cuts *c, bvx_field_surface_r
     return BVX_OK;
 }
 
-/* The surface by cuts becomes scratch. */
-static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, double least_cosine,
-                             bvx_mesh *surface, bvx_field_surface_report *report)
-{
-    uint64_t const plane_bytes = m->vertex_count * 2 * sizeof *c->planes;
-    uint64_t const triangle_bytes = m->triangle_count * 12;
-    uint64_t const position_bytes = m->vertex_count * (m->options.position_type == BVX_F32 ? 12 : 24);
-
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, plane_bytes, "the facets' planes", &c->planes));
-    bvx_mesh plain = {.position_type = m->options.position_type,
-                      .vertex_capacity = m->vertex_count,
-                      .triangle_capacity = m->triangle_count};
-    BVXI_TRY(
-        bvxi_alloc(ctx, BVXI_SCRATCH, position_bytes, "the positions before sharpening", &plain.positions));
-    BVXI_TRY(
-        bvxi_alloc(ctx, BVXI_SCRATCH, triangle_bytes, "the triangles before sharpening", &plain.triangles));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.15, bvxi_march_fill(ctx, m, &plain)));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.15, 0.5, BVXI_SCOPE(ctx, place_cuts(ctx, c, report))));
-    return BVXI_SHARE(ctx, 0.5, 1.0, bvxi_sharpen(ctx, m, c, least_cosine, surface, report));
-}
-
 bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_grid *inside,
                               const bvxi_cut_rule *values, const bvx_field_surface_options *options,
                               bvx_mesh *surface)
@@ -158,7 +137,23 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
                       .interpolation = options->placing.interpolation,
                       .unit = bvxi_largest_spacing(&inside->lattice)};
     if (sharp) {
-        BVXI_TRY(make_sharp(ctx, &m, &cuts, options->sharp_angle, surface, &report));
+        /* The surface by cuts becomes scratch. */
+        uint64_t const plane_bytes = m.vertex_count * 2 * sizeof *cuts.planes;
+        uint64_t const triangle_bytes = m.triangle_count * 12;
+        uint64_t const position_bytes = m.vertex_count * (m.options.position_type == BVX_F32 ? 12 : 24);
+
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, plane_bytes, "the facets' planes", &cuts.planes));
+        bvx_mesh plain = {.position_type = m.options.position_type,
+                          .vertex_capacity = m.vertex_count,
+                          .triangle_capacity = m.triangle_count};
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, position_bytes, "the positions before sharpening",
+                            &plain.positions));
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, triangle_bytes, "the triangles before sharpening",
+                            &plain.triangles));
+        BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.15, bvxi_march_fill(ctx, &m, &plain)));
+        BVXI_TRY(BVXI_SHARE(ctx, 0.15, 0.5, BVXI_SCOPE(ctx, place_cuts(ctx, &cuts, &report))));
+        BVXI_TRY(
+            BVXI_SHARE(ctx, 0.5, 1.0, bvxi_sharpen(ctx, &m, &cuts, options->sharp_angle, surface, &report)));
     } else {
         int const mine = surface->positions == NULL;
         BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.3, bvxi_march_fill(ctx, &m, surface)));

@@ -194,26 +194,6 @@ static void write_sharp_piece(void *work, uint64_t begin, uint64_t end)
     for (uint64_t s = begin; s < end; s++) write_slot_triangles(w, s);
 }
 
-static bvx_status number_loops(bvx_context *ctx, bvxi_sharp_work *w, uint64_t *count)
-{
-    uint64_t total = 0;
-
-    for (uint64_t s = 0; s < w->march->slot_count; s++) {
-        uint32_t const n = w->first[s];
-        w->first[s] = (uint32_t)total;
-        total += n;
-    }
-    w->first[w->march->slot_count] = (uint32_t)total;
-    *count = total;
-    /* Each apex adds two triangles: a fan has as many as corners, where there were two less. */
-    if (w->march->vertex_count + total >= UINT32_MAX || w->march->triangle_count + 2 * total >= UINT32_MAX)
-        return bvxi_fail_for(
-            ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-            "%s: %u vertices and %u more inside cells; 2^32 - 1 are possible, take fewer voxels",
-            w->march->function, w->march->vertex_count, total);
-    return BVX_OK;
-}
-
 static bvx_status write_sharp(bvx_context *ctx, bvxi_sharp_work *w, uint32_t kept, bvx_mesh *surface)
 {
     const bvxi_march *const m = w->march;
@@ -247,7 +227,7 @@ bvx_status bvxi_sharpen(bvx_context *ctx, const bvxi_march *march, const bvxi_cu
     bvxi_sharp_work w = {march, cuts, least_cosine, NULL, NULL, NULL, NULL};
     uint64_t const slot_bytes = (march->slot_count + 1) * sizeof *w.first;
     uint64_t const piece_bytes = (uint64_t)march->pieces * sizeof *w.counts;
-    uint64_t count = 0;
+    uint64_t total = 0;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, slot_bytes, "the rows' sharp cells", &w.first));
 
@@ -255,17 +235,28 @@ bvx_status bvxi_sharpen(bvx_context *ctx, const bvxi_march *march, const bvxi_cu
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, piece_bytes, "the counts of turned edges", &w.counts));
     BVXI_TRY(bvxi_for_ranges(ctx, "sharp edges", 0.0, 0.3, march->pieces, march->slot_count,
                              bvxi_sharp_count_piece, &w));
-    BVXI_TRY(number_loops(ctx, &w, &count));
-    BVXI_TRY(BVXI_ARRAY(ctx, count, "the sharp cells", w.loops));
+    for (uint64_t s = 0; s < march->slot_count; s++) {
+        uint32_t const n = w.first[s];
+        w.first[s] = (uint32_t)total;
+        total += n;
+    }
+    w.first[march->slot_count] = (uint32_t)total;
+    /* Each apex adds two triangles: a fan has as many as corners, where there were two less. */
+    if (march->vertex_count + total >= UINT32_MAX || march->triangle_count + 2 * total >= UINT32_MAX)
+        return bvxi_fail_for(
+            ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+            "%s: %u vertices and %u more inside cells; 2^32 - 1 are possible, take fewer voxels",
+            march->function, march->vertex_count, total);
+    BVXI_TRY(BVXI_ARRAY(ctx, total, "the sharp cells", w.loops));
     BVXI_TRY(bvxi_for_ranges(ctx, "sharp edges", 0.3, 0.6, march->pieces, march->slot_count,
                              bvxi_sharp_fill_piece, &w));
     uint32_t kept = 0;
-    for (uint64_t n = 0; n < count; kept += w.loops[n++].kept) w.loops[n].before = kept;
+    for (uint64_t n = 0; n < total; kept += w.loops[n++].kept) w.loops[n].before = kept;
     BVXI_TRY(bvxi_for_pieces(ctx, "sharp edges", 0.6, 0.8, march->pieces, w.march->slot_count,
                              sharp_turn_piece, &w));
     BVXI_TRY(write_sharp(ctx, &w, kept, surface));
     for (int32_t p = 0; p < march->pieces; p++) report->flipped_edges += w.counts[p];
     report->sharp_cells = kept;
-    report->sharp_taken_back = count - kept;
+    report->sharp_taken_back = total - kept;
     return BVX_OK;
 }

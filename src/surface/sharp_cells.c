@@ -121,34 +121,6 @@ static double as_written(const bvxi_march *m, double x)
     return m->options.position_type == BVX_F32 ? bvxi_nearest_float(x) : x;
 }
 
-/* Read the planes at a loop's vertices, from the cell's middle: the nearer ones, then the others. */
-static void read_planes(const bvxi_sharp_work *w, const sharp_box *box, const bvxi_cell_loop *l,
-                        bvxi_apex_plane *planes, int32_t count[2], double middle[3])
-{
-    count[0] = count[1] = 0;
-    memset(middle, 0, 3 * sizeof *middle);
-
-    /* Nearer planes first, so that they can be taken alone. */
-    for (int32_t other = 0; other < 2; other++) {
-        for (int32_t i = 0; i < l->corners; i++) {
-            const bvxi_facet_plane *const from = &w->cuts->planes[2 * (size_t)l->vertex[i] + (size_t)other];
-            bvxi_apex_plane *const to = &planes[count[1]];
-            double p[3];
-            bvxi_sharp_vertex(w->march, l->vertex[i], p);
-            for (int a = 0; a < 3; a++) {
-                p[a] = (p[a] - box->middle[a]) / w->cuts->unit;
-                middle[a] += other ? 0.0 : p[a] / l->corners;
-                to->n[a] = (double)from->n[a];
-            }
-
-            /* A vertex without a plane has a normal of 0 and is overwritten by the next one. */
-            to->d = bvxi_vec_dot(to->n, p) + (double)from->offset;
-            count[1] += to->n[0] != 0.0 || to->n[1] != 0.0 || to->n[2] != 0.0;
-        }
-        if (other == 0) count[0] = count[1];
-    }
-}
-
 /* 1 when a point lies inside the box, and on all planes but for SAME_PLACE. */
 static int lies_on_all(const sharp_box *box, const bvxi_apex_plane *planes, int32_t count, const double p[3])
 {
@@ -170,7 +142,29 @@ static int place_apex(const bvxi_sharp_work *w, const sharp_box *box, const bvxi
     double middle[3], p[3];
     int32_t count[2];
 
-    read_planes(w, box, l, planes, count, middle);
+    /* Read the planes at a loop's vertices, from the cell's middle: the nearer ones, then the others. */
+    count[0] = count[1] = 0;
+    memset(middle, 0, 3 * sizeof *middle);
+
+    /* Nearer planes first, so that they can be taken alone. */
+    for (int32_t other = 0; other < 2; other++) {
+        for (int32_t i = 0; i < l->corners; i++) {
+            const bvxi_facet_plane *const from = &w->cuts->planes[2 * (size_t)l->vertex[i] + (size_t)other];
+            bvxi_apex_plane *const to = &planes[count[1]];
+            double q[3];
+            bvxi_sharp_vertex(w->march, l->vertex[i], q);
+            for (int a = 0; a < 3; a++) {
+                q[a] = (q[a] - box->middle[a]) / w->cuts->unit;
+                middle[a] += other ? 0.0 : q[a] / l->corners;
+                to->n[a] = (double)from->n[a];
+            }
+
+            /* A vertex without a plane has a normal of 0 and is overwritten by the next one. */
+            to->d = bvxi_vec_dot(to->n, q) + (double)from->offset;
+            count[1] += to->n[0] != 0.0 || to->n[1] != 0.0 || to->n[2] != 0.0;
+        }
+        if (other == 0) count[0] = count[1];
+    }
 
     /* With the far facets first; where they do not all meet in the cell they would pull the apex away, and
      * are left out. */

@@ -241,16 +241,6 @@ BVXI_VECTOR_INLINE void write_by_shape(const touch_place *place, const touch_wor
     for (uint32_t i = 0; i < w->count[TOUCH_LARGE]; i++) write_large(place, w, w->list[TOUCH_LARGE][i]);
 }
 
-/* Attached triangles must come as they are numbered. */
-static void write_in_order(const touch_place *place, const touch_work *w, uint32_t n)
-{
-    for (uint32_t m = 0; m < n; m++) {
-        if (w->shape[m] == TOUCH_LARGE) write_large(place, w, m);
-        else if (w->shape[m] == TOUCH_LONG_BOX) write_box(place, w, m);
-        else write_cube_cut(place, w, m, w->shape[m] <= TOUCH_TWO_XYZ ? 2 : 3);
-    }
-}
-
 BVXI_VECTOR_INLINE void touch_all(const touch_place *place, const uint32_t *id, uint64_t count)
 {
     const bvxi_surface_job *const job = place->tile->job;
@@ -269,7 +259,14 @@ BVXI_VECTOR_INLINE void touch_all(const touch_place *place, const uint32_t *id, 
         judge_thick_boxes(job, &w, TOUCH_TWO_XY, 0);
         judge_thick_boxes(job, &w, TOUCH_THREE_XY, 1);
         if (job->task == BVXI_TOUCH_SET) write_by_shape(place, &w);
-        else write_in_order(place, &w, n);
+        else {
+            /* Attached triangles must come as they are numbered. */
+            for (uint32_t m = 0; m < n; m++) {
+                if (w.shape[m] == TOUCH_LARGE) write_large(place, &w, m);
+                else if (w.shape[m] == TOUCH_LONG_BOX) write_box(place, &w, m);
+                else write_cube_cut(place, &w, m, w.shape[m] <= TOUCH_TWO_XYZ ? 2 : 3);
+            }
+        }
     }
 }
 

@@ -34,19 +34,6 @@ static uint64_t square_of(const int64_t v[3])
     return sum;
 }
 
-/* Parts of the longest edge: the least k with k * 2^F above its length. */
-static int64_t parts_of(const sample_triangle *s, int32_t f)
-{
-    int64_t const across[3] = {s->to_c[0] - s->to_b[0], s->to_c[1] - s->to_b[1], s->to_c[2] - s->to_b[2]};
-    uint64_t const b = square_of(s->to_b), c = square_of(s->to_c), bc = square_of(across);
-    uint64_t const longest = (b > c ? (b > bc ? b : bc) : (c > bc ? c : bc)) >> 2 * f;
-    /* A root in doubles, put right by whole numbers: it may be off by one where the square is large. */
-    uint64_t k = (uint64_t)sqrt((double)longest);
-    while (k * k > longest) k--;
-    while ((k + 1) * (k + 1) <= longest) k++;
-    return (int64_t)k + 1;
-}
-
 /* A step is shorter than a voxel. */
 static inline sample_walk step_of(int64_t way, int64_t divisor)
 {
@@ -157,7 +144,16 @@ static void sample_triangle_of(bvxi_surface_tile *tile, const bvxi_touch_batch *
         if (b->low[a][n] < low[a] || b->high[a][n] > high[a]) inside = 0;
         if (voxel < low[a] || voxel > high[a]) first_inside = 0;
     }
-    s.k = parts_of(&s, job->fraction_bits);
+
+    /* Parts of the longest edge: the least k with k * 2^F above its length. */
+    int64_t const across[3] = {s.to_c[0] - s.to_b[0], s.to_c[1] - s.to_b[1], s.to_c[2] - s.to_b[2]};
+    uint64_t const ab = square_of(s.to_b), ac = square_of(s.to_c), bc = square_of(across);
+    uint64_t const longest = (ab > ac ? (ab > bc ? ab : bc) : (ac > bc ? ac : bc)) >> 2 * job->fraction_bits;
+    /* A root in doubles, put right by whole numbers: it may be off by one where the square is large. */
+    uint64_t k = (uint64_t)sqrt((double)longest);
+    while (k * k > longest) k--;
+    while ((k + 1) * (k + 1) <= longest) k++;
+    s.k = (int64_t)k + 1;
     s.divisor = s.k << job->fraction_bits;
     /* Most triangles lie inside, and need no division a row. */
     if (inside) sample_inside(tile, &s, job->fraction_bits);

@@ -52,21 +52,6 @@ static inline uint32_t least_byte(uint32_t p, uint32_t q, uint32_t r, int shift)
     return m < c ? m : c;
 }
 
-/* Tiles [range[0], range[1]] x [range[2], range[3]] of a triangle; 0 when it misses the window's rows. */
-static inline int tiles_of_triangle(const bvxi_tiles *tiles, uint32_t p, uint32_t q, uint32_t r,
-                                    int32_t range[4])
-{
-    int32_t const y0 = (int32_t)least_byte(p, q, r, 0), y1 = 255 - (int32_t)least_byte(p, q, r, 16);
-    int32_t const z0 = (int32_t)least_byte(p, q, r, 8), z1 = 255 - (int32_t)least_byte(p, q, r, 24);
-    /* Wholly before the window or after it, along y or z. */
-    if (y1 == 0 || z1 == 0 || y0 == OUTSIDE || z0 == OUTSIDE) return 0;
-    range[0] = y0 > 0 ? y0 - 1 : 0;
-    range[1] = y1 <= tiles->tiles_y ? y1 - 1 : tiles->tiles_y - 1;
-    range[2] = z0 > 0 ? z0 - 1 : 0;
-    range[3] = z1 <= tiles->tiles_z ? z1 - 1 : tiles->tiles_z - 1;
-    return 1;
-}
-
 static void bin_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     bin_job *const b = user;
@@ -76,41 +61,29 @@ static void bin_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 
     for (uint64_t t = begin; t < end; t++) {
         uint32_t corner[3];
-        int32_t r[4];
         /* An index beyond the vertices: the piece ends, and the first one of all pieces is reported. */
         if (!bvxi_view_triangle(job->view, t, corner)) {
             b->bad[index] = t;
             return;
         }
-        if (job->tiles.count == 1 ||
-            !tiles_of_triangle(&job->tiles, cell[corner[0]], cell[corner[1]], cell[corner[2]], r))
-            continue;
+        if (job->tiles.count == 1) continue;
+
+        uint32_t const p = cell[corner[0]], q = cell[corner[1]], r = cell[corner[2]];
+        int32_t const y0 = (int32_t)least_byte(p, q, r, 0), y1 = 255 - (int32_t)least_byte(p, q, r, 16);
+        int32_t const z0 = (int32_t)least_byte(p, q, r, 8), z1 = 255 - (int32_t)least_byte(p, q, r, 24);
+        /* Wholly before the window or after it, along y or z. */
+        if (y1 == 0 || z1 == 0 || y0 == OUTSIDE || z0 == OUTSIDE) continue;
+        int32_t const v0 = y0 > 0 ? y0 - 1 : 0, u0 = z0 > 0 ? z0 - 1 : 0;
+        int32_t const v1 = y1 <= job->tiles.tiles_y ? y1 - 1 : job->tiles.tiles_y - 1;
+        int32_t const u1 = z1 <= job->tiles.tiles_z ? z1 - 1 : job->tiles.tiles_z - 1;
         /* The same walk counts first and fills then, so both agree on every place. */
-        for (int32_t u = r[2]; u <= r[3]; u++)
-            for (int32_t v = r[0]; v <= r[1]; v++) {
+        for (int32_t u = u0; u <= u1; u++)
+            for (int32_t v = v0; v <= v1; v++) {
                 int32_t const tile = u * job->tiles.tiles_y + v;
                 if (b->fill) job->bins.id[next[tile]] = (uint32_t)t;
                 next[tile]++;
             }
     }
-}
-
-/* Counts become places: tiles one after the other, in each the pieces in order. */
-static uint64_t place_surface_bins(bin_job *b)
-{
-    bvxi_surface_job *const job = b->job;
-    uint64_t total = 0;
-
-    /* Tiles outermost, so that a tile's pieces stand side by side in their order. */
-    for (int32_t tile = 0; tile < job->tiles.count; tile++) {
-        for (int32_t i = 0; i < b->pieces; i++) {
-            uint64_t const n = b->next[i][tile];
-            b->next[i][tile] = total;
-            total += n;
-        }
-        job->bins.end[tile + 1] = total;
-    }
-    return total;
 }
 
 static bvx_status run_bins(bvx_context *ctx, const char *function, bin_job *b)
@@ -136,12 +109,23 @@ bvx_status bvxi_bins_open(bvx_context *ctx, const char *function, bvxi_surface_j
     if (b->pieces > BIN_PIECES) b->pieces = BIN_PIECES;
     for (int32_t i = 0; i < BIN_PIECES; i++) b->bad[i] = UINT64_MAX;
     BVXI_TRY(job->tiles.count > 1 ? bvxi_for_ranges(ctx, "surface", 0.1, 0.1, b->pieces,
-                                                    b->job->view->vertex_count, cell_piece_of_bins, b)
+                                                    job->view->vertex_count, cell_piece_of_bins, b)
                                   : BVX_OK);
     BVXI_TRY(run_bins(ctx, function, b)); /* one tile: a check of the indices */
     if (job->tiles.count == 1) return BVX_OK;
-    /* Counts are places now, so the second walk knows where each triangle goes. */
-    job->bins.total = place_surface_bins(b);
+
+    /* Counts become places, so the second walk knows where each triangle goes. Tiles outermost, so that a tile's
+     * pieces stand side by side in their order. */
+    uint64_t total = 0;
+    for (int32_t tile = 0; tile < job->tiles.count; tile++) {
+        for (int32_t i = 0; i < b->pieces; i++) {
+            uint64_t const n = b->next[i][tile];
+            b->next[i][tile] = total;
+            total += n;
+        }
+        job->bins.end[tile + 1] = total;
+    }
+    job->bins.total = total;
     b->fill = 1;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->bins.total * 4, "the triangles by tile", &job->bins.id));
     return run_bins(ctx, function, b);

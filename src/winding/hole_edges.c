@@ -132,21 +132,6 @@ static inline bvx_status make_room_for_edges(bvx_context *ctx, edge_table *t)
 
 /* ---- edges in a table ---- */
 
-/* Later ones move up, so that no search ends too early. */
-static void empty_slot(edge_table *t, uint64_t free)
-{
-    uint64_t const mask = t->size - 1;
-    for (uint64_t i = (free + 1) & mask; t->key[i] != HOLE_EMPTY; i = (i + 1) & mask, t->probes++) {
-        /* An entry whose own slot lies after the free one stays: it could not be found from there. */
-        if (((i - slot_of_edge(t, t->key[i])) & mask) < ((i - free) & mask)) continue;
-        t->key[free] = t->key[i];
-        t->net[free] = t->net[i];
-        free = i;
-    }
-    t->key[free] = HOLE_EMPTY;
-    t->used--;
-}
-
 static inline void put_hole_edge(edge_table *t, uint32_t from, uint32_t to)
 {
     /* The lower corner first, so that both directions of an edge meet in one slot. */
@@ -178,7 +163,19 @@ static inline void put_hole_edge(edge_table *t, uint32_t from, uint32_t to)
         return;
     }
     t->net[slot] += direction;
-    if (t->net[slot] == 0) empty_slot(t, slot);
+    if (t->net[slot] != 0) return;
+
+    /* Later ones move up into the free slot, so that no search ends too early. */
+    uint64_t const mask = t->size - 1;
+    for (uint64_t i = (slot + 1) & mask; t->key[i] != HOLE_EMPTY; i = (i + 1) & mask, t->probes++) {
+        /* An entry whose own slot lies after the free one stays: it could not be found from there. */
+        if (((i - slot_of_edge(t, t->key[i])) & mask) < ((i - slot) & mask)) continue;
+        t->key[slot] = t->key[i];
+        t->net[slot] = t->net[i];
+        slot = i;
+    }
+    t->key[slot] = HOLE_EMPTY;
+    t->used--;
 }
 
 /* What waits in the end, each as often as it is, or with odd_once once where that is odd; from << 32 | to. */
@@ -276,31 +273,6 @@ static void place_key(const void *user, uint64_t vertex, uint32_t key[BVXI_KEY_W
     memcpy(key, s->xyz + 3 * vertex, 12);
 }
 
-/* By their corners' places the edges of a list, or without one all triangles'. */
-static bvx_status cancel_places(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *s,
-                                const uint64_t *list, uint64_t count, edge_table *t)
-{
-    uint32_t *same = NULL;
-    bvxi_key_tree places;
-
-    BVXI_TRY(bvxi_key_tree_open(ctx, &places, place_key, s, s->vertex_count));
-    /* Edges that did not meet by number may meet by place, where vertices are not welded. */
-    for (uint64_t i = 0; i < count; i++) {
-        uint64_t const from = bvxi_key_tree_find(&places, list[i] >> 32);
-        put_hole_edge(t, (uint32_t)from, (uint32_t)bvxi_key_tree_find(&places, (uint32_t)list[i]));
-        BVXI_TRY(make_room_for_edges(ctx, t));
-    }
-    /* Every vertex gets the one that stands for its place; then triangles cancel as they do by number. */
-    if (list == NULL)
-        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, s->vertex_count * 4, "the vertices at one place", &same));
-    for (uint64_t v = 0; v < s->vertex_count && list == NULL; v++)
-        same[v] = (uint32_t)bvxi_key_tree_find(&places, v);
-    bvxi_key_tree_close(ctx, &places);
-    if (list == NULL) BVXI_TRY(cancel_triangles(ctx, view, same, UINT64_MAX, t));
-    bvxi_drop(ctx, same);
-    return BVX_OK;
-}
-
 /* By numbers, then the rest by places; where numbers cancel too little, all by places. Last by lines. */
 bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *s, int odd_once,
                            uint64_t **edges, uint64_t *count)
@@ -320,7 +292,24 @@ bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bv
     close_edge_table(ctx, &t);
     BVXI_TRY(open_edge_table(ctx, HOLE_TABLE, &t));
     /* Too many were left for numbers to be of use: all of it again, by places. */
-    BVXI_TRY(cancel_places(ctx, view, s, list, left, &t));
+    uint32_t *same = NULL;
+    bvxi_key_tree places;
+
+    BVXI_TRY(bvxi_key_tree_open(ctx, &places, place_key, s, s->vertex_count));
+    /* Edges that did not meet by number may meet by place, where vertices are not welded. */
+    for (uint64_t i = 0; i < left; i++) {
+        uint64_t const from = bvxi_key_tree_find(&places, list[i] >> 32);
+        put_hole_edge(&t, (uint32_t)from, (uint32_t)bvxi_key_tree_find(&places, (uint32_t)list[i]));
+        BVXI_TRY(make_room_for_edges(ctx, &t));
+    }
+    /* Every vertex gets the one that stands for its place; then triangles cancel as they do by number. */
+    if (list == NULL)
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, s->vertex_count * 4, "the vertices at one place", &same));
+    for (uint64_t v = 0; v < s->vertex_count && list == NULL; v++)
+        same[v] = (uint32_t)bvxi_key_tree_find(&places, v);
+    bvxi_key_tree_close(ctx, &places);
+    if (list == NULL) BVXI_TRY(cancel_triangles(ctx, view, same, UINT64_MAX, &t));
+    bvxi_drop(ctx, same);
     bvxi_drop(ctx, list);
     BVXI_TRY(list_open_edges(ctx, &t, odd_once, edges, count));
     close_edge_table(ctx, &t);
