@@ -81,7 +81,7 @@ static int make_convert(cli_run *run, void *work, cli_made *made)
         return cli_usage(run, "--window of an octree is only for grids; %s is not a grid", out);
     }
 
-    /* .bvx may be either, so that it is no tree shows only here. */
+    /* A .bvx holds a grid or an octree: only here is it known to be a grid. */
     if (bvx_format_of_name(out) == BVX_FORMAT_VTU || cli_given(run, "--expand") || cli_given(run, "--states"))
         return cli_usage(run, "--expand, --states and .vtu are for octrees; %s is a grid",
                          cli_input_name(job->in.path));

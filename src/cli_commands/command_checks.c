@@ -49,7 +49,7 @@ int cli_check_line(cli_run *run)
         for (int i = 0; i < o->inputs; i++)
             if (strcmp(o->input[i], "-") == 0)
                 return cli_usage(run, "standard input has no name; --output-dir is for files");
-        /* The format is that of all files, so it must be one that the command writes. */
+        /* One --format serves all files, so the command must be able to write it. */
         if (o->format != 0 &&
             (kind == 0 || ((run->command->bit & (CLI_REPAIR | CLI_SIMPLIFY | CLI_LOD | CLI_HULL)) != 0 &&
                            kind != CLI_MESH)))

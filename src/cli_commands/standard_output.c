@@ -55,7 +55,7 @@ int cli_take_standard_output(cli_run *run)
     int32_t format = usual;
     int reads = 0;
 
-    /* --format is also that of standard input: then it counts here only where the output is of the same kind. */
+    /* --format may be meant for standard input: then it counts only for an output of the same kind. */
     for (int i = 0; i < o->inputs; i++) reads += strcmp(o->input[i], "-") == 0;
     if (o->format != 0 && run->command->bit != CLI_SECTIONS &&
         (reads == 0 || cli_kind_of_format(o->format) == cli_kind_of_format(usual)))

@@ -189,7 +189,7 @@ static int unpack(cli_run *run, const char *path, cli_bytes *b)
     cli_bytes plain;
     z_stream z = {0};
     uint64_t const limit = b->limit > b->size ? b->limit - b->size : 1; /* both are held for a while */
-    uint64_t guess = 64;                                                /* of what is no whole file */
+    uint64_t guess = 64;                                                /* where the file is cut off */
     if (b->size >= 18) {
         /* The size modulo 2^32, and of the last member only: a guess that is checked. Deflate: 1032 at most. */
         const unsigned char *const p = b->bytes + b->size - 4;
@@ -383,7 +383,7 @@ uint32_t cli_attributes_of(const bvx_mesh *mesh)
            (mesh->materials != NULL ? CLI_HAS_MATERIALS : 0u);
 }
 
-/* cloud NULL: a mesh alone will do. */
+/* cloud NULL: points without triangles are refused. */
 static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_mesh *mesh, int *cloud)
 {
     files_beside beside = {.run = run, .path = path};

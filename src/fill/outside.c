@@ -199,7 +199,7 @@ bvx_status bvxi_outside(bvx_context *ctx, const char *function, const bvx_mesh_v
     BVXI_TRY(BVXI_SHARE(ctx, 0.8, 1.0,
                         follow_open_edges(ctx, &w, gap + 2 < OUTSIDE_MOST ? gap + 2 : OUTSIDE_MOST)));
 
-    /* Mark both ends of blocked edges whose ends are outside: a wall that no centre lies in. */
+    /* A blocked edge between two centres outside crosses a wall without a centre in it: mark both. */
     const bvx_grid *const g = outside;
     size_t const row = (size_t)g->words_per_row, step[3] = {0, row, row * (size_t)g->size[1]};
 

@@ -153,7 +153,7 @@ static bvx_status ask_all_directions(bvx_context *ctx, bvxi_solid_job *job, vote
     size_t const words = (size_t)g->words_per_row;
     uint64_t unsure = 0;
 
-    /* Sure is a centre whose rows balance along all three axes. */
+    /* A centre is sure where its rows balance along all three axes. */
     for (uint64_t row = 0; row < rows; row++) {
         const uint64_t *const even_y = w->even_y + (size_t)(row / ny) * words;
         const uint64_t *const even_z = w->even_z + (size_t)(row % ny) * words;

@@ -12,9 +12,10 @@
 
 #include <math.h>
 
-/* Voxels along a block's edge at least; bits of a block's coordinates, of which the highest is 0; places from which on
- * boxes do for balls. */
-enum { NEAR_BLOCK = 2, NEAR_BITS = 10, NEAR_MANY_BLOCKS = 512, NEAR_MANY_PLACES = 4096 };
+enum { NEAR_BLOCK = 2 };          /* least voxels along a block's edge */
+enum { NEAR_BITS = 10 };          /* of a block's coordinate; the highest is 0 */
+enum { NEAR_MANY_BLOCKS = 512 };  /* a triangle of more is taken without a look */
+enum { NEAR_MANY_PLACES = 4096 }; /* of more, boxes are marked in place of balls */
 enum { NEAR_TRIANGLES = 4096, NEAR_PIECES = 64 };
 
 /* What is done to vertices or triangles piece by piece. */
@@ -95,7 +96,7 @@ static inline int32_t wall_block_index(uint32_t block, int axis)
     return (int32_t)(block >> axis * NEAR_BITS & ((1u << NEAR_BITS) - 1));
 }
 
-/* Two blocks along each axis are a cell; the one after all is that of triangles that are larger. */
+/* A cell is two blocks along each axis; larger triangles go into one after the last. */
 static inline uint32_t near_cell_index(const bvxi_near_cells *c, int32_t x, int32_t y, int32_t z)
 {
     return (uint32_t)((z * (c->size[1] / 2 + 1) + y) * (c->size[0] / 2 + 1) + x);
@@ -381,7 +382,7 @@ bvx_status bvxi_walls_near(bvxi_walls *t, double reach)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 12, "the triangles at thin places in order", &job.sorted));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the order of triangles at thin places", &job.keys));
     BVXI_TRY(BVXI_ARRAY(ctx, count, "the numbers of triangles at thin places", job.numbers));
-    /* In an order that no numbering of the mesh shows in: that of a hash of their corners' places. */
+    /* Sorted by a hash of their corners' places, so the mesh's numbering does not show. */
     BVXI_TRY(run_near(&job, count, key_piece_nearby));
     BVXI_TRY(bvxi_radix_sort(ctx, job.keys, job.numbers, count));
     BVXI_TRY(run_near(&job, count, move_piece_nearby));

@@ -317,7 +317,7 @@ bvx_status bvxi_read_contour_table(bvxi_contour_file *f, double close_gap)
 
     BVXI_TRY(end_table_loop(&r, f->end));
 
-    /* A loop whose lines stand apart would be two. */
+    /* Lines of one loop must stand together: apart they would be two loops. */
     const bvx_sections *const s = &r.f->sections;
     uint64_t const n = s->loop_count;
     uint32_t *order = NULL;
